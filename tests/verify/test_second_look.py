@@ -44,7 +44,7 @@ def ends_elsewhere(off):
     forged = "\n".join(lines)
     end = (len(a) + count) << 20
     proof["text"] = hashlib.sha256(forged.encode()).hexdigest()
-    proof["program"]["steps"][1]["blend"] = 40
+    proof["program"]["steps"][1]["blend"] = [40, 0]
     proof["motions"]["2"] |= {"pieces": 1, "s": [10**10], "rates": [0], "from": end, "until": end}
     return verify(forged.encode(), json.dumps(proof).encode())
 
@@ -52,7 +52,7 @@ def ends_elsewhere(off):
 def test_the_end_of_a_chain_that_blends_take_whole_is_at_its_goal():
     assert ends_elsewhere(0.0).refused == ""
     for off in (-0.2, -0.01):
-        assert "P0030 MOVEL 4: within" in ends_elsewhere(off).refused
+        assert "P0030 MOVEL 4, from its path: " in ends_elsewhere(off).refused
 
 
 def judged(change):

@@ -47,8 +47,9 @@ _OPEN = ONE >> 8
 
 
 State = list[tuple[Vector, Vector]]
-"""Groups of quantities with their rates. A frame has its origin, and the columns of its rotation; joints are a
-group each. Each group has a bound of its distance from the path.
+"""Groups of quantities with their rates: a frame's origin, and the columns of its rotation; or each joint.
+
+Each group has a bound of its distance from the path.
 """
 
 
@@ -75,7 +76,7 @@ class Piece:
 
 @dataclass
 class Distance:
-    """A piece with what moves at both ends, its fourth derivatives, and the bound of each group's distance."""
+    """A piece with what moves at both ends, its fourth derivatives, and each group's largest distance."""
 
     piece: Piece
     here: State

@@ -194,11 +194,8 @@ def _check_bodies(
     verdict.unchecked += left
     bodies = cell["bodies"]
     if any("during" in body for body in bodies):
-        if any(deed.startswith("barrier ") and deed.split()[1] in course.PARTING for deed in done):
-            verdict.unchecked.append("where carried parts are: as told here, since ways part")
-        else:
-            verdict.unchecked += check_parts(rows, done, bodies, arm)
-            verdict.checked.append("parts stay where they are when the arm takes or leaves them")
+        verdict.unchecked += check_parts(rows, done, bodies, arm)
+        verdict.checked.append("parts stay where they are when the arm takes or leaves them")
     for body in bodies:
         numbers = {name: value for name, value in body.items() if name not in ("name", "corners")}
         for axis, column in zip("xyz", zip(*body.get("corners", []), strict=True), strict=False):
@@ -264,6 +261,8 @@ def _check_motions(
         strange = unknown(told, names) or unknown(
             {name: 0 for goal in told.get("through", []) for name in goal}, _OF_GOAL
         )
+        known = told.get("move", "line") in _OF_MOVE or told.get("unchecked")
+        need(bool(known), f"{title}: a motion of a kind that isn't known")
         if strange:
             told["unchecked"] = f"all of it, since this checker doesn't know its {strange}"
         if "move" not in told:
@@ -271,32 +270,35 @@ def _check_motions(
             if strange:
                 verdict.unchecked.append(f"{title}: {told['unchecked']}")
             continue
-        known = told["move"] in _OF_MOVE or told.get("unchecked")
-        need(bool(known), f"{title}: a motion of a kind that isn't known")
         if row.entry.any_jerk:
             verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
-    widest, count, still = [Fraction(0), Fraction(0)], 0, 0
+    widest, alone, still, flowing = [Fraction(0), Fraction(0)], 0, 0, 0
     for links in chains_of(rows, program["steps"]):
         reason, title = why_not(links, proof["motions"]), links[0][0].entry.title
         if reason and len(links) == 1:
-            verdict.unchecked.append(f"{title}: {reason}")
             names = [name for name in ("speed", "ceiling") if name in links[0][1]]
             verdict.unchecked += [f"{title}: its {name} of {_shown(links[0][1][name])}" for name in names]
+            verdict.unchecked.append(f"{title}: {reason}")
         elif reason:
             titles = f"{title} to {links[-1][0].entry.title}"
             named = f"{titles}, {len(links)} motions that flow into each other"
             verdict.unchecked.append(f"{named}: their paths, times and speeds ({reason})")
         else:
             verdict.unchecked += check_chain(links, proof["motions"], arm)
-            count, still = count + len(links), still + (not links[0][0].control)
-            widest = [
-                max(pair) for pair in zip(widest, *(told["tolerance"] for _, told in links), strict=True)
-            ]
-    if count:
+            if len(links) > 1:
+                flowing += len(links)
+                continue
+            alone, still = alone + 1, still + (not links[0][0].control)
+            widest = [max(pair) for pair in zip(widest, links[0][1]["tolerance"], strict=True)]
+    if alone:
         verdict.checked.append(
-            f"{count} motions ({still} of them lead nowhere) keep the told times, speeds, paths and corners, in "
-            f"order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
+            f"{alone} motions from rest to rest ({still} of them lead nowhere) keep the told times, speeds "
+            f"and paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
             f"{float(widest[1]):g} deg at most"
+        )
+    if flowing:
+        verdict.checked.append(
+            f"{flowing} motions that flow into others keep paths, corners, times and speeds as well"
         )
 
 

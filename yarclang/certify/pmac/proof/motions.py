@@ -98,8 +98,6 @@ class Motions:
         claimed = claims.witnesses.get(place.step)
         q = self._layout.ends[row] / robot.axis_units if claimed is None else claimed[-1] / robot.axis_units
         told = {}
-        if place.before is not None:
-            told["start"] = (begin.q / robot.axis_units).tolist()
         if place.behind is not None and goal["q"] is None:
             told["goal"] = q.tolist()
         end = np.array(q if goal["q"] is None else goal["q"]) * robot.axis_units
@@ -128,11 +126,15 @@ class Motions:
         return Own(flows.cubics(layout, row), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
-        """Add to a proof the number of pieces into which the segments of a blend are cut."""
+        """Add to proofs the joints of a corner, and the number of pieces into which the blend's segments are cut."""
         layout, judged = self._layout, self._judged
         first, second = (layout.places[row] for row in (corner.first, corner.second))
-        proof = self.proofs.get(str(first.step))
-        if proof is None or not corner.rounded:
+        proof, other = (self.proofs.get(str(place.step)) for place in (first, second))
+        if proof is None or other is None:
+            return
+        if isinstance(second.motion, hir.JointMove) and not corner.joints:
+            other["start"] = (self._begins[corner.second].q / judged.robot.axis_units).tolist()
+        if not corner.rounded:
             return
         begin, end = int(self._flows.follow[corner.first, 1]), int(self._flows.follow[corner.second, 0])
         frame = None if corner.joints else frame_of(first.motion, second.motion)

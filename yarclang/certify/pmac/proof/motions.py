@@ -59,7 +59,8 @@ class Motions:
         flows = place.before is not None or place.behind is not None
         if flows and (blend := place.motion.blend) is not None and (blend.length or blend.angle):
             told["blend"] = [
-                float(f"{(size or 0.0) / unit:.13g}") for size, unit in ((blend.length, MM), (blend.angle, DEG))
+                float(f"{(size or 0.0) / unit:.13g}")
+                for size, unit in ((blend.length, MM), (blend.angle, DEG))
             ]
         if not place.size or "unchecked" in told:
             return

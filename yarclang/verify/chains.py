@@ -18,7 +18,7 @@ from typing import Any
 
 from yarclang.verify.arm import Arm, Vector, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import BITS, ONE, PI, SLACK, fixed, length, need, whole
+from yarclang.verify.exact import BITS, ONE, PI, SLACK, RefusedError, fixed, length, need, whole
 from yarclang.verify.joints import Joints, Spline, Straight, in_joints
 from yarclang.verify.paths import (
     SHARE,
@@ -191,10 +191,11 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
     path: FramePath | Straight | Spline
     if told["move"] in FRAMED:
         tool = placed(told["tool"])
-        if before is not None and isinstance(before.path, FramePath):
-            start = before.path.goal
+        here = None if before is None else before.path
+        if isinstance(here, FramePath):
+            start = here.goal
         else:
-            q = in_joints(row.begin, PRINTED, arm.turns) if before is None else before.path.goal
+            q = in_joints(row.begin, PRINTED, arm.turns) if here is None else here.goal
             frame = arm.frame(q, [0] * len(q), tool)
             start = frame.axes, frame.origin
         what, path = Frames(arm, tool, motion), FramePath(start, told, proof)
@@ -204,11 +205,11 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
         limits = _per_joint(told["tolerance"], arm)
     first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
     found = Followed(motion, told, what, path, begin, end, (first, last))
-    here = what.at(begin)
+    state = what.at(begin)
     if first in (0, ONE):  # an end of the path; if the proof has this place alone, no piece shows it
-        off = error(here, path.at(first), fixed(Fraction(proof["rates"][0], SHARE)))
+        off = error(state, path.at(first), fixed(Fraction(proof["rates"][0], SHARE)))
         _within(what, limits, [length(*e) + SLACK for e, _ in off], f"{title}, from its path")
-    for piece in distances(what, path, pieces_of(motion, proof), here):
+    for piece in distances(what, path, pieces_of(motion, proof), state):
         _within(what, limits, piece.off, f"{title}, from its path")
         if isinstance(what, Frames):
             found.speeds.append(speeds_on(piece))
@@ -336,6 +337,8 @@ def _left_out(
         off = error(left.path.at(share)[:1], corner.at(0)[:1], 0)
         _within(one.what, limits[:1], [length(*off[0][0]) + SLACK], where)
         return missing * left.path.turn.angle >> BITS
+    if isinstance(left.path, Spline):
+        raise RefusedError(f"{where}: a spline")
     ways = [abs(way) * missing >> BITS for way in left.path.way]
     if isinstance(one.what, Joints):
         _within(one.what, limits, [way + SLACK for way in ways], where)

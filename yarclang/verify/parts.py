@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 from yarclang.verify.arm import Arm, Frame, Vector, beyond, dot, placed
-from yarclang.verify.course import PARTING, Moved
+from yarclang.verify.course import PARTING, Moved, Ways
 from yarclang.verify.exact import above, fixed, length, need, whole
 from yarclang.verify.joints import in_joints
 from yarclang.verify.reader import PRINTED
@@ -65,35 +65,22 @@ def follow(done: Sequence[str]) -> set[tuple[int, int, bool]]:
     repeated, known = dict[int, Ends](), -1
     while sum(map(len, repeated.values())) > known:
         known = sum(map(len, repeated.values()))
-        pairs, ends = set[tuple[int, int, bool]](), {(-1, False)}
-        open_ = list[tuple[int, Ends, Ends]]()  # number of a loop, or -1; ends before, and of the other ways
+        pairs, loops = set[tuple[int, int, bool]](), list[int]()
+        ways = Ways({(-1, False)}, lambda one, other, _: one | other)
         for number, deed in enumerate(done):
-            kind = deed.split()[1] if deed.startswith("barrier ") else deed.split()[0]
-            loop = next((one for one in reversed(open_) if one[0] >= 0), None)
+            kind, rest = deed.split(" ", 1)
+            kind = rest.split()[0] if kind == "barrier" else kind
             if kind == "move":
-                step = int(deed.split()[1])
-                pairs |= {(before, step, put) for before, put in ends}
-                ends = {(step, False)}
-            elif kind == "put":
-                ends = {(before, True) for before, _ in ends}
-            elif kind == "when":
-                open_.append((-1, ends, ends))
-            elif kind == "else":
-                _, before, _ = open_.pop()
-                open_.append((-1, before, ends))
-                ends = before
+                pairs |= {(before, int(rest), put) for before, put in ways.at or ()}
+                ways.at = {(int(rest), False)}
+            elif kind == "put" and ways.at is not None:
+                ways.at = {(before, True) for before, _ in ways.at}
             elif kind == "loop":
-                ends = ends | repeated.setdefault(number, set())
-                open_.append((number, set(), set()))
-            elif kind in ("end", "endloop"):
-                ends = ends | open_.pop()[2]
-            elif kind == "next" and loop:
-                repeated[loop[0]], ends = repeated[loop[0]] | ends, set()
-            elif kind == "exit" and loop:
-                loop[2].update(ends)
-                ends = set()
-            elif kind in ("stop", "abort"):
-                ends = set()
+                loops.append(number)
+                ways.at = (ways.at or set()) | repeated.get(number, set())
+            again = ways.passes(kind, number)
+            if kind == "endloop":
+                repeated[loops.pop()] = again or set()
     return pairs
 
 

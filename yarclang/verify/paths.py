@@ -323,7 +323,8 @@ class Frames:
 
     def at(self, place: Fraction) -> State:
         """Return origin and rotation at a place, with their velocities."""
-        frame = self.arm.frame(*self._motion.at(place), self.tool)
+        q, rates = self._motion.at(place)
+        frame = self.arm.frame(q, rates, self.tool)
         turning = [cross(frame.spin, column) for column in frame.axes]
         return [(frame.origin, frame.rate), (list(chain(*frame.axes)), list(chain(*turning)))]
 

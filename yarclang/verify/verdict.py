@@ -276,8 +276,9 @@ def _check_motions(
     for links in chains_of(rows, program["steps"]):
         reason, title = why_not(links, proof["motions"]), links[0][0].entry.title
         if reason and len(links) == 1:
-            names = [name for name in ("speed", "ceiling") if name in links[0][1]]
-            verdict.unchecked += [f"{title}: its {name} of {_shown(links[0][1][name])}" for name in names]
+            for name in ("speed", "ceiling"):
+                if name in links[0][1]:
+                    verdict.unchecked.append(f"{title}: its {name} of {_shown(links[0][1][name])}")
             verdict.unchecked.append(f"{title}: {reason}")
         elif reason:
             titles = f"{title} to {links[-1][0].entry.title}"

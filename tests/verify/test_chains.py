@@ -220,11 +220,29 @@ def drawn_lines(random):
     return "\n".join([*lines, "P0900 STOP"])
 
 
-def test_chains_by_chance_are_decided_and_judged_as_the_judge_does():
+def drawn_with_joints(random):
+    """A chain of lines and of straight motions of joints, to poses and to joints, with corners of all kinds."""
+    lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]"]
+    count, here = int(random.integers(3, 6)), np.array([0.0, 1174.4, 1176.0])
+    for number in range(count):
+        here = np.array([0.0, 1174.4, 1176.0]) + random.uniform(-120, 120, 3)
+        name = random.choice(["MOVEL", "MOVEJ", "MOVEJ_RPY"])
+        goal = np.array([*here, *random.uniform(-8, 8, 3)])
+        if name == "MOVEJ":
+            goal = np.array([0, -6.2, -46.5, 0, 52.7, 0]) + random.uniform(-6, 6, 6)
+        blend = random.choice(["BLEND 0.5", "BLEND 1", "BLEND 2"])
+        timing = random.choice(["", "[1.5]"])
+        said = " ".join(f"{one:.6f}" for one in goal)
+        lines.append(f"P{(number + 2) * 10:04d} {name} {said} {timing} {blend if number < count - 1 else ''}")
+    return "\n".join([*lines, "P0900 STOP"])
+
+
+@pytest.mark.parametrize("drawn", [drawn_lines, drawn_with_joints])
+def test_chains_by_chance_are_decided_and_judged_as_the_judge_does(drawn):
     decided, balls, refusals, kept = 0, 0, 0, 0
     for seed in range(16):
         random = np.random.default_rng(3400 + seed)
-        found, _ = compiled(drawn_lines(random))
+        found, _ = compiled(drawn(random))
         if found is None:
             continue
         proof = proof_of(found)

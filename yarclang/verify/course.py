@@ -81,8 +81,9 @@ class Ways:
     """
 
     def __init__(self, at: Any, merge: Callable[[Any, Any, int], Any]) -> None:
-        self.at, self.ended, self.open = at, None, list[_Open]()
-        self._merge = merge
+        self.at: Any = at
+        self.ended: Any = None
+        self.open, self._merge = list[_Open](), merge
 
     def _either(self, one: Any, other: Any, line: int) -> Any:
         if one is None or other is None:

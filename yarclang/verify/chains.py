@@ -282,13 +282,13 @@ def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, i
     corner = _Corner(one.path.at(share))
     if isinstance(one.what, Frames):
         limits = [in_si(ball[0] + told["tolerance"][0], 1, False), in_si(told["tolerance"][1], 1, True)]
-    for left, share, end in ((first, first.shares[1], ONE), (second, second.shares[0], 0)):
-        turned = _left_out(
-            left, share, end, one, corner, limits, f"{title}, from its corner where a path is left"
-        )
-        limits[1] += turned if isinstance(one.what, Frames) else 0
+    where = f"{title}, from its corner where a path is left"
+    turned = [
+        _left_out(left, share, end, one, corner, limits, where)
+        for left, share, end in ((first, first.shares[1], ONE), (second, second.shares[0], 0))
+    ]
     if isinstance(one.what, Frames):
-        limits[1] = chord_of(limits[1])
+        limits[1] = chord_of(limits[1] + sum(turned))
     what = Frames(arm, one.what.tool, first.motion) if isinstance(one.what, Frames) else first.what
     pieces = _still(cut(first.end, second.begin, whole(proof["corner"])), row.seconds)
     speeds = []

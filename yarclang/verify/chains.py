@@ -18,7 +18,7 @@ from typing import Any
 
 from yarclang.verify.arm import Arm, Vector, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import BITS, ONE, PI, SLACK, RefusedError, fixed, length, need, whole
+from yarclang.verify.exact import BITS, ONE, PI, SLACK, RefusedError, fixed, length, need, times, whole
 from yarclang.verify.joints import Joints, Spline, Straight, in_joints
 from yarclang.verify.paths import (
     SHARE,
@@ -205,15 +205,22 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
         limits = _per_joint(told["tolerance"], arm)
     first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
     found = Followed(motion, told, what, path, begin, end, (first, last))
-    state = what.at(begin)
+    state, most = what.at(begin), [0] * len(limits)
     if first in (0, ONE):  # an end of the path; if the proof has this place alone, no piece shows it
         off = error(state, path.at(first), fixed(Fraction(proof["rates"][0], SHARE)))
-        _within(what, limits, [length(*e) + SLACK for e, _ in off], f"{title}, from its path")
+        most = [length(*e) + SLACK for e, _ in off]
     for piece in distances(what, path, pieces_of(motion, proof), state):
-        _within(what, limits, piece.off, f"{title}, from its path")
+        most = [max(pair) for pair in zip(most, piece.off, strict=True)]
         if isinstance(what, Frames):
             found.speeds.append(speeds_on(piece))
             found.segments.append(piece.piece.segment)
+    _within(what, limits, most, f"{title}, from its path")
+    if "tolerance_of" in told:  # a frame of which TOL is, while joints move
+        frame = Frames(arm, placed(told["tolerance_of"]), motion)
+        slides = sum(off for off, turns in zip(most, arm.turns, strict=True) if not turns)
+        ways = zip(most, frame.reach, arm.turns, strict=True)
+        far = slides + sum(times(off, reach + slides) for off, reach, turns in ways if turns)
+        _within(frame, [in_si(told["tolerance"][0], 1, False)], [far], f"{title}, from its way")
     return found
 
 

@@ -319,7 +319,7 @@ class Frames:
     def __init__(self, arm: Arm, tool: Step, motion: Any) -> None:
         self.arm, self.tool, self._motion = arm, tool, motion
         slides = [0 if turn else far + 1 for far, turn in zip(motion.travel, arm.turns, strict=True)]
-        self._reach = arm.reaches(len(slides), arm.to_flange(tool[1]), slides)
+        self.reach = arm.reaches(len(slides), arm.to_flange(tool[1]), slides)
 
     def at(self, place: Fraction) -> State:
         """Return origin and rotation at a place, with their velocities."""
@@ -330,7 +330,7 @@ class Frames:
 
     def bends(self, segment: int) -> Sequence[int]:
         """Return bounds of the fourth derivatives on a segment."""
-        return self.arm.bends(self._reach, *self._motion.bounds(segment))
+        return self.arm.bends(self.reach, *self._motion.bounds(segment))
 
 
 def distances(what: Any, path: Any, pieces: Iterable[Piece], here: State) -> Iterator[Distance]:

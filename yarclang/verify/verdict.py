@@ -27,7 +27,8 @@ _OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
 _OF_PROOF = "form version text robot program motions cell planes"
 _OF_PROGRAM = "start outputs safe registers course steps"
 _OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unchecked "
-_OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": "through tool", "spline": "through tool"}
+_OF_JOINTS = "through tool tolerance_of"
+_OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": _OF_JOINTS, "spline": _OF_JOINTS}
 _OF_GOAL = "q pose tool"
 FORM = 3
 """The form of proofs that this checker reads."""

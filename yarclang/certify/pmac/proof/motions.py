@@ -13,6 +13,7 @@ from yarclang.certify.blends.flows import Corner, find_flows, frame_of
 from yarclang.certify.bodies.zones import moving_of
 from yarclang.certify.claims import Claims
 from yarclang.certify.kinematics.arm import flange_poses
+from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
 from yarclang.certify.pmac.proof.room import in_units, told_frame
@@ -177,7 +178,7 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
             if timing.ceiling is not None:
                 told["tool"] = told_frame(moving_of(motion, robot).flange_from_moving)
             if motion.tolerance is not None and place.size:
-                told["unchecked"] = "its path, since TOL is of the moving frame"
+                told["tolerance_of"] = told_frame(moving_frame(motion))
         case hir.PoseSplineMove(waypoints=waypoints):
             poses = [told_frame(one.base_from_moving) for one in waypoints]
             told |= {"move": "spline of poses", "poses": poses, "unchecked": "its path, a spline of poses"}

@@ -216,11 +216,11 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
             found.segments.append(piece.piece.segment)
     _within(what, limits, most, f"{title}, from its path")
     if "tolerance_of" in told:  # a frame of which TOL is, while joints move
-        frame = Frames(arm, placed(told["tolerance_of"]), motion)
+        led = Frames(arm, placed(told["tolerance_of"]), motion)
         slides = sum(off for off, turns in zip(most, arm.turns, strict=True) if not turns)
-        ways = zip(most, frame.reach, arm.turns, strict=True)
+        ways = zip(most, led.reach, arm.turns, strict=True)
         far = slides + sum(times(off, reach + slides) for off, reach, turns in ways if turns)
-        _within(frame, [in_si(told["tolerance"][0], 1, False)], [far], f"{title}, from its way")
+        _within(led, [in_si(told["tolerance"][0], 1, False)], [far], f"{title}, from its way")
     return found
 
 

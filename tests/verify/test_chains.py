@@ -31,6 +31,15 @@ P0030 MOVEL 140 1174.4 1176 0 0 0 [V 50] BLEND 0
 P0040 MOVEC 175.35533905932738 1159.7553390593274 1176; 190 1124.4 1176 0 0 0 [V 50]
 P0050 STOP
 """
+JOINED = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+P0010 MOVEJ 10 -10 -50 5 60 0 [2] BLEND 5
+P0020 MOVEJ 0 -5 -45 0 50 0 [2] BLEND 20
+P0030 MOVEL 150 1174.4 1176 0 0 0 [2] BLEND 10
+P0040 MOVEL 150 1100 1176 0 5 0 [2] BLEND 15
+P0050 MOVEJ 15 -10 -40 0 50 5 [2]
+P0060 STOP
+"""
+"""Motions of joints and of a frame, with corners of all kinds."""
 
 
 def left_of(text, proof):
@@ -39,7 +48,7 @@ def left_of(text, proof):
     return [one for one in verdict.unchecked if one not in ALWAYS_UNCHECKED]
 
 
-@pytest.mark.parametrize("program", [CHAIN, SHARP])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED])
 def test_a_chain_is_decided_whole(program):
     text, proof = made(program)
     assert left_of(text, proof) == []
@@ -51,7 +60,7 @@ def moves(text):
     return [k for k, line in enumerate(text.split("\n")) if re.match(r"X-?[0-9].*C-?[0-9]", line)]
 
 
-@pytest.mark.parametrize("program", [CHAIN, SHARP])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED])
 def test_every_move_that_leaves_the_path_is_refused(program):
     text, _ = made(program)
     lines = text.split("\n")
@@ -106,13 +115,13 @@ def test_a_ball_has_its_radius():
     text, _ = made(CHAIN)
     for at, step in enumerate(table(CHAIN)["program"]["steps"]):
         if "blend" in step:
-            for radius in (0, -1, step["blend"] * 0.5):
+            for radius in (0, -1, step["blend"][0] * 0.5):
                 assert refused(
-                    text, changed(table(CHAIN), ("program", "steps", at, "blend"), lambda _, r=radius: r)
+                    text, changed(table(CHAIN), ("program", "steps", at, "blend"), lambda _, r=radius: [r, 0])
                 )
 
 
-@pytest.mark.parametrize("program", [CHAIN, SHARP])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED])
 def test_every_number_of_a_chains_proof_counts(program):
     text, _ = made(program)
     proof = table(program)
@@ -129,11 +138,44 @@ def test_every_number_of_a_chains_proof_counts(program):
     assert len(many) > 10
 
 
+BESIDE = {
+    "another goal of joints": lambda steps: steps[1]["through"][0]["q"].__setitem__(2, -45.1),
+    "another last goal": lambda steps: steps[4]["through"][0]["q"].__setitem__(0, 15.1),
+    "a smaller ball of joints": lambda steps: steps[0].__setitem__("blend", [1000, 0.5]),
+    "a ball of frames between joints": lambda steps: steps[0].__setitem__("blend", [1000, 0]),
+    "a smaller ball before a line": lambda steps: steps[1].__setitem__("blend", [10, 0]),
+    "an angle before a line": lambda steps: steps[1].__setitem__("blend", [0, 90]),
+    "a smaller ball after a line": lambda steps: steps[3].__setitem__("blend", [7, 0]),
+    "another time": lambda steps: steps[4].__setitem__("duration", 2.1),
+    "another tolerance": lambda steps: steps[0].__setitem__("tolerance", [1, 1e-8]),
+}
+
+
+@pytest.mark.parametrize("change", BESIDE)
+def test_joints_in_a_chain_of_which_something_else_is_told_are_refused(change):
+    text, _ = made(JOINED)
+    forged = table(JOINED)
+    assert refused(text, forged) == ""
+    BESIDE[change](forged["program"]["steps"])
+    assert refused(text, forged)
+
+
+def test_joints_of_a_corner_are_chosen_by_the_proof_and_are_at_its_pose():
+    text, _ = made(JOINED)
+    for step in ("2", "4"):
+        assert ("start" in table(JOINED)["motions"][step]) == (step == "4")
+    for joint in range(6):
+        forged = table(JOINED)
+        forged["motions"]["4"]["start"][joint] += 0.005
+        assert "chosen for the corner" in refused(text, forged)
+
+
 def test_a_chain_is_followed_from_its_start_to_its_end():
     """Half of a path, well followed, isn't a path."""
     text, _ = made(SHARP)
     proof = table(SHARP)
-    first, last = min(proof["motions"], key=int), max(proof["motions"], key=int)
+    steps = sorted((step for step, one in proof["motions"].items() if "from" in one), key=int)
+    first, last = steps[0], steps[-1]
     for step, name in ((first, "from"), (last, "until")):
         forged = table(SHARP)
         one = forged["motions"][step]
@@ -148,9 +190,9 @@ def test_the_corner_is_where_the_map_has_it():
     """A path may not be left far from its corner, whatever lies in the ball."""
     text, _ = made(SHARP)
     forged = table(SHARP)
-    steps = sorted(forged["motions"], key=int)
+    steps = sorted((step for step, one in forged["motions"].items() if "from" in one), key=int)
     for step in steps[:-1]:
-        forged["program"]["steps"][int(step)]["blend"] = 1000
+        forged["program"]["steps"][int(step)]["blend"] = [1000, 0]
         one = forged["motions"][step]
         keep = one["pieces"] * 8 + 1
         one["until"] = (one["from"] >> 20 << 20) + (8 << 20)
@@ -178,11 +220,29 @@ def drawn_lines(random):
     return "\n".join([*lines, "P0900 STOP"])
 
 
-def test_chains_by_chance_are_decided_and_judged_as_the_judge_does():
+def drawn_with_joints(random):
+    """A chain of lines and of straight motions of joints, to poses and to joints, with corners of all kinds."""
+    lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]"]
+    count, here = int(random.integers(3, 6)), np.array([0.0, 1174.4, 1176.0])
+    for number in range(count):
+        here = np.array([0.0, 1174.4, 1176.0]) + random.uniform(-120, 120, 3)
+        name = random.choice(["MOVEL", "MOVEJ", "MOVEJ_RPY"])
+        goal = np.array([*here, *random.uniform(-8, 8, 3)])
+        if name == "MOVEJ":
+            goal = np.array([0, -6.2, -46.5, 0, 52.7, 0]) + random.uniform(-6, 6, 6)
+        blend = random.choice(["BLEND 0.5", "BLEND 1", "BLEND 2"])
+        timing = random.choice(["", "[1.5]"])
+        said = " ".join(f"{one:.6f}" for one in goal)
+        lines.append(f"P{(number + 2) * 10:04d} {name} {said} {timing} {blend if number < count - 1 else ''}")
+    return "\n".join([*lines, "P0900 STOP"])
+
+
+@pytest.mark.parametrize("drawn", [drawn_lines, drawn_with_joints])
+def test_chains_by_chance_are_decided_and_judged_as_the_judge_does(drawn):
     decided, balls, refusals, kept = 0, 0, 0, 0
     for seed in range(16):
         random = np.random.default_rng(3400 + seed)
-        found, _ = compiled(drawn_lines(random))
+        found, _ = compiled(drawn(random))
         if found is None:
             continue
         proof = proof_of(found)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.verify.proof_forging import BLENDED, MOTIONS, changed, made, numbers, refused, table
 from yarclang.verify.__main__ import report
-from yarclang.verify.verdict import verify
+from yarclang.verify.verdict import ALWAYS_UNCHECKED, verify
 
 SHARE = 10**10
 
@@ -275,3 +275,36 @@ def test_no_character_of_a_proof_reaches_the_terminal_unless_it_is_printed(hosti
     said = report("one.pmc", verify(text.encode(), json.dumps(proof).encode()))
     assert all(line.isprintable() for line in said.split("\n"))
     assert f"a\\u{ord(hostile[0]):04x}" in said
+
+
+OF_FRAMES = """DEFAULT {TCP} [MIN] (mm,deg,s) {B}
+P0010 MOVEJ 10 -10 -50 5 60 0 [2] TOL 0.5
+P0020 MOVEJ_SPLINE 20 0 -30 0 30 0; 0 -5 -20 10 40 5; -10 5 -20 0 30 0 [8] TOL 0.5
+P0030 MOVEJ 0 -5 -45 0 50 0 [V<=400]
+P0040 STOP
+"""
+
+
+def test_what_is_told_of_a_frame_while_joints_move_is_checked():
+    """Joints stay within their tolerance, and the frame as well, which is farther away; and it has a ceiling."""
+    text, proof = made(OF_FRAMES)
+    verdict = verify(text.encode(), proof.encode())
+    assert (verdict.refused, [*verdict.unchecked]) == ("", [*ALWAYS_UNCHECKED])
+    for step, name, told, reason in (
+        (0, "tolerance", [1e-6, 0.002], "P0010 MOVEJ 2, from its way: "),
+        (1, "tolerance", [1e-5, 0.002], "P0020 MOVEJ_SPLINE 3, from its way: "),
+        (2, "ceiling", 300, "P0030 MOVEJ 4: faster than its ceiling"),
+        (2, "ceiling", 399, "P0030 MOVEJ 4: faster than its ceiling"),
+    ):
+        forged = table(OF_FRAMES)
+        forged["program"]["steps"][step][name] = told
+        assert refused(text, forged).startswith(reason), refused(text, forged)
+    far = table(OF_FRAMES)
+    far["program"]["steps"][2]["tool"][11] += 1
+    assert "faster than its ceiling" in refused(text, far)
+    for step, name, left in ((0, "tolerance_of", []), (2, "tool", ["P0030 MOVEJ 4: its ceiling"])):
+        forged = table(OF_FRAMES)
+        del forged["program"]["steps"][step][name]
+        verdict = verify(text.encode(), json.dumps(forged).encode())
+        found = [one for one in verdict.unchecked if one not in ALWAYS_UNCHECKED]
+        assert [one[: len(said)] for one, said in zip(found, left, strict=True)] == left

@@ -13,6 +13,7 @@ from tests.verify.test_verdict import own
 from yarclang import compile as compile_text
 from yarclang.pipeline.proofs import proof_of
 from yarclang.pipeline.stages import Compiled
+from yarclang.verify.parts import follow
 from yarclang.verify.verdict import verify
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -75,6 +76,7 @@ WRONG = {
     "a ball in the gripper": lambda bodies, _: bodies[1].update(radius=0.01),
     "on another link": lambda bodies, _: bodies[1].update(joint=5),
     "in two places": lambda bodies, _: bodies[0].update(during=[[1, 5]]),
+    "another mesh": lambda bodies, _: bodies[1].update(corners=[[0, 0, 0], [0, 0, 0.01]]),
     "backwards": lambda bodies, _: bodies[1].update(during=[[7, 5]]),
 }
 
@@ -90,11 +92,7 @@ NAMED = {
     "never left": (lambda bodies, _: bodies.pop(2), "where the arm leaves BLANK 1"),
     "taken in flight": (
         lambda bodies, _: bodies[1].update(during=[[6, 7]]),
-        "where BLANK 1 is between commands 2 and 6",
-    ),
-    "a mesh": (
-        lambda bodies, _: [body.update(corners=[[0, 0, 0], [0, 0, 0.01]]) for body in bodies],
-        "where BLANK 1 is between commands 2 and 5, of which a mesh is told",
+        "from where the arm has BLANK 1",
     ),
     "a point": (
         lambda bodies, _: bodies[0].update(point=True, core=[0, 0, 0], radius=0),
@@ -130,3 +128,61 @@ def test_a_part_is_taken_only_where_an_output_is_set():
     changed["program"]["course"] = said
     changed["cell"] = told["cell"] | {"exceptions": [], "zones": []}
     assert "no output is set there" in verify(forged.encode(), json.dumps(changed).encode()).refused
+
+
+@pytest.mark.parametrize("name", ["27_bin_picking.yarc", "29_tool_changer.yarc"])
+def test_parts_on_ways_that_part_and_tools_of_several_bodies_are_checked(name):
+    text, proof = made(name)
+    told = json.loads(proof) | {"planes": []}
+    told["cell"] |= {"exceptions": [], "zones": []}
+    bodies = told["cell"]["bodies"]
+    held = [body for body in bodies if "during" in body and body["joint"] > 0 and not body.get("point")]
+    told["cell"]["bodies"] = [body for body in bodies if body["name"] in {one["name"] for one in held}]
+    verdict = verify(text.encode(), json.dumps(told).encode())
+    assert verdict.refused == ""
+    assert CHECKED in verdict.checked
+    assert not any("where" in one and "offset" not in one and "shift" not in one for one in left(verdict))
+    assert len(held) > 1
+    for number, body in enumerate(held):
+        forged = copy.deepcopy(told)
+        other = next(one for one in forged["cell"]["bodies"] if one == body)
+        if body.get("corners"):
+            other["corners"] = [[x + 0.00002 for x in corner] for corner in body["corners"]]
+        else:
+            other["pose"][3 + 4 * (number % 3)] += 0.00002
+        refused = verify(text.encode(), json.dumps(forged).encode()).refused
+        assert body["name"] in refused, refused
+
+
+WAYS = {
+    "straight": ("move 0|put M1=1|move 2", {(-1, 0, False), (0, 2, True)}),
+    "either": (
+        "move 0|barrier when 1 -|put M1=1|move 2|barrier else 3 -|move 4|barrier end 5 -|move 6",
+        {(-1, 0, False), (0, 2, True), (0, 4, False), (2, 6, False), (4, 6, False)},
+    ),
+    "perhaps": (
+        "move 0|barrier when 1 -|move 2|barrier end 3 -|put M1=1|move 4",
+        {(-1, 0, False), (0, 2, False), (2, 4, True), (0, 4, True)},
+    ),
+    "stopped": (
+        "move 0|barrier when 1 -|put M1=1|barrier stop 2 -|barrier end 3 -|move 4",
+        {(-1, 0, False), (0, 4, False)},
+    ),
+    "again": (
+        "barrier loop 0 -|move 1|barrier when 2 -|barrier exit 3 -|barrier end 4 -|put M1=1|move 5|put M2=1"
+        "|barrier next 6 -|barrier endloop 7 -|move 8",
+        {(-1, 1, False), (1, 5, True), (5, 1, True), (1, 8, False)},
+    ),
+    "twice": (
+        "move 0|barrier loop 1 -|barrier loop 2 -|move 3|barrier when 4 -|barrier exit 5 -|barrier end 6 -"
+        "|barrier next 7 -|barrier endloop 8 -|barrier when 9 -|barrier exit 10 -|barrier end 11 -|put M1=1"
+        "|barrier next 12 -|barrier endloop 13 -|move 14",
+        {(-1, 0, False), (0, 3, False), (3, 3, False), (3, 3, True), (3, 14, False)},
+    ),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_all_motions_that_may_follow_each_other_are_found(way):
+    deeds, expected = WAYS[way]
+    assert follow(deeds.split("|")) == expected

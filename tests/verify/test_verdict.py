@@ -54,12 +54,17 @@ def test_motions_from_rest_to_rest_are_decided_whole():
         assert set(ALWAYS_UNCHECKED) <= set(verdict.unchecked)
 
 
+SPLINE = "MOVEJ_SPLINE 5 0 0 0 5 0; 0 -6.158742 -46.519197 0 52.677939 0 [5] (deg,s)"
+
+
 def test_what_is_not_decided_is_named():
     mixed = BLENDED.replace(
         "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5] BLEND 10"
     )
-    assert own(judged(mixed)) == [
-        "P0010 MOVEJ_RPY 3 to P0040 MOVEL 6, 3 motions that flow into each other: their paths, times and speeds (joints, or another path than lines and arcs)"
+    assert own(judged(mixed)) == []
+    spline = mixed.replace("MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]", SPLINE)
+    assert own(judged(spline)) == [
+        "P0010 MOVEJ_SPLINE 3 to P0040 MOVEL 6, 3 motions that flow into each other: their paths, times and speeds (a spline among them, or a motion that leads nowhere)"
     ]
     assert own(judged(WAYS)) == []
     timed = "P0010 MOVEJ_TIMED 1 0 0 0 0 0 [1]; 0 0 0 0 0 0 [2] (deg,s)"

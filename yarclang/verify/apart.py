@@ -74,8 +74,7 @@ class Stretch:
     def _bend(self, order: int, first: int, other: Body, turns: Sequence[bool]) -> int:
         """Return an upper bound of a derivative of a body's points that the joints from `first` on move."""
         own = slice(first, other.joint)
-        rates = list(zip(self.w[own], self.a[own], self.j[own], strict=True))
-        return derivative(order, turns[own], other.reach[own], rates)[0]
+        return derivative(order, turns[own], other.reach[own], self.w[own], self.a[own], self.j[own])[0]
 
 
 class Timeline:

@@ -145,12 +145,12 @@ class Arm:
         |q'|, |q''|, |q'''| of each joint are at most w, a, j. The Frobenius norm of a product of [axis]x is
         at most sqrt 2.
         """
-        origin, turn = derivative(4, self.turns, reach, list(zip(w, a, j, strict=True)))
+        origin, turn = derivative(4, self.turns, reach, w, a, j)
         return origin + (origin >> 30), times(SQUARE_ROOT_OF_2, turn + (turn >> 30))
 
 
 def derivative(
-    order: int, turns: Sequence[bool], reach: Sequence[int], rates: Sequence[tuple[int, int, int]]
+    order: int, turns: Sequence[bool], reach: Sequence[int], *rates: Sequence[int]
 ) -> tuple[int, int]:
     """Bound the second, third or fourth derivative of a point, and of the turn, that joints move.
 
@@ -161,7 +161,7 @@ def derivative(
     once: its k-th derivative beside any chain of order - k derivatives, in comb(order, k) ways.
     """
     sums, polynomials, before, found = [0, 0, 0], _bell(0, 0, 0), 0, 0
-    for turn, far, own in zip(turns, reach, rates, strict=True):
+    for turn, far, *own in zip(turns, reach, *rates, strict=True):
         if turn:
             sums = [a + b for a, b in zip(sums, own, strict=True)]
             polynomials = _bell(*sums)

@@ -1,149 +1,373 @@
-"""Check motions that flow into each other: lines and arcs of one frame, with a corner between neighbours.
+"""Check motions: each follows its path, and flows into the next one with a corner between both.
 
-A motion of a chain begins at the programmed goal of the motion before. It follows its path from one place of
-the text to another, which the proof names, in the same way as a motion from rest to rest. If the next motion
+A motion from rest to rest is a chain of one. A motion of a chain begins at the programmed goal of the motion
+before. It follows its path from one place of the text to another, which the proof names. If the next motion
 continues exactly there, at the end of the first path and the start of the second, the corner needs no further
 check. Otherwise the corner has a ball; the proof gives its radius and both tolerances. Until the next path is
 joined, the frame stays in the ball, and so do the parts of both paths that are not followed. The frame is
-turned away from the corner by at most the turns of these parts.
+turned away from the corner by at most the turns of these parts. Between two motions of joints, each joint has
+a ball of its own.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import chain as joined
 from itertools import pairwise
 from typing import Any
 
-from yarclang.verify.arm import Arm, cross, in_si
+from yarclang.verify.arm import Arm, Vector, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import BITS, ONE, PI, SLACK, above, fixed, length, need, times, whole
+from yarclang.verify.exact import BITS, ONE, PI, SLACK, RefusedError, fixed, length, need, times, whole
+from yarclang.verify.joints import Joints, Spline, Straight, in_joints
 from yarclang.verify.paths import (
-    Followed,
+    SHARE,
+    FramePath,
+    Frames,
     Motion,
+    Piece,
+    State,
     check_speeds,
     chord_of,
     cut,
-    farthest,
-    frame_path,
-    reach_of,
+    distances,
+    error,
+    pieces_of,
+    span_of,
     speeds_on,
 )
-from yarclang.verify.reader import STEPS
+from yarclang.verify.reader import PRINTED, STEPS
 
 Told = dict[str, Any]
 Link = tuple[Moved, Told]
+FRAMED = ("line", "arc")
+"""Motions along the path of a frame; the others are those of joints."""
 _FASTER = 1 + Fraction(1, 1000)
+_CHOSEN = Fraction(1, 1000)
+"""Largest distance between a corner's pose and the joints that were chosen for it [mm or deg]."""
+_CORNER = 32
+"""Pieces of a straight way of joints near a corner."""
+
+
+@dataclass
+class Followed:
+    """A motion that was shown to follow its path.
+
+    Attributes:
+        motion: the motion.
+        told: what is told of it.
+        what: what follows the path, a frame or the joints.
+        path: the path.
+        begin: place from which on the path is followed.
+        end: place up to which the path is followed.
+        shares: range of the path that is followed.
+        speeds: least and largest speed on each piece, of a frame.
+        segments: segment of each of these pieces.
+    """
+
+    motion: Motion
+    told: Told
+    what: Frames | Joints
+    path: FramePath | Straight | Spline
+    begin: Fraction
+    end: Fraction
+    shares: tuple[int, int]
+    speeds: list[tuple[int, int]] = field(default_factory=list)
+    segments: list[int] = field(default_factory=list)
 
 
 def chains_of(rows: Sequence[Moved], steps: Sequence[Told]) -> Iterator[list[Link]]:
-    """Yield the chains of motions that flow into each other, including motions without moves between them."""
+    """Yield the motions from rest to rest, also those that lead nowhere, and the chains of motions.
+
+    Motions without moves between the motions of a chain belong to the chain.
+    """
     chain = list[Link]()
     for row, told in zip(rows, steps, strict=True):
-        if "move" not in told or not (chain or row.entry.blend is not None):
+        if "move" not in told:
             continue
         chain.append((row, told))
-        if row.control and row.entry.blend is None:
+        if row.entry.blend is None and (row.control or len(chain) == 1):
             yield chain
             chain = []
 
 
 def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
-    """Return the reason why a chain is not checked; empty if it is."""
+    """Return the reason why the paths of a chain are not checked; empty if they are."""
     for row, told in chain:
-        if told["move"] not in ("line", "arc") or told.get("unchecked") or not row.control:
-            return str(told.get("unchecked") or "joints, or another path than lines and arcs")
-        if told["tool"] != chain[0][1]["tool"]:
+        if told.get("unchecked"):
+            return str(told["unchecked"])
+        if len(chain) > 1 and (told["move"] == "spline" or not row.control):
+            return "a spline among them, or a motion that leads nowhere"
+        if row.control and str(row.entry.step) not in proofs:
+            return "its path, of which the proof says nothing"
+        if not row.control and told["move"] == "arc":
+            return "an arc that leads nowhere"
+    for (_, one), (_, other) in pairwise(chain):
+        if {one["move"], other["move"]} <= set(FRAMED) and one["tool"] != other["tool"]:
             return "another frame goes on"
-        if str(row.entry.step) not in proofs:
-            return "the proof says nothing of it"
     return ""
 
 
 def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iterator[str]:
-    """Check a chain; yield the parts that are not checked."""
-    found, late, start = list[Followed](), Fraction(0), None
+    """Check a chain, or a motion from rest to rest; yield the parts that are not checked."""
+    found, late = list[Followed](), Fraction(0)
     for row, told in chain:
-        title, proof = row.entry.title, proofs[str(row.entry.step)]
-        segments, tolerance = row.last - row.first, told["tolerance"]
-        if "duration" in told:  # its corners are between segments, so it may be longer or shorter
+        title, (position, angle) = row.entry.title, told["tolerance"]
+        need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
+        if not row.control:
+            _stays(row, told, arm)
+            return
+        if "duration" in told:
+            # The controller's resolution may change each segment by half a step. The corners of a chain are
+            # between segments, so a motion of a chain may be longer or shorter.
+            segments = row.last - row.first
             late += segments * row.seconds - told["duration"]
-            allowed = Fraction(segments, 2 * STEPS * 1000) + row.seconds / 2 + Fraction(1, 10**9)
+            allowed = Fraction(segments, 2 * STEPS * 1000) + Fraction(1, 10**9)
+            allowed += row.seconds / 2 if len(chain) > 1 else 0
             need(abs(late) <= allowed, f"{title}: it takes another time")
-        need(min(tolerance) > 0, f"{title}: a tolerance that isn't above 0")
-        for name in ("s", "rates"):
-            proof[name] = [whole(one) for one in proof[name]]
-        path = frame_path(Motion(row, arm), told, proof, start)
-        need(
-            path.most <= in_si(tolerance[0], 1, False),
-            f"{title}: within {path.most / ONE * 1000:.6g} mm, no less",
-        )
-        need(path.chord <= chord_of(in_si(tolerance[1], 1, True)), f"{title}: turned too far from its path")
-        found.append(path)
-        start = path.goal
+        found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
     first, last = found[0], found[-1]
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
-    need(
-        begins and last.end == chain[-1][0].last and last.shares[1] == ONE,
-        "a chain isn't followed to its ends",
-    )
-    balls = [
-        _corner(one, other, told, proofs[str(row.entry.step)])
-        for (one, other), (row, told) in zip(pairwise(found), chain[:-1], strict=True)
-    ]
-    yield from _speeds(chain, found, balls)
+    ends = last.end == chain[-1][0].last and last.shares[1] == ONE
+    need(begins and ends, f"{title}: not shown to follow its path from its start to its end")
+    balls = [_corner(one, other, proofs[str(one.motion.row.entry.step)]) for one, other in pairwise(found)]
+    yield from _speeds(chain, found, balls, proofs)
 
 
-def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]) -> list[tuple[int, int]]:
+def _stays(row: Moved, told: Told, arm: Arm) -> None:
+    """Check that a motion without moves leads to where the robot stands."""
+    title, here = row.entry.title, in_joints(row.begin, PRINTED, arm.turns)
+    if told["move"] in FRAMED:
+        _near(arm, here, told, told["tolerance"], f"{title}: it leads nowhere, and its goal")
+        return
+    for point in _goals(row, told, {}, arm):
+        there = zip(point, here, _per_joint(told["tolerance"], arm), strict=True)
+        need(all(abs(a - b) <= allowed for a, b, allowed in there), f"{title}: it doesn't move")
+
+
+def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
+    """Return for each joint its part of a length [mm] and an angle [deg]."""
+    return [in_si(limits[1] if turns else limits[0], 1, turns) for turns in arm.turns]
+
+
+def _goals(row: Moved, told: Told, proof: Told, arm: Arm) -> Iterator[Vector]:
+    """Yield the goals of a motion of joints; those that were chosen for a pose must be at the pose.
+
+    The last may be told as a pose alone. Then it is where the motion ends; in a chain the proof says where.
+    """
+    title, flows = row.entry.title, row.entry.blend is not None
+    for goal in told["through"]:
+        need(goal["q"] is not None or "pose" in goal, f"{title}: a goal that is nowhere")
+        if goal["q"] is not None:
+            point = in_joints(goal["q"], 1, arm.turns)
+        else:
+            point = (
+                in_joints(proof["goal"], 1, arm.turns) if flows else in_joints(row.end, PRINTED, arm.turns)
+            )
+        if "pose" in goal:
+            limits = [_CHOSEN, _CHOSEN] if flows else told["tolerance"]
+            _near(arm, point, goal, limits, f"{title}: the joints that were chosen for a pose, which")
+        yield point
+
+
+def _near(arm: Arm, q: Sequence[int], told: Told, limits: Sequence[Fraction], what: str) -> None:
+    """Refuse joint positions at which a frame is not at its pose, within a length [mm] and an angle [deg]."""
+    columns, origin = placed(told["pose"])
+    frame = arm.frame(q, [0] * len(q), placed(told["tool"]))
+    off = length(*(a - b for a, b in zip(frame.origin, origin, strict=True)))
+    pairs = zip(joined(*frame.axes), joined(*columns), strict=True)
+    near = off + SLACK <= in_si(limits[0], 1, False)
+    near = near and length(*(a - b for a, b in pairs)) + SLACK <= chord_of(in_si(limits[1], 1, True))
+    need(near, f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far")
+
+
+def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Followed:
+    """Follow the path of a motion, from the goal of the motion before, or from where the robot stands."""
+    title, motion = row.entry.title, Motion(row, arm)
+    for name in ("s", "rates"):
+        proof[name] = [whole(one) for one in proof[name]]
+    begin, end = span_of(motion, proof)
+    what: Frames | Joints
+    path: FramePath | Straight | Spline
+    if told["move"] in FRAMED:
+        tool = placed(told["tool"])
+        here = None if before is None else before.path
+        if isinstance(here, FramePath):
+            start = here.goal
+        else:
+            q = in_joints(row.begin, PRINTED, arm.turns) if here is None else here.goal
+            frame = arm.frame(q, [0] * len(q), tool)
+            start = frame.axes, frame.origin
+        what, path = Frames(arm, tool, motion), FramePath(start, told, proof)
+        limits = [in_si(told["tolerance"][0], 1, False), chord_of(in_si(told["tolerance"][1], 1, True))]
+    else:
+        what, path = Joints(motion), _of_joints(row, told, proof, arm, before)
+        limits = _per_joint(told["tolerance"], arm)
+    first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
+    found = Followed(motion, told, what, path, begin, end, (first, last))
+    state, most = what.at(begin), [0] * len(limits)
+    if first in (0, ONE):  # an end of the path; if the proof has this place alone, no piece shows it
+        off = error(state, path.at(first), fixed(Fraction(proof["rates"][0], SHARE)))
+        most = [length(*e) + SLACK for e, _ in off]
+    for piece in distances(what, path, pieces_of(motion, proof), state):
+        most = [max(pair) for pair in zip(most, piece.off, strict=True)]
+        if isinstance(what, Frames):
+            found.speeds.append(speeds_on(piece))
+            found.segments.append(piece.piece.segment)
+    _within(what, limits, most, f"{title}, from its path")
+    if "tolerance_of" in told:  # a frame of which TOL is, while joints move
+        led = Frames(arm, placed(told["tolerance_of"]), motion)
+        slides = sum(off for off, turns in zip(most, arm.turns, strict=True) if not turns)
+        ways = zip(most, led.reach, arm.turns, strict=True)
+        far = slides + sum(times(off, reach + slides) for off, reach, turns in ways if turns)
+        _within(led, [in_si(told["tolerance"][0], 1, False)], [far], f"{title}, from its way")
+    return found
+
+
+def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], where: str) -> None:
+    """Refuse a frame, or joints, that are farther away from their path or corner than they may be."""
+    for number, (limit, one) in enumerate(zip(limits, off, strict=True)):
+        if isinstance(what, Joints):
+            who = f"joint {number + 1} is {one / ONE:.6g} rad or m"
+        else:
+            who = "turned too far" if number else f"{one / ONE * 1000:.6g} mm"
+        need(one <= limit, f"{where}: {who} away")
+
+
+def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Straight | Spline:
+    """Return the path of a motion of joints.
+
+    After a motion of a frame it begins at joint positions that the proof has chosen for the frame's goal.
+    """
+    if before is None:
+        start = in_joints(row.begin, PRINTED, arm.turns)
+    elif isinstance(before.path, FramePath):
+        start = in_joints(proof["start"], 1, arm.turns)
+        what = f"{row.entry.title}: the joints that were chosen for the corner before, where the frame"
+        _near(arm, start, before.told, [_CHOSEN, _CHOSEN], what)
+    else:
+        start = before.path.goal
+    points = [start, *_goals(row, told, proof, arm)]
+    need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
+    return Spline(points) if told["move"] == "spline" else Straight(*points)
+
+
+class _Corner:
+    """A place that doesn't move, as a path."""
+
+    def __init__(self, state: State) -> None:
+        self._state = [(at, [0] * len(at)) for at, _ in state]
+
+    def at(self, _: int) -> State:
+        """Return the place."""
+        return self._state
+
+    def bends(self, _: tuple[int, int]) -> Sequence[Sequence[int]]:
+        """Return the derivatives, which are 0."""
+        return [(0, 0, 0, 0)] * len(self._state)
+
+
+def _still(places: Sequence[Fraction], seconds: Fraction) -> Iterator[Piece]:
+    """Yield the pieces between places, on which s stays 0."""
+    for begin, end in pairwise(places):
+        yield Piece((end - begin) * seconds, (0, 0), (0, 0), (0, 0, 0), int(begin), end)
+
+
+def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, int]]:
     """Check the corner after a motion; return bounds of the frame's speed between both paths."""
-    row, title = first.motion.row, first.motion.row.entry.title
+    row, told, arm = first.motion.row, first.told, first.motion.arm
+    title = row.entry.title
     far = Fraction(row.entry.blend or 0, 2) + 1
     inside = row.last - far <= first.end <= second.begin <= row.last + far
     need(inside, f"{title}: its path is left, or the next one joined, away from the corner between both")
     if first.end == second.begin and first.shares[1] == ONE and second.shares[0] == 0:
         return []
-    need(told.get("blend", 0) > 0, f"{title}: a corner without a ball is left")
-    ball = in_si(told["blend"] + told["tolerance"][0], 1, False)
-    turned = in_si(told["tolerance"][1], 1, True)
-    columns, origin = first.goal
-    # The parts of both paths that are not followed: an arc of at most half a turn is farthest at its end.
-    for path, share, corner in ((first, first.shares[1], ONE), (second, second.shares[0], 0)):
-        missing = abs(corner - share)
-        need(missing * path.sweep >> BITS <= PI, f"{title}: more than half a turn isn't followed")
-        off = length(*(a - b for a, b in zip(path.place(share)[0], origin, strict=True))) + SLACK
-        need(off <= ball, f"{title}: a path is left {off / ONE * 1000:.6g} mm from the corner")
-        turned += missing * path.turn.angle >> BITS
-    motion, tool, speeds = first.motion, first.tool, list[tuple[int, int]]()
-    reach, places = reach_of(motion, tool), cut(first.end, second.begin, whole(proof["corner"]))
-    here = motion.arm.frame(*motion.at(first.end), tool)
-    for begin, end in pairwise(places):
-        then = motion.arm.frame(*motion.at(end), tool)
-        d = above((end - begin) * row.seconds)
-        rest = times(d, d, d, d)
-        # On each piece: largest Bezier point of the difference from the corner, plus the Hermite remainder.
-        bends = motion.arm.bends(reach, *motion.bounds(int(begin)))
-        ends, chords = list[list[int]](), list[list[int]]()
-        for frame in (here, then):
-            ends += [[a - b for a, b in zip(frame.origin, origin, strict=True)], frame.rate]
-            apart, rate = list[int](), list[int]()
-            for column, meant in zip(frame.axes, columns, strict=True):
-                apart += [a - b for a, b in zip(column, meant, strict=True)]
-                rate += cross(frame.spin, column)
-            chords += [apart, rate]
-        most = farthest(ends[0], ends[1], ends[2], ends[3], d) + times(rest, bends[0]) // 384 + 1
-        need(most <= ball, f"{title}: the frame is {most / ONE * 1000:.6g} mm from the corner in its blend")
-        chord = farthest(chords[0], chords[1], chords[2], chords[3], d) + times(rest, bends[1]) // 384 + 1
-        need(chord <= chord_of(turned), f"{title}: the frame is turned too far from the corner in its blend")
-        speeds.append(speeds_on(here, then, d, bends[0]))
-        here = then
+    ball = told.get("blend", [0, 0])
+    need(min(ball) >= 0 and max(ball) > 0, f"{title}: a corner without a ball is left")
+    limits = _per_joint([a + b for a, b in zip(ball, told["tolerance"], strict=True)], arm)
+    one, share = (second, 0) if isinstance(first.what, Joints) else (first, ONE)
+    corner = _Corner(one.path.at(share))
+    if isinstance(one.what, Frames):
+        limits = [in_si(ball[0] + told["tolerance"][0], 1, False), in_si(told["tolerance"][1], 1, True)]
+    where = f"{title}, from its corner where a path is left"
+    turned = [
+        _left_out(left, share, end, one, corner, limits, where)
+        for left, share, end in ((first, first.shares[1], ONE), (second, second.shares[0], 0))
+    ]
+    if isinstance(one.what, Frames):
+        limits[1] = chord_of(limits[1] + sum(turned))
+    what = Frames(arm, one.what.tool, first.motion) if isinstance(one.what, Frames) else first.what
+    pieces = _still(cut(first.end, second.begin, whole(proof["corner"])), row.seconds)
+    speeds = []
+    for piece in distances(what, corner, pieces, what.at(first.end)):
+        _within(what, limits, piece.off, f"{title}, from its corner in its blend")
+        if isinstance(what, Frames):
+            speeds.append(speeds_on(piece))
     return speeds
 
 
+class _Way:
+    """A straight way of joints, as a motion that takes a second."""
+
+    def __init__(self, start: Vector, goal: Vector) -> None:
+        self._start, self._way = start, [b - a for a, b in zip(start, goal, strict=True)]
+        self.travel = [max(abs(a), abs(b)) for a, b in zip(start, goal, strict=True)]
+
+    def at(self, place: Fraction) -> tuple[Vector, Vector]:
+        """Return joint positions and velocities."""
+        share = fixed(place)
+        return [a + (share * way >> BITS) for a, way in zip(self._start, self._way, strict=True)], self._way
+
+    def bounds(self, _: int) -> tuple[Vector, Vector, Vector]:
+        """Return bounds of the joints' first to third derivatives."""
+        still = [0] * len(self._way)
+        return list(map(abs, self._way)), still, still
+
+
+def _left_out(
+    left: Followed, share: int, end: int, one: Followed, corner: _Corner, limits: Sequence[int], where: str
+) -> int:
+    """Check that the part of a path that isn't followed is in the corner's ball; return what it turns there.
+
+    Args:
+        left: the motion along this path.
+        share: share at which the path is left or joined.
+        end: its end at the corner.
+        one: the motion whose frame, or whose joints, have a ball.
+        corner: the corner.
+        limits: the ball.
+        where: the place, for a message.
+    """
+    missing = abs(end - share)
+    if isinstance(left.path, FramePath):  # an arc of at most half a turn is farthest at its end
+        need(missing * left.path.sweep >> BITS <= PI, f"{where}: more than half a turn isn't followed")
+        off = error(left.path.at(share)[:1], corner.at(0)[:1], 0)
+        _within(one.what, limits[:1], [length(*off[0][0]) + SLACK], where)
+        return missing * left.path.turn.angle >> BITS
+    if isinstance(left.path, Spline):
+        raise RefusedError(f"{where}: a spline")
+    ways = [abs(way) * missing >> BITS for way in left.path.way]
+    if isinstance(one.what, Joints):
+        _within(one.what, limits, [way + SLACK for way in ways], where)
+        return 0
+    way = _Way(*([at[0] for at, _ in left.path.at(u)] for u in (share, end)))
+    moved = Frames(left.motion.arm, one.what.tool, way)
+    pieces = _still([Fraction(k, _CORNER) for k in range(_CORNER + 1)], Fraction(1))
+    for piece in distances(moved, corner, pieces, moved.at(Fraction(0))):
+        _within(one.what, limits[:1], piece.off[:1], where)
+    return sum(one for one, turns in zip(ways, left.motion.arm.turns, strict=True) if turns)
+
+
 def _speeds(
-    chain: Sequence[Link], found: Sequence[Followed], balls: Sequence[list[tuple[int, int]]]
+    chain: Sequence[Link], found: Sequence[Followed], balls: Sequence[list[tuple[int, int]]], proofs: Told
 ) -> Iterator[str]:
     """Check speeds and ceilings. In the segments of a blend, the larger one of its two motions applies."""
     around = [_larger(one, other) for (_, one), (_, other) in pairwise(chain)]
     for number, ((row, told), path) in enumerate(zip(chain, found, strict=True)):
         begin, end = row.first + Fraction(row.before or 0, 2), row.last - Fraction(row.entry.blend or 0, 2)
+        if told["move"] not in FRAMED:
+            yield from _speed_of_joints(path, proofs[str(row.entry.step)], len(chain) == 1)
+            continue
         pairs = list(zip(path.segments, path.speeds, strict=True))
         for limit, near in (
             (around[number - 1] if number else {}, [speed for segment, speed in pairs if segment < begin]),
@@ -166,21 +390,41 @@ def _speeds(
         _hold(limit, speeds, row.entry.title)
 
 
+def _speed_of_joints(path: Followed, proof: Told, alone: bool) -> Iterator[str]:
+    """Check the ceiling of a frame while joints move from rest to rest; yield what isn't checked."""
+    told, title = path.told, path.motion.row.entry.title
+    if "speed" in told:
+        yield f"{title}: its speed"
+    if "ceiling" in told and not (alone and "tool" in told):
+        yield f"{title}: its ceiling, and that of its corners"
+    elif "ceiling" in told:
+        frame = Frames(path.motion.arm, placed(told["tool"]), path.motion)
+        here = frame.at(path.begin)
+        pieces = distances(frame, _Corner(here), pieces_of(path.motion, proof), here)
+        check_speeds({"ceiling": told["ceiling"]}, [speeds_on(piece) for piece in pieces], title)
+
+
 def _is_slower(one: Told, other: Told) -> bool:
     """Return True if a motion has a speed, and the motion beside it keeps at least this speed."""
-    own, besides = (told.get("speed", [None])[0] for told in (one, other))
+    own, besides = _speed(one), _speed(other)
     if own is None or besides is None:
         return False
     return bool(own * one.get("kept", 1) <= besides * other.get("kept", 1))
 
 
+def _speed(told: Told) -> Fraction | None:
+    """Return the programmed speed of a frame's origin; None for motions without one."""
+    return told["speed"][0] if told["move"] in FRAMED and "speed" in told else None
+
+
 def _larger(one: Told, other: Told) -> dict[str, Fraction]:
-    """Return the larger speed and ceiling of two motions [mm/s], if both have one."""
+    """Return the larger speed and ceiling of two motions of a frame [mm/s], if both have one."""
     found = {}
-    if "ceiling" in one and "ceiling" in other:
+    if "ceiling" in one and "ceiling" in other and {one["move"], other["move"]} <= set(FRAMED):
         found["ceiling"] = max(one["ceiling"], other["ceiling"])
-    if one.get("speed", [None])[0] is not None and other.get("speed", [None])[0] is not None:
-        found["speed"] = max(one["speed"][0], other["speed"][0])
+    own, besides = _speed(one), _speed(other)
+    if own is not None and besides is not None:
+        found["speed"] = max(own, besides)
     return found
 
 

@@ -2,6 +2,7 @@
 
 import re
 from bisect import bisect
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
@@ -60,71 +61,61 @@ class Moved:
 class _Open:
     """A WHEN or a loop that has not ended.
 
-    It has the positions at its begin, and at the end of its first branch or at an EXIT.
+    It has what is known at its begin, at the ends of the other ways (of a loop: at an EXIT), and where a pass
+    of a loop ends before the loop does.
     """
 
     loop: bool
-    before: Point
-    other: Point | None = None
-    over: bool = False
+    before: Any
+    other: Any = None
+    again: Any = None
     parted: bool = False
 
 
-class _Standing:
-    """The robot's position; `over` if this place cannot be reached.
+class Ways:
+    """What is known at a place of a text, over all ways to it.
 
-    Branches that merge must end at one position.
+    Attributes:
+        at: what is known here; None if no way leads here.
+        ended: what is known where ways have ended before the text does.
     """
 
-    def __init__(self, at: Point, slack: int) -> None:
-        self.at, self.slack, self.over = at, slack, False
-        self.open: list[_Open] = []
+    def __init__(self, at: Any, merge: Callable[[Any, Any, int], Any]) -> None:
+        self.at: Any = at
+        self.ended: Any = None
+        self.open, self._merge = list[_Open](), merge
 
-    def same(self, one: Point, other: Point, line: int) -> None:
-        """Refuse two positions that differ by more than the last printed digit."""
-        apart = max(abs(a - b) for a, b in zip(one, other, strict=True))
-        need(apart <= self.slack, f"line {line}: ways that meet end {apart / PRINTED:.6g} deg or mm apart")
+    def _either(self, one: Any, other: Any, line: int) -> Any:
+        if one is None or other is None:
+            return other if one is None else one
+        return self._merge(one, other, line)
 
-    def _innermost(self, loop: bool, line: int) -> _Open:
-        need(bool(self.open) and self.open[-1].loop == loop, f"line {line} ends or parts what isn't open")
-        return self.open[-1]
-
-    def passes(self, kind: str, line: int) -> None:
-        """Pass a barrier of a kind."""
+    def passes(self, kind: str, line: int) -> Any:
+        """Pass a barrier of a kind; return what is known where passes of a loop end, at the loop's end."""
         if kind in ("when", "loop"):
-            self.open.append(_Open(kind == "loop", self.at))
+            self.open.append(_Open(kind == "loop", self.at, None if kind == "loop" else self.at))
         elif kind in ("stop", "abort"):
-            self.over = True
-        elif kind == "else":
-            when = self._innermost(False, line)
-            need(not when.parted, f"line {line} is a second ELSE")
-            when.other, when.parted, when.over = self.at, True, self.over
-            self.at, self.over = when.before, False
-        elif kind == "end":
-            when = self._innermost(False, line)
+            self.ended, self.at = self._either(self.ended, self.at, line), None
+        elif kind in ("else", "end", "endloop"):
+            one = self.open[-1] if self.open else _Open(False, None)
+            own = bool(self.open) and one.loop == (kind == "endloop")
+            need(own, f"line {line} ends or parts what isn't open")
+            if kind == "else":
+                need(not one.parted, f"line {line} is a second ELSE")
+                one.other, self.at, one.parted = self.at, one.before, True
+                return None
             self.open.pop()
-            other = when.before if when.other is None else when.other
-            if self.over and not when.over:
-                self.at, self.over = other, False
-            elif not when.over:
-                self.same(self.at, other, line)
+            self.at = self._either(self.at, one.other, line)
+            return one.again
         elif kind in ("next", "exit"):
             loops = [one for one in self.open if one.loop]
             need(bool(loops), f"line {line} belongs to a loop, and none is open")
-            loop, over, self.over = loops[-1], self.over, True
-            if kind == "next" and not over:
-                self.same(self.at, loop.before, line)
-            elif kind == "exit" and not over and loop.other is None:
-                loop.other = self.at
-            elif kind == "exit" and not over and loop.other is not None:
-                self.same(self.at, loop.other, line)
-        elif kind == "endloop":
-            loop = self._innermost(True, line)
-            self.open.pop()
-            if loop.other is not None and not self.over:
-                self.same(self.at, loop.other, line)
-            elif loop.other is not None:
-                self.at, self.over = loop.other, False
+            if kind == "next":
+                loops[-1].again = self._either(loops[-1].again, self.at, line)
+            else:
+                loops[-1].other = self._either(loops[-1].other, self.at, line)
+            self.at = None
+        return None
 
 
 def follow(text: Text) -> tuple[list[Moved], list[str]]:
@@ -137,26 +128,38 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     moving = [entry for entry in text.entries if entry.first]
     found: list[Moved] = []
     done: list[str] = []
-    standing = _Standing(text.start, min(PRINTED // 10**text.decimals, PRINTED // 500))
+    slack = min(PRINTED // 10**text.decimals, PRINTED // 500)
+
+    def same(one: Point, other: Point, line: int) -> Point:
+        """Refuse two positions that differ by more than the last printed digit."""
+        apart = max(abs(a - b) for a, b in zip(one, other, strict=True))
+        need(apart <= slack, f"line {line}: ways that meet end {apart / PRINTED:.6g} deg or mm apart")
+        return one
+
+    standing = Ways(text.start, same)
     waiting = list(moving)
     behind: Item | None = None
     step = -1
     for number, item in enumerate(text.course):
+        led = item.kind == "stand" or behind is None or behind.kind != "barrier"
+        need(led, f"line {item.line}: after a barrier, a RAPID to where the robot stands belongs here")
         if item.kind in ("put", "barrier"):
             need(behind is None or behind.kind != "run", f"line {item.line} comes before a motion's end")
         if item.kind == "run":
             step = _sequence(number, item, standing, waiting, found, done, step)
         elif item.kind == "stand":
             need(behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID elsewhere")
-            standing.same(item.points[0], standing.at, item.line)
-            standing.at = item.points[0]
+            if standing.at is not None:
+                standing.at = same(item.points[0], standing.at, item.line)
         elif item.kind == "barrier":
             kind = text.barriers[item.line][2]
             need(step < item.step, f"line {item.line} isn't in the order of the map")
-            reached = not standing.over or kind in ("else", "end", "endloop")
+            reached = standing.at is not None or kind in ("else", "end", "endloop")
             need(reached, f"line {item.line} is never reached")
             step = item.step
             standing.passes(kind, item.line)
+            if kind == "loop":  # each pass ends where the first one begins
+                standing.open[-1].again = standing.at
             done.append(f"barrier {item.what}")
         elif item.kind == "put" or Fraction(item.what) > 0:
             done.append(f"{item.kind} {item.what}")
@@ -175,14 +178,14 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
 def _sequence(
     number: int,
     item: Item,
-    standing: _Standing,
+    standing: Ways,
     waiting: list[Entry],
     found: list[Moved],
     done: list[str],
     step: int,
 ) -> int:
     """Assign the segments of a sequence to its commands; return the last command's step."""
-    need(not standing.over, f"line {item.line} is never reached")
+    need(standing.at is not None, f"line {item.line} is never reached")
     start, points = standing.at, item.points
     control = [start, start, start, *points, points[-1], points[-1]]
     place, before = 0, None
@@ -224,13 +227,9 @@ Span = tuple[Fraction, Fraction, int, int]
 """Least and most known time [s], fewest and most waits, over all ways to a place."""
 
 
-def _either(one: Span | None, other: Span | None) -> Span | None:
-    """Return the span of two sets of ways to a place; None: there are none."""
-    if one is None or other is None:
-        return one or other
-    least, fewest = (min(one[k], other[k]) for k in (0, 2))
-    most, waits = (max(one[k], other[k]) for k in (1, 3))
-    return Fraction(least), Fraction(most), int(fewest), int(waits)
+def _widest(one: Span, other: Span, _: int = 0) -> Span:
+    """Return the span of two sets of ways to a place."""
+    return min(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), max(one[3], other[3])
 
 
 def span_of(text: Text) -> tuple[Span, bool]:
@@ -238,9 +237,7 @@ def span_of(text: Text) -> tuple[Span, bool]:
 
     A way counts up to the first end of a pass, or through the loop's EXIT.
     """
-    at: Span | None = (Fraction(0), Fraction(0), 0, 0)
-    ended: Span | None = None
-    loops, opened = False, list[dict[str, Span | None]]()
+    ways, loops = Ways((Fraction(0), Fraction(0), 0, 0), _widest), False
     for item in text.course:
         kind = text.barriers[item.line][2] if item.kind == "barrier" else item.kind
         asks = kind == "when" and text.barriers[item.line][0].split()[3] != "-"  # a WHEN that waits as well
@@ -249,33 +246,18 @@ def span_of(text: Text) -> tuple[Span, bool]:
             time = Fraction((len(item.points) + 2) * item.steps, STEPS * 1000)
         elif kind == "dwell":
             time = Fraction(item.what) / 1000
-        if at is not None:
-            at = at[0] + time, at[1] + time, at[2] + wait, at[3] + wait
-        if kind == "when":
-            opened.append({"before": at, "other": at})
-        elif kind == "loop":
-            opened.append({"other": None, "again": None})
-        elif kind == "else":
-            opened[-1]["other"], at = at, opened[-1]["before"]
-        elif kind == "end":
-            at = _either(at, opened.pop()["other"])
-        elif kind in ("stop", "abort"):
-            ended, at = _either(ended, at), None
-        elif kind in ("next", "exit"):
-            loop = next(one for one in reversed(opened) if "again" in one)
-            name = "again" if kind == "next" else "other"
-            loop[name], at = _either(loop[name], at), None
-        elif kind == "endloop":
-            loop = opened.pop()
-            at, again = _either(at, loop["other"]), loop["again"]
-            loops = loops or again is not None
-            if at is not None and again is not None:
-                at = at[0], max(at[1], again[1]), at[2], max(at[3], again[3])
-            elif at is None:
-                ended = _either(ended, again)
-    found = _either(at, ended)
-    need(found is not None, "the text has no way to its end")
-    return found or (Fraction(0), Fraction(0), 0, 0), loops
+        if ways.at is not None:
+            least, most, fewest, waits = ways.at
+            ways.at = least + time, most + time, fewest + wait, waits + wait
+        again = ways.passes(kind, item.line)
+        if again is not None:
+            loops = True
+            if ways.at is None:
+                ways.ended = _widest(ways.ended or again, again)
+            else:
+                ways.at = ways.at[0], max(ways.at[1], again[1]), ways.at[2], max(ways.at[3], again[3])
+    need(ways.at is not None or ways.ended is not None, "the text has no way to its end")
+    return _widest(ways.at or ways.ended, ways.ended or ways.at), loops
 
 
 def check_duration(text: Text) -> None:

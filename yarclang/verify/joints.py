@@ -1,16 +1,13 @@
-"""Check the distance of joints from their paths: straight lines, and natural cubic splines."""
+"""Paths of joints: straight lines, and natural cubic splines."""
 
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 from yarclang.verify.arm import Vector, in_si
-from yarclang.verify.exact import BITS, ONE, SLACK, above, fixed, length, need, times
-from yarclang.verify.paths import SHARE, Motion, path_bend, pieces_of
-from yarclang.verify.reader import PRINTED
+from yarclang.verify.exact import BITS, ONE, SLACK, length, need, times
+from yarclang.verify.paths import Motion, State
 
-_FINE = 1 << 64
 _NEAREST = ONE >> 13
 """Least distance of neighbouring way-points of a spline, about 1e-4 rad or m.
 
@@ -19,40 +16,46 @@ With less, rounding would matter.
 _EQUAL = ONE // 10**9
 
 
-def straight(motion: Motion, goal: Sequence[Fraction], tolerances: Sequence[int]) -> list[int]:
-    """Return bounds of the distance of each joint from a straight line to a goal [deg or mm].
+class Joints:
+    """The joints on a motion, a group each. They are cubics themselves, so their fourth derivatives are 0."""
 
-    With control points S + s D + r, the motion at any instant is at S + s D for the mean of their s, plus the
-    mean of their r. The nearest s are taken, made to grow from 0 to 1; any other choice would be a proof as
-    well.
-    """
-    control = motion.row.control[motion.row.first : motion.row.last + 3]
-    start = control[0]
-    scaled = [fixed(one * PRINTED) for one in goal]
-    way = [g - (a << BITS) for g, a in zip(scaled, start, strict=True)]
-    # Least squares with each joint in units of its tolerance: s = (way . offset) / (way . way).
-    pull = [w // (t * t) for w, t in zip(way, tolerances, strict=True)]
-    norm = sum(p * w >> BITS for p, w in zip(pull, way, strict=True))
-    most, s = [0] * len(start), 0
-    for k, point in enumerate(control):
-        offset = [(a - b) for a, b in zip(point, start, strict=True)]
-        along = sum(p * o for p, o in zip(pull, offset, strict=True)) * _FINE // norm if norm > 0 else 0
-        s = _FINE if k == len(control) - 1 else max(s, min(along, _FINE))
-        for joint, (o, w) in enumerate(zip(offset, way, strict=True)):
-            most[joint] = max(most[joint], abs((o << BITS) - w * s // _FINE) + 1)
-    return [
-        in_si(Fraction(one, ONE), PRINTED, turns) + SLACK
-        for one, turns in zip(most, motion.arm.turns, strict=True)
-    ]
+    def __init__(self, motion: Motion) -> None:
+        self._motion = motion
+
+    def at(self, place: Fraction) -> State:
+        """Return joint positions and velocities at a place."""
+        return [([q], [rate]) for q, rate in zip(*self._motion.at(place), strict=True)]
+
+    def bends(self, _: int) -> Sequence[int]:
+        """Return bounds of the fourth derivatives on a segment."""
+        return [0] * len(self._motion.arm.turns)
+
+
+class Straight:
+    """The straight line between two joint positions."""
+
+    def __init__(self, start: Vector, goal: Vector) -> None:
+        self.start, self.goal = start, goal
+        self.way = [b - a for a, b in zip(start, goal, strict=True)]
+
+    def at(self, s: int) -> State:
+        """Return the joints at s, and their derivatives over s."""
+        return [([a + (s * way >> BITS)], [way]) for a, way in zip(self.start, self.way, strict=True)]
+
+    def bends(self, _: tuple[int, int]) -> Sequence[Sequence[int]]:
+        """Return bounds of the derivatives over s of order 2 to 4, and of the jumps of the third."""
+        return [(0, 0, 0, 0)] * len(self.way)
 
 
 class Spline:
     """The natural cubic spline through way-points in joint space, over the sum of their distances.
 
-    All is in SI units: `s` are the parameters of its way-points `y`, `bend` its second derivatives there.
+    All is in SI units: `s` are the parameters of its way-points `y`, `bend` its second derivatives there. The
+    path has the share of its `whole` length as its parameter.
     """
 
     def __init__(self, points: Sequence[Vector]) -> None:
+        self.goal = points[-1]
         self.y = [points[0]]
         self.s = [0]
         for one, other in pairwise(points):
@@ -63,9 +66,10 @@ class Spline:
                 self.s.append(self.s[-1] + apart)
         self.steps = [b - a for a, b in pairwise(self.s)]
         need(len(self.steps) > 0, "a spline has one way-point only")
-        self.bend = [self._bends(joint) for joint in range(len(points[0]))]
+        self.whole = self.s[-1]
+        self.bend = [self._solve(joint) for joint in range(len(points[0]))]
 
-    def _bends(self, joint: int) -> list[int]:
+    def _solve(self, joint: int) -> list[int]:
         """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), M = 0 at both ends (Thomas algorithm)."""
         h = self.steps
         slope = [
@@ -81,69 +85,45 @@ class Spline:
             found[k] = right[k] - (above_[k] * found[k + 1] >> BITS)
         return found
 
-    def at(self, s: int) -> tuple[Vector, Vector]:
-        """Return the joints at a parameter, and their derivatives over it."""
-        k = self.span(s)
-        h, t = self.steps[k], s - self.s[k]
-        places, slopes = [], []
+    def at(self, s: int) -> State:
+        """Return the joints at a share, and their derivatives over it."""
+        s = s * self.whole >> BITS
+        k = self._span(s)
+        h, t, found = self.steps[k], s - self.s[k], []
         for a, b, bend in zip(self.y[k], self.y[k + 1], self.bend, strict=True):
             m, n = bend[k], bend[k + 1]
             third = ((n - m) << BITS) // h
             slope = ((b - a) << BITS) // h - (h * (2 * m + n) >> BITS) // 6
-            places.append(a + (t * (slope + (t * (m // 2 + (t * third >> BITS) // 6) >> BITS)) >> BITS))
-            slopes.append(slope + (t * (m + (t * third >> BITS) // 2) >> BITS))
-        return places, slopes
+            place = a + (t * (slope + (t * (m // 2 + (t * third >> BITS) // 6) >> BITS)) >> BITS)
+            slope += t * (m + (t * third >> BITS) // 2) >> BITS
+            found.append(([place], [slope * self.whole >> BITS]))
+        return found
 
-    def span(self, s: int) -> int:
+    def _span(self, s: int) -> int:
         """Return the span between way-points that contains a parameter."""
         return max((k for k, begin in enumerate(self.s[:-1]) if begin <= s), default=0)
 
-    def derivatives(self, joint: int, low: int, high: int) -> tuple[int, int, int]:
-        """Return bounds of the second and third derivatives on a stretch, and of the third's jumps."""
-        bend, first, last = self.bend[joint], self.span(low), self.span(high)
-        second = max(abs(one) for one in bend[first : last + 2])
-        thirds = [((bend[k + 1] - bend[k]) << BITS) // self.steps[k] for k in range(first, last + 1)]
-        jump = sum(abs(b - a) for a, b in pairwise(thirds))
-        return second + SLACK, max(map(abs, thirds)) + SLACK, jump + SLACK
+    def bends(self, share: tuple[int, int]) -> Sequence[Sequence[int]]:
+        """Return bounds of the derivatives over the share of order 2 to 4, and of the jumps of the third.
 
-
-def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]) -> list[int]:
-    """Return bounds of the distance of each joint from the natural spline through way-points.
-
-    The method is that for frames (paths.py). Where s passes a way-point, the third derivative of e jumps by
-    s'^3 times that of the spline, which the Hermite cubic misses by at most d^3 / 192 times the jump.
-    """
-    spline = Spline(points)
-    whole = spline.s[-1]
-    most = [0] * len(points[0])
-    here = motion.at(motion.begin)
-    need("from" not in proof and (proof["s"][0], proof["s"][-1]) == (0, SHARE), "s doesn't lead from 0 to 1")
-    for piece in pieces_of(motion, proof):
-        # Scale s and its bounds from shares to the spline's parameter.
-        then = motion.at(piece.end)
-        d = above(piece.d)
-        s = [one * whole >> BITS for one in piece.s]
-        rates = [one * whole >> BITS for one in piece.rates]
-        w, a, j = (times(one, whole + 1) for one in piece.bends)
-        ends = [spline.at(one) for one in s]
-        for joint in range(len(most)):
-            second, third, jump = spline.derivatives(joint, s[0] - SLACK, s[1] + SLACK)
-            rest = (
-                times(d, d, d, d, path_bend([second, third, 0], (w, a, j))) // 384
-                + times(d, d, d, w, w, w, jump) // 192
+        The Hermite cubic misses a jump of a function's third derivative by at most d^3 / 192 times the jump.
+        """
+        low, high = (one * self.whole >> BITS for one in share)
+        first, last, found = self._span(low - SLACK), self._span(high + SLACK), []
+        for bend in self.bend:
+            thirds = [((bend[k + 1] - bend[k]) << BITS) // self.steps[k] for k in range(first, last + 1)]
+            jump = sum(abs(b - a) for a, b in pairwise(thirds))
+            second = max(abs(one) for one in bend[first : last + 2])
+            size, third = self.whole + 1, max(map(abs, thirds)) + SLACK
+            found.append(
+                (
+                    times(second + SLACK, size, size),
+                    times(third, size, size, size),
+                    0,
+                    times(jump + SLACK, size, size, size),
+                )
             )
-            # Errors and their rates at both ends of the piece.
-            e, f = (at[0][joint] - end[0][joint] for at, end in zip((here, then), ends, strict=True))
-            v, u = (
-                at[1][joint] - (rate * end[1][joint] >> BITS)
-                for at, end, rate in zip((here, then), ends, rates, strict=True)
-            )
-            # Largest of the four Bezier points of the error's Hermite cubic.
-            third_d = d // 3
-            hull = max(abs(e), abs(e + (third_d * v >> BITS)), abs(f - (third_d * u >> BITS)), abs(f))
-            most[joint] = max(most[joint], hull + rest + SLACK)
-        here = then
-    return most
+        return found
 
 
 def in_joints(numbers: Sequence[Fraction | int], scale: int, turns: Sequence[bool]) -> Vector:

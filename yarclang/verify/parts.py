@@ -1,26 +1,31 @@
-"""Check that parts stay where they are while grippers take and leave them.
+"""Check that parts and tools stay where they are while the arm takes and leaves them.
 
 The proof tells a part as bodies of one name: on the ground, on the arm, on the ground again, each with the
-commands during which it is there. Where the arm takes or leaves the part, the robot stands, an output is set,
-and the part has the same place and shape before and after: only the arm has moved it. That a part is brought
-or taken away by others is told, as all of the cell is.
+commands during which it is there. A tool may have several bodies. After a branch, a part has a body at each
+place where it may be. Each motion is compared with each motion that may follow it, on any way through the
+text. A body either goes on, or the arm takes or leaves it: the robot stands, an output is set, and a body of
+the next motion has the same place and shape. That a part is brought or taken away by others is told, as all
+of the cell is.
 """
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from yarclang.verify.arm import Arm, beyond, placed
-from yarclang.verify.course import Moved
-from yarclang.verify.exact import above, length, need, whole
+from yarclang.verify.arm import Arm, Frame, Vector, beyond, dot, placed
+from yarclang.verify.course import PARTING, Moved, Ways
+from yarclang.verify.exact import above, fixed, length, need, whole
 from yarclang.verify.joints import in_joints
 from yarclang.verify.reader import PRINTED
 
 _SAME = above(Fraction(1, 1_000_000))
 """Largest change of a part's place [m] or axes when it is taken or left."""
+_CORNER = 4 * _SAME
+"""The same for a corner, which the proof rounds to 1e-6 m in each direction, twice."""
 Told = dict[str, Any]
+Ends = set[tuple[int, bool]]
+"""Commands after which a way goes on, each with True if an output has been set since."""
 
 
 def check_parts(rows: Sequence[Moved], done: Sequence[str], bodies: Sequence[Told], arm: Arm) -> list[str]:
@@ -28,59 +33,115 @@ def check_parts(rows: Sequence[Moved], done: Sequence[str], bodies: Sequence[Tol
 
     Args:
         rows: all commands.
-        done: the actions of the text, without ways that part.
+        done: the actions of the text.
         bodies: the proof's bodies.
         arm: the arm.
     """
-    periods: dict[str, list[tuple[int, int, Told]]] = {}
-    left = []
+    parts, left = dict[str, list[Told]](), dict[str, None]()
     for body in bodies:
-        for first, last in body.get("during", []):
-            if body.get("point"):
-                left.append(f"when {body['name']} is watched: as told here")
-            else:
-                one = (whole(first, len(rows) - 1), whole(last, len(rows) - 1), body)
-                periods.setdefault(body["name"], []).append(one)
-    moving = [row.entry.step for row in rows if row.control]
-    for name, found in periods.items():
-        found.sort(key=lambda one: one[:2])
-        together = Counter(one[:2] for one in found).values()
-        if len(set(together)) == 1 and min(together) > 1:  # a tool has several bodies, which go together
-            left.append(f"where {name} is, of which several bodies are told")
-            continue
-        ends = [at for first, last, _ in found for at in (first, last)]
-        need(ends[0] >= 0 and ends == sorted(ends), f"{name}: a part that is in two places")
-        need(all(b[0] > a[1] for a, b in pairwise(found)), f"{name}: a part that is in two places")
-        if found[0][2]["joint"] > 0:
-            left.append(f"from where the arm has {name}")
-        if found[-1][2]["joint"] > 0 and found[-1][1] < moving[-1]:
-            left.append(f"where the arm leaves {name}")
-        left += _handed_over(rows, done, name, found, arm)
-    return list(dict.fromkeys(left))
+        for period in body.get("during", []):
+            first, last = (whole(one, len(rows) - 1) for one in period)
+            need(0 <= first <= last, f"{body['name']}: a part that is there from its end to its begin")
+        if body.get("point"):
+            left |= {f"when {body['name']} is watched: as told here": None} if body.get("during") else {}
+        elif "during" in body:
+            parts.setdefault(body["name"], []).append(body)
+    one_way = not any(deed.startswith("barrier ") and deed.split()[1] in PARTING for deed in done)
+    steps = list(follow(done))
+    for name, found in parts.items():
+        periods = sorted({(int(first), int(last)) for body in found for first, last in body["during"]})
+        apart = all(other[0] > one[1] for one, other in pairwise(periods))
+        need(apart or not one_way, f"{name}: a part that is in two places")
+        for before, after, put in steps:
+            left |= dict.fromkeys(_handed_over(rows, before, after, put, name, found, arm))
+    return list(left)
+
+
+def follow(done: Sequence[str]) -> set[tuple[int, int, bool]]:
+    """Return the pairs of motions that may follow each other, with True if an output is set between both.
+
+    The first motion follows -1. A loop may be repeated: its first motions also follow its last ones.
+    """
+    repeated, known = dict[int, Ends](), -1
+    while sum(map(len, repeated.values())) > known:
+        known = sum(map(len, repeated.values()))
+        pairs, loops = set[tuple[int, int, bool]](), list[int]()
+        ways = Ways({(-1, False)}, lambda one, other, _: one | other)
+        for number, deed in enumerate(done):
+            kind, rest = deed.split(" ", 1)
+            kind = rest.split()[0] if kind == "barrier" else kind
+            if kind == "move":
+                pairs |= {(before, int(rest), put) for before, put in ways.at or ()}
+                ways.at = {(int(rest), False)}
+            elif kind == "put" and ways.at is not None:
+                ways.at = {(before, True) for before, _ in ways.at}
+            elif kind == "loop":
+                loops.append(number)
+                ways.at = (ways.at or set()) | repeated.get(number, set())
+            again = ways.passes(kind, number)
+            if kind == "endloop":
+                repeated[loops.pop()] = again or set()
+    return pairs
 
 
 def _handed_over(
-    rows: Sequence[Moved], done: Sequence[str], name: str, found: Sequence[tuple[int, int, Told]], arm: Arm
+    rows: Sequence[Moved], before: int, after: int, put: bool, name: str, bodies: Sequence[Told], arm: Arm
 ) -> Iterator[str]:
-    """Check each change of a part from one body to the next; yield what isn't checked."""
-    for (_, last, one), (first, _, other) in pairwise(found):
-        if one["joint"] == other["joint"] == 0:
-            continue
-        before, after = rows[last], rows[first]
-        what = f"where {name} is between commands {last} and {first}"
-        stands = before.control and after.control and before.entry.blend is None
-        if not stands or any(row.control for row in rows[last + 1 : first]):
-            yield what
-            continue
-        actions = done[done.index(f"move {last}") : done.index(f"move {first}")]
-        need(any(action.startswith("put ") for action in actions), f"{what}: no output is set there")
-        if one.get("corners") or other.get("corners"):
-            yield f"{what}, of which a mesh is told"
-            continue
-        shapes = [[body[size] for size in ("core", "disc", "radius")] for body in (one, other)]
-        need(shapes[0] == shapes[1], f"{what}: it has another shape")
-        links = arm.links(in_joints(before.end, PRINTED, arm.turns), [0] * len(arm.turns))
-        here, there = (beyond(links[int(body["joint"])], placed(body["pose"])) for body in (one, other))
-        pairs = zip((here.origin, *here.axes), (there.origin, *there.axes), strict=True)
-        off = max(length(*(a - b for a, b in zip(*pair, strict=True))) for pair in pairs)
-        need(off <= _SAME, f"{what}: {off / above(1) * 1000:.6g} mm from where it was, or turned")
+    """Check a part between two motions; yield what isn't checked."""
+    there, then = (
+        [body for body in bodies if any(first <= step <= last for first, last in body["during"])]
+        for step in (before, after)
+    )
+    gone, come = (
+        [one for one in some if one not in others] for some, others in ((there, then), (then, there))
+    )
+    if not there and any(body["joint"] > 0 for body in come):
+        yield f"from where the arm has {name}"
+    if not then and any(body["joint"] > 0 for body in gone):
+        yield f"where the arm leaves {name}"
+    if not there or not then or all(body["joint"] == 0 for body in gone + come):
+        return
+    what = f"where {name} is between commands {before} and {after}"
+    if rows[before].entry.blend is not None:
+        yield what
+        return
+    need(put, f"{what}: no output is set there")
+    links = arm.links(in_joints(rows[before].end, PRINTED, arm.turns), [0] * len(arm.turns))
+    for some, others in ((gone, then), (come, there)):
+        for body in some:
+            off = [found for other in others if (found := _apart(body, other, links)) is not None]
+            need(bool(off), f"{what}: it has another shape")
+            need(
+                min(off) <= _SAME, f"{what}: {min(off) / above(1) * 1000:.6g} mm from where it was, or turned"
+            )
+
+
+def _apart(one: Told, other: Told, links: Sequence[Frame]) -> int | None:
+    """Return how far two bodies are apart [m]; None if they have another shape.
+
+    Corners count with what their rounding leaves of `_SAME`.
+    """
+    if any(one[size] != other[size] for size in ("core", "disc", "radius")):
+        return None
+    (here, corners), (there, others) = (_placed(body, links) for body in (one, other))
+    if len(corners) != len(others):
+        return None
+    off = max((_distance(a, b) for a, b in zip(corners, others, strict=True)), default=0) * _SAME // _CORNER
+    if corners and not any(one["core"]) and not one["disc"]:  # a mesh is nothing but its corners
+        return off
+    pairs = zip((here.origin, *here.axes), (there.origin, *there.axes), strict=True)
+    return max(off, *(_distance(a, b) for a, b in pairs))
+
+
+def _placed(body: Told, links: Sequence[Frame]) -> tuple[Frame, list[Vector]]:
+    """Return the frame of a body, and its corners, in {B}."""
+    frame = beyond(links[int(body["joint"])], placed(body["pose"]))
+    rows = list(zip(*frame.axes, strict=True))
+    corners = [[fixed(one) for one in corner] for corner in body.get("corners", [])]
+    return frame, [
+        [dot(row, corner) + o for row, o in zip(rows, frame.origin, strict=True)] for corner in corners
+    ]
+
+
+def _distance(one: Vector, other: Vector) -> int:
+    return length(*(a - b for a, b in zip(one, other, strict=True)))

@@ -9,14 +9,14 @@ cubic, plus d^4 / 384 times its largest fourth derivative. This is at most the a
 derivatives over s.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import ceil, floor, isqrt
 from typing import Any
 
-from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Frame, Step, Vector, cross, dot, in_si, placed
+from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Step, Vector, cross, dot, in_si, placed
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import (
     BITS,
@@ -42,6 +42,15 @@ _SAME = ONE >> 30
 """Largest error of a turn's goal: 1e-9 rad."""
 _ROUND = ONE >> 42
 """Largest error of an arc's points and roundness: 2e-13 m, which makes less than 1e-9 m anywhere."""
+_OPEN = ONE >> 8
+"""What an arc lacks of a full turn at least [rad]. With less, start, via point and goal define no plane."""
+
+
+State = list[tuple[Vector, Vector]]
+"""Groups of quantities with their rates: a frame's origin, and the columns of its rotation; or each joint.
+
+Each group has a bound of its distance from the path.
+"""
 
 
 @dataclass
@@ -63,6 +72,17 @@ class Piece:
     bends: tuple[int, int, int]
     segment: int
     end: Fraction
+
+
+@dataclass
+class Distance:
+    """A piece with what moves at both ends, its fourth derivatives, and each group's largest distance."""
+
+    piece: Piece
+    here: State
+    then: State
+    bends: Sequence[int]
+    off: list[int]
 
 
 class Motion:
@@ -98,6 +118,12 @@ class Motion:
             move = steps[0] * (f1 - f0) + steps[1] * (f2 - f1) + steps[2] * (f3 - f2)
             rates.append(in_si(move * rate.numerator, 2 * k * k * PRINTED * rate.denominator, turns))
         return q, rates
+
+    @property
+    def travel(self) -> list[int]:
+        """Largest |q| of each joint in the sequence."""
+        most = (max(map(abs, column)) for column in zip(*self.row.control, strict=True))
+        return [in_si(far, PRINTED, turns) for far, turns in zip(most, self.arm.turns, strict=True)]
 
     def bounds(self, segment: int) -> tuple[list[int], list[int], list[int]]:
         """Return bounds of |q'|, |q''| and |q'''| of each joint on a segment."""
@@ -241,7 +267,9 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
     sweep = fixed(told["sweep"])
     radius = length(*spoke)
     need(
-        0 < sweep < 2 * PI and Fraction(1, 100) < told["via"] < Fraction(99, 100) and radius < 64 * ONE,
+        0 < sweep < 2 * PI - _OPEN
+        and Fraction(1, 100) < told["via"] < Fraction(99, 100)
+        and radius < 64 * ONE,
         "an arc has other numbers than it should",
     )
     need(abs(dot(spoke, side)) < _ROUND, "an arc isn't a circle's")
@@ -259,99 +287,100 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
     return at, [times(radius + _SAME, *[sweep + 1] * k) for k in (2, 3, 4)]
 
 
-@dataclass
-class Followed:
-    """A motion along the path of a frame, with the bounds found.
+class FramePath:
+    """A line or an arc of a frame's origin, with the frame's turn.
 
-    Attributes:
-        motion: the motion.
-        tool: the frame on the flange.
-        goal: the programmed goal.
-        place: the path of the origin.
-        turn: the turn.
-        sweep: angle of an arc; 0 for a line.
-        begin: place from which on the path is followed.
-        end: place up to which the path is followed.
-        shares: range of the path that is followed.
-        most: largest distance from the path.
-        chord: largest chord between the rotations (see `frame_path`).
-        speeds: least and largest speed on each piece.
-        segments: segment of each piece.
+    The chord between two rotations is the Frobenius norm of their difference, 2 sqrt 2 sin(angle / 2).
     """
 
-    motion: Motion
-    tool: Step
-    goal: Step
-    place: Place
-    turn: Turn
-    sweep: int
-    begin: Fraction
-    end: Fraction
-    shares: tuple[int, int]
-    most: int = 0
-    chord: int = 0
-    speeds: list[tuple[int, int]] = field(default_factory=list)
-    segments: list[int] = field(default_factory=list)
+    def __init__(self, start: Step, told: dict[str, Any], proof: dict[str, Any]) -> None:
+        self.goal = placed(told["pose"])
+        self.turn = Turn(start[0], self.goal[0], proof["axis"], proof["angle"])
+        self.sweep = fixed(proof["sweep"]) if told["move"] == "arc" else 0
+        if told["move"] == "arc":
+            self.place, bends = arc(start[1], self.goal[1], proof, [fixed(x) for x in told["via"]])
+        else:
+            self.place, bends = line(start[1], self.goal[1])
+        self._bends = [(*one, 0) for one in (bends, self.turn.derivatives)]
+
+    def at(self, s: int) -> State:
+        """Return origin and rotation at s, and their derivatives over s."""
+        columns, slopes = self.turn.at(s)
+        return [self.place(s), (list(chain(*columns)), list(chain(*slopes)))]
+
+    def bends(self, _: tuple[int, int]) -> Sequence[Sequence[int]]:
+        """Return bounds of the derivatives over s of order 2 to 4, and of the jumps of the third."""
+        return self._bends
 
 
-def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any], start: Step | None) -> Followed:
-    """Follow a line or an arc from a given start, or from the current pose of the frame.
+class Frames:
+    """A frame on the flange, while joints move; `motion` is a `Motion` or has its functions."""
 
-    The chord is the Frobenius norm of the difference of both rotations, 2 sqrt 2 sin(angle / 2).
+    def __init__(self, arm: Arm, tool: Step, motion: Any) -> None:
+        self.arm, self.tool, self._motion = arm, tool, motion
+        slides = [0 if turn else far + 1 for far, turn in zip(motion.travel, arm.turns, strict=True)]
+        self.reach = arm.reaches(len(slides), arm.to_flange(tool[1]), slides)
+
+    def at(self, place: Fraction) -> State:
+        """Return origin and rotation at a place, with their velocities."""
+        q, rates = self._motion.at(place)
+        frame = self.arm.frame(q, rates, self.tool)
+        turning = [cross(frame.spin, column) for column in frame.axes]
+        return [(frame.origin, frame.rate), (list(chain(*frame.axes)), list(chain(*turning)))]
+
+    def bends(self, segment: int) -> Sequence[int]:
+        """Return bounds of the fourth derivatives on a segment."""
+        return self.arm.bends(self.reach, *self._motion.bounds(segment))
+
+
+def distances(what: Any, path: Any, pieces: Iterable[Piece], here: State) -> Iterator[Distance]:
+    """Yield for each piece a bound of the distance of each group from its path.
+
+    Args:
+        what: what moves: `Frames` or `Joints`.
+        path: its path.
+        pieces: consecutive pieces.
+        here: what moves, at the begin of the first piece.
     """
-    tool, goal = placed(told["tool"]), placed(told["pose"])
-    begin, end = span_of(motion, proof)
-    here = motion.arm.frame(*motion.at(begin), tool)
-    axes, origin = (here.axes, here.origin) if start is None else start
-    turn = Turn(axes, goal[0], proof["axis"], proof["angle"])
-    if told["move"] == "arc":
-        place, bends = arc(origin, goal[1], proof, [fixed(x) for x in told["via"]])
-    else:
-        place, bends = line(origin, goal[1])
-    first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
-    sweep = fixed(proof["sweep"]) if told["move"] == "arc" else 0
-    found = Followed(motion, tool, goal, place, turn, sweep, begin, end, (first, last))
-    reach = reach_of(motion, tool)
-    segment, arm_bends = -1, (0, 0)
-    error = _error(here, place, turn, first, fixed(Fraction(proof["rates"][0], SHARE)))
-    if first in (0, ONE):  # an end of the path; if the proof has this place alone, no piece shows it
-        found.most, found.chord = length(*error[0]) + SLACK, length(*error[2]) + SLACK
-    for piece in pieces_of(motion, proof):
+    segment, bends = -1, list[int]()
+    for piece in pieces:
         if piece.segment != segment:
-            segment, arm_bends = piece.segment, motion.arm.bends(reach, *motion.bounds(piece.segment))
-        frame = motion.arm.frame(*motion.at(piece.end), tool)
-        then = _error(frame, place, turn, piece.s[1], piece.rates[1])
-        d = above(piece.d)
-        rest = times(d, d, d, d)
-        off = times(rest, arm_bends[0] + path_bend(bends, piece.bends)) // 384 + 1
-        found.most = max(found.most, farthest(*error[:2], *then[:2], d) + off)
-        off = times(rest, arm_bends[1] + path_bend(turn.derivatives, piece.bends)) // 384 + 1
-        found.chord = max(found.chord, farthest(*error[2:], *then[2:], d) + off)
-        found.speeds.append(speeds_on(here, frame, d, arm_bends[0]))
-        found.segments.append(segment)
-        error, here = then, frame
-    return found
+            segment, bends = piece.segment, what.bends(piece.segment)
+        then, d = what.at(piece.end), above(piece.d)
+        ends = [
+            error(state, path.at(s), rate)
+            for state, s, rate in zip((here, then), piece.s, piece.rates, strict=True)
+        ]
+        found = []
+        for (e, v), (f, w), own, (*over, jump) in zip(*ends, bends, path.bends(piece.s), strict=True):
+            off = times(d, d, d, d, own + path_bend(over, piece.bends)) // 384 + 1
+            off += times(d, d, d, jump, *piece.bends[:1] * 3) // 192 if jump else 0
+            found.append(farthest(e, v, f, w, d) + off)
+        yield Distance(piece, here, then, bends, found)
+        here = then
 
 
-def reach_of(motion: Motion, tool: Step) -> list[int]:
-    """Return bounds of the distance of a frame on the flange from the axes of the turning joints."""
-    travel = [max(map(abs, column)) for column in zip(*motion.row.control, strict=True)]
-    turns = motion.arm.turns
-    slides = [0 if turn else in_si(x, PRINTED, turn) + 1 for x, turn in zip(travel, turns, strict=True)]
-    return motion.arm.reaches(len(slides), motion.arm.to_flange(tool[1]), slides)
+def error(state: State, path: State, rate: int) -> State:
+    """Return the difference between what moves and its path, each group with its rate; s has a `rate`."""
+    return [
+        (
+            [a - b for a, b in zip(at, meant, strict=True)],
+            [v - (rate * b >> BITS) for v, b in zip(moving, slope, strict=True)],
+        )
+        for (at, moving), (meant, slope) in zip(state, path, strict=True)
+    ]
 
 
-def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
+def speeds_on(found: Distance) -> tuple[int, int]:
     """Return bounds of the speed of a frame's origin on a piece, the least and the largest.
 
     The velocity is that of the Hermite cubic, a parabola with the Bezier points v, m, w, with an error of at
     most sqrt(3) / 216 d^3 times the fourth derivative. The Bezier points of its squared length bound it.
     """
-    v, w = begin.rate, end.rate
-    ways = zip(begin.origin, end.origin, v, w, strict=True)
-    m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in ways]
+    (begin, v), (end, w), d = found.here[0], found.then[0], above(found.piece.d)
+    m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in zip(begin, end, v, w, strict=True)]
     squares = (dot(v, v), dot(v, m), (dot(v, w) + 2 * dot(m, m)) // 3, dot(m, w), dot(w, w))
-    rest = times(d, d, d, bend) * 9 // 1000 + SLACK  # sqrt(3) / 216 = 0.0080
+    rest = times(d, d, d, found.bends[0]) * 9 // 1000 + SLACK  # sqrt(3) / 216 = 0.0080
     return max(isqrt(max(min(squares), 0) << BITS) - rest, 0), root(max(squares)) + rest
 
 
@@ -386,22 +415,7 @@ def check_speeds(
     return ""
 
 
-def _error(
-    frame: Frame, place: Place, turn: Turn, s: int, rate: int
-) -> tuple[list[int], list[int], list[int], list[int]]:
-    """Return the pose of a frame minus that of its path at s, for origin and rotation, each with its rate."""
-    p, slope = place(s)
-    e = [a - b for a, b in zip(frame.origin, p, strict=True)]
-    e_rate = [v - (rate * b >> BITS) for v, b in zip(frame.rate, slope, strict=True)]
-    columns, slopes = turn.at(s)
-    off, off_rate = [], []
-    for column, meant, along in zip(frame.axes, columns, slopes, strict=True):
-        off += [a - b for a, b in zip(column, meant, strict=True)]
-        off_rate += [v - (rate * b >> BITS) for v, b in zip(cross(frame.spin, column), along, strict=True)]
-    return e, e_rate, off, off_rate
-
-
 def chord_of(angle: int) -> int:
-    """Return a lower bound of the chord of a turn by an angle (see `frame_path`): 2 sqrt 2 sin(angle / 2)."""
+    """Return a lower bound of the chord of a turn by an angle (see `FramePath`): 2 sqrt 2 sin(angle / 2)."""
     sine, _ = sine_and_cosine(min(angle, PI) // 2)
     return 2 * (sine * 14142 // 10000) - SLACK

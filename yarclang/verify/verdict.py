@@ -6,34 +6,31 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import chain
 from typing import Any, NoReturn
 from urllib.parse import unquote
 
-from yarclang.verify import course, joints
+from yarclang.verify import course
 from yarclang.verify.apart import check_apart
-from yarclang.verify.arm import Arm, in_si, placed
+from yarclang.verify.arm import Arm
 from yarclang.verify.chains import chains_of, check_chain, why_not
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need, unknown, whole
+from yarclang.verify.exact import RefusedError, need, unknown, whole
 from yarclang.verify.limits import check_limits
 from yarclang.verify.parts import check_parts
-from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
-from yarclang.verify.reader import PRINTED, STEPS, read
+from yarclang.verify.reader import PRINTED, read
 
 _LIMITS = ("velocity", "acceleration", "jerk", "motor_velocity")
 _ROBOT = (
     "name fingerprint joints kinds axes motors feedback lower upper counts coordinate_system rotary_words"
 )
 _OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
-_MOVES = ("joint", "spline", "line", "arc")
 _OF_PROOF = "form version text robot program motions cell planes"
 _OF_PROGRAM = "start outputs safe registers course steps"
-_OF_STEP = (
-    "title move tolerance duration speed kept ceiling any_jerk pose tool via through poses blend unchecked"
-)
+_OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unchecked "
+_OF_JOINTS = "through tool tolerance_of"
+_OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": _OF_JOINTS, "spline": _OF_JOINTS}
 _OF_GOAL = "q pose tool"
-FORM = 2
+FORM = 3
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
     "torques",
@@ -198,11 +195,8 @@ def _check_bodies(
     verdict.unchecked += left
     bodies = cell["bodies"]
     if any("during" in body for body in bodies):
-        if any(deed.startswith("barrier ") and deed.split()[1] in course.PARTING for deed in done):
-            verdict.unchecked.append("where carried parts are: as told here, since ways part")
-        else:
-            verdict.unchecked += check_parts(rows, done, bodies, arm)
-            verdict.checked.append("parts stay where they are when the arm takes or leaves them")
+        verdict.unchecked += check_parts(rows, done, bodies, arm)
+        verdict.checked.append("parts stay where they are when the arm takes or leaves them")
     for body in bodies:
         numbers = {name: value for name, value in body.items() if name not in ("name", "corners")}
         for axis, column in zip("xyz", zip(*body.get("corners", []), strict=True), strict=False):
@@ -261,14 +255,15 @@ def _check_motions(
     rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
 ) -> None:
     """Check each motion against its description in the proof."""
-    widest: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))
-    alone = still = 0
     for row, told in zip(rows, program["steps"], strict=True):
         title = row.entry.title
         _tell(title, told, verdict)
-        strange = unknown(told, _OF_STEP) or unknown(
+        names = _OF_STEP + _OF_MOVE.get(told["move"], "poses") if "move" in told else "title unchecked"
+        strange = unknown(told, names) or unknown(
             {name: 0 for goal in told.get("through", []) for name in goal}, _OF_GOAL
         )
+        known = told.get("move", "line") in _OF_MOVE or told.get("unchecked")
+        need(bool(known), f"{title}: a motion of a kind that isn't known")
         if strange:
             told["unchecked"] = f"all of it, since this checker doesn't know its {strange}"
         if "move" not in told:
@@ -278,44 +273,34 @@ def _check_motions(
             continue
         if row.entry.any_jerk:
             verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
-        if row.before is not None or row.entry.blend is not None:
-            continue
-        _check_time(row, told)
-        widest = (max(widest[0], told["tolerance"][0]), max(widest[1], told["tolerance"][1]))
-        reason = _check_path(row, told, proof["motions"].get(str(row.entry.step)), arm, verdict)
-        for name in ("speed", "ceiling"):
-            if name in told and (reason or told["move"] not in ("line", "arc")):
-                verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")
-        if reason:
+    widest, alone, still, flowing = [Fraction(0), Fraction(0)], 0, 0, 0
+    for links in chains_of(rows, program["steps"]):
+        reason, title = why_not(links, proof["motions"]), links[0][0].entry.title
+        if reason and len(links) == 1:
+            for name in ("speed", "ceiling"):
+                if name in links[0][1]:
+                    verdict.unchecked.append(f"{title}: its {name} of {_shown(links[0][1][name])}")
             verdict.unchecked.append(f"{title}: {reason}")
-            continue
-        alone, still = alone + 1, still + (not row.control)
+        elif reason:
+            titles = f"{title} to {links[-1][0].entry.title}"
+            named = f"{titles}, {len(links)} motions that flow into each other"
+            verdict.unchecked.append(f"{named}: their paths, times and speeds ({reason})")
+        else:
+            verdict.unchecked += check_chain(links, proof["motions"], arm)
+            if len(links) > 1:
+                flowing += len(links)
+                continue
+            alone, still = alone + 1, still + (not links[0][0].control)
+            widest = [max(pair) for pair in zip(widest, links[0][1]["tolerance"], strict=True)]
     if alone:
         verdict.checked.append(
             f"{alone} motions from rest to rest ({still} of them lead nowhere) keep the told times, speeds "
             f"and paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
             f"{float(widest[1]):g} deg at most"
         )
-    _check_chains(rows, program, proof, arm, verdict)
-
-
-def _check_chains(
-    rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
-) -> None:
-    """Check motions that flow into each other."""
-    count = 0
-    for links in chains_of(rows, program["steps"]):
-        reason = why_not(links, proof["motions"])
-        if reason:
-            titles = f"{links[0][0].entry.title} to {links[-1][0].entry.title}"
-            named = f"{titles}, {len(links)} motions that flow into each other"
-            verdict.unchecked.append(f"{named}: their paths, times and speeds ({reason})")
-        else:
-            verdict.unchecked += check_chain(links, proof["motions"], arm)
-            count += len(links)
-    if count:
+    if flowing:
         verdict.checked.append(
-            f"{count} motions that flow into others keep paths, corners, times and speeds as well"
+            f"{flowing} motions that flow into others keep paths, corners, times and speeds as well"
         )
 
 
@@ -324,89 +309,3 @@ def _tell(title: str, told: dict[str, Any], verdict: Verdict) -> None:
         f"{name} {_shown(value)}" for name, value in told.items() if name not in ("move", "title")
     )
     verdict.told.append(f"{title}: {told.get('move', 'no motion')}; {numbers}".rstrip("; "))
-
-
-def _check_time(row: Moved, told: dict[str, Any]) -> None:
-    """Check the programmed time. The controller's resolution may change each segment by half a step."""
-    if "duration" in told and row.control:
-        segments = row.last - row.first
-        off = abs(segments * row.seconds - told["duration"])
-        allowed = Fraction(segments, 2 * STEPS * 1000) + Fraction(1, 10**9)
-        need(off <= allowed, f"{row.entry.title}: it takes another time")
-
-
-def _check_path(
-    row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, arm: Arm, verdict: Verdict
-) -> str:
-    """Check a motion from rest to rest; return the reason why its path is not checked, or an empty text."""
-    title = row.entry.title
-    kind, (position, angle) = told["move"], told["tolerance"]
-    need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
-    allowed = [in_si(angle if turns else position, 1, turns) for turns in arm.turns]
-    limits = (in_si(position, 1, False), chord_of(in_si(angle, 1, True)))
-    start, end = (joints.in_joints(one, PRINTED, arm.turns) for one in (row.begin, row.end))
-    if told.get("unchecked"):
-        return str(told["unchecked"])
-    need(kind in _MOVES, f"{title}: a motion of a kind that isn't known")
-    if kind in ("line", "arc"):
-        if not row.control:
-            _near(arm, start, told, limits, f"{title}: it leads nowhere, and its goal")
-            return "an arc that leads nowhere" if kind == "arc" else ""
-        if proof is None:
-            return "its path, of which the proof says nothing"
-        _make_integers(proof)
-        found = frame_path(Motion(row, arm), told, proof, None)
-        whole_way = (found.begin, found.end) == (
-            Fraction(row.first),
-            Fraction(row.last),
-        ) and found.shares == (0, ONE)
-        need(whole_way, f"{title}: not shown to follow its path from its start to its end")
-        need(
-            found.most <= limits[0], f"{title}: within {found.most / ONE * 1000:.6g} mm of its path, no less"
-        )
-        need(found.chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
-        slow = check_speeds(told, found.speeds, title)
-        if slow:
-            verdict.unchecked.append(f"{title}: {slow}")
-        return ""
-    points = [start]
-    for goal in told["through"]:
-        need(goal["q"] is not None or "pose" in goal, f"{title}: a goal that is nowhere")
-        points.append(end if goal["q"] is None else joints.in_joints(goal["q"], 1, arm.turns))
-        if "pose" in goal:
-            _near(arm, points[-1], goal, limits, f"{title}: the joints that were chosen for a pose, which")
-    last = told["through"][-1]
-    if not row.control:
-        for point in points:
-            there = all(abs(a - b) <= t for a, b, t in zip(point, start, allowed, strict=True))
-            need(there, f"{title}: it doesn't move")
-        return ""
-    if kind == "joint":
-        goal = [Fraction(one, PRINTED) for one in row.end] if last["q"] is None else last["q"]
-        weights = [angle if turns else position for turns in arm.turns]
-        off = joints.straight(Motion(row, arm), goal, weights)
-    else:
-        if proof is None:
-            return "its path, of which the proof says nothing"
-        _make_integers(proof)
-        motion = Motion(row, arm)
-        off = joints.along_spline(motion, points, proof)
-        off = [max(one, abs(a - b)) for one, a, b in zip(off, end, points[-1], strict=True)]
-    for joint, (one, tolerance) in enumerate(zip(off, allowed, strict=True)):
-        need(one <= tolerance, f"{title}: joint {joint + 1} is {one / ONE:.6g} rad or m from its way")
-    return ""
-
-
-def _make_integers(proof: dict[str, Any]) -> None:
-    for name in ("s", "rates"):
-        proof[name] = [whole(one) for one in proof[name]]
-
-
-def _near(arm: Arm, q: Sequence[int], told: dict[str, Any], limits: tuple[int, int], what: str) -> None:
-    """Refuse joint positions at which a frame is not at its pose."""
-    columns, origin = placed(told["pose"])
-    frame = arm.frame(q, [0] * len(q), placed(told["tool"]))
-    off = length(*(a - b for a, b in zip(frame.origin, origin, strict=True)))
-    pairs = zip(chain(*frame.axes), chain(*columns), strict=True)
-    near = off + SLACK <= limits[0] and length(*(a - b for a, b in pairs)) + SLACK <= limits[1]
-    need(near, f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far")

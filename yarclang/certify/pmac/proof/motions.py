@@ -9,13 +9,15 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.blends.corner import Judged, find_starts, tolerance_of
-from yarclang.certify.blends.flows import Corner, find_flows
+from yarclang.certify.blends.flows import Corner, find_flows, frame_of
+from yarclang.certify.bodies.zones import moving_of
 from yarclang.certify.claims import Claims
 from yarclang.certify.kinematics.arm import flange_poses
+from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
 from yarclang.certify.pmac.proof.room import in_units, told_frame
-from yarclang.certify.pmac.proof.shares import Own, corner_pieces, frame_proof, spline_proof
+from yarclang.certify.pmac.proof.shares import Own, corner_pieces, frame_proof, joint_proof, spline_proof
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
@@ -56,8 +58,11 @@ class Motions:
         told = _told(place, begin, judged.robot, judged.tolerance, judged.claims)
         self.told[place.step] = told
         flows = place.before is not None or place.behind is not None
-        if flows and place.motion.blend is not None and place.motion.blend.length:
-            told["blend"] = float(f"{place.motion.blend.length / MM:.13g}")
+        if flows and (blend := place.motion.blend) is not None and (blend.length or blend.angle):
+            told["blend"] = [
+                float(f"{(size or 0.0) / unit:.13g}")
+                for size, unit in ((blend.length, MM), (blend.angle, DEG))
+            ]
         if not place.size or "unchecked" in told:
             return
         proof = self._proof(row, place, begin)
@@ -77,6 +82,8 @@ class Motions:
             return frame_proof(
                 self._own(row, place), motion, start, goal, robot, self._judged.tolerance_of(motion)
             )
+        if isinstance(motion, hir.JointMove):
+            return self._of_joints(row, place, begin)
         if place.before is not None or place.behind is not None:
             return None
         if isinstance(motion, hir.SplineMove | hir.AvoidMove):
@@ -85,6 +92,19 @@ class Motions:
             weights = joint_weights(robot, self._judged.tolerance)
             return spline_proof(layout, place, points, weights, self._judged.claims)
         return None
+
+    def _of_joints(self, row: int, place: Place, begin: Begin) -> dict[str, Any]:
+        """Return the data of a straight motion of joints, with the joints that were chosen at its corners."""
+        robot, claims = self._judged.robot, self._judged.claims
+        (goal,) = _through(place, begin, robot, claims)
+        claimed = claims.witnesses.get(place.step)
+        q = self._layout.ends[row] / robot.axis_units if claimed is None else claimed[-1] / robot.axis_units
+        told = {}
+        if place.behind is not None and goal["q"] is None:
+            told["goal"] = q.tolist()
+        end = np.array(q if goal["q"] is None else goal["q"]) * robot.axis_units
+        weights = joint_weights(robot, self._judged.tolerance)
+        return told | joint_proof(self._own(row, place), begin.q, end, weights)
 
     def _own(self, row: int, place: Place) -> Own:
         """Return the segments that follow the path of a line or an arc."""
@@ -108,21 +128,25 @@ class Motions:
         return Own(flows.cubics(layout, row), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
-        """Add to a proof the number of pieces into which the segments of a blend are cut."""
+        """Add to proofs the joints of a corner, and the number of pieces into which the blend's segments are cut."""
         layout, judged = self._layout, self._judged
         first, second = (layout.places[row] for row in (corner.first, corner.second))
-        proof = self.proofs.get(str(first.step))
+        proof, other = (self.proofs.get(str(place.step)) for place in (first, second))
+        if proof is None or other is None:
+            return
+        if isinstance(second.motion, hir.JointMove) and not corner.joints:
+            other["start"] = (self._begins[corner.second].q / judged.robot.axis_units).tolist()
+        if not corner.rounded:
+            return
         begin, end = int(self._flows.follow[corner.first, 1]), int(self._flows.follow[corner.second, 0])
-        if proof is None or not corner.rounded or not isinstance(first.motion, hir.LineMove | hir.ArcMove):
+        frame = None if corner.joints else frame_of(first.motion, second.motion)
+        if frame is None or end <= begin:
+            proof["corner"] = 1
             return
         own = judged.tolerance_of(first.motion)
         ball = (first.motion.blend.length or 0.0) if first.motion.blend else 0.0
-        frame = first.motion.goal.flange_from_moving
         cubics = layout.cubics(begin, end)
-        proof["corner"] = (
-            corner_pieces(cubics, frame, judged.robot, ball + own.position, own.angle) if end > begin else 1
-        )
-        assert second.size
+        proof["corner"] = corner_pieces(cubics, frame, judged.robot, ball + own.position, own.angle)
 
 
 def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims: Claims) -> dict[str, Any]:
@@ -151,8 +175,10 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
         case hir.JointMove() | hir.SplineMove() | hir.AvoidMove():
             told["move"] = "joint" if isinstance(motion, hir.JointMove) else "spline"
             told["through"] = list(_through(place, begin, robot, claims))
+            if timing.ceiling is not None:
+                told["tool"] = told_frame(moving_of(motion, robot).flange_from_moving)
             if motion.tolerance is not None and place.size:
-                told["unchecked"] = "its path, since TOL is of the moving frame"
+                told["tolerance_of"] = told_frame(moving_frame(motion))
         case hir.PoseSplineMove(waypoints=waypoints):
             poses = [told_frame(one.base_from_moving) for one in waypoints]
             told |= {"move": "spline of poses", "poses": poses, "unchecked": "its path, a spline of poses"}

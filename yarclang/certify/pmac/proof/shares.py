@@ -27,6 +27,8 @@ _REMAINDER = 0.2
 _MOST_PIECES = 64
 _BESIDE = 0.011
 """Least share of an arc that the checker requires between its via point and its ends, with a reserve."""
+_OPEN = 1 / 250
+"""What an arc must lack of a full turn for the checker [rad], with a reserve."""
 _NEAREST = 2e-4
 """Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
 _SHARP = 2e-4
@@ -58,7 +60,7 @@ def frame_proof(
 ) -> dict[str, Any] | str:
     """Return the proof of a line or an arc; a text with the reason if there is none.
 
-    There is none for an arc whose via point is too close to one of its ends to define its circle exactly.
+    There is none for an arc whose ends and via point are too close to each other to define its circle exactly.
 
     Args:
         own: the segments that follow its path.
@@ -76,6 +78,8 @@ def frame_proof(
         told = _arc(paths, motion.via)
         if not _BESIDE < told["via"] < 1.0 - _BESIDE:
             return "its path, an arc whose via point is beside one of its ends"
+        if told["sweep"] > 2.0 * np.pi - _OPEN:
+            return "its path, an arc that is a full circle but for a little"
     else:
         paths = Lines.between(start[None], goal[None], frame[None])
     axis, angle = paths.turns.axis[0], float(paths.turns.theta[0])
@@ -98,6 +102,29 @@ def frame_proof(
     executed = frame_motion(robot.chain, cut, frame[None])
     s, rate = _projected(paths, executed, cut, tolerance)
     return told | _growing(s, rate, cut.d, count, own.ends)
+
+
+def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
+    """Return the proof of a straight motion of joints: at each instant the nearest share of its way.
+
+    Args:
+        own: the segments that follow its path.
+        start: (n,) joint positions at the start of the path [rad or m].
+        goal: (n,) those at its end.
+        weights: (n,) reciprocal of the tolerance of each joint.
+    """
+    cubics, way = own.cubics, (goal - start) * weights
+    count = len(cubics.h)
+    if not count:  # blends take the whole path
+        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
+        return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+    cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
+    square = float(way @ way)
+    if square > 0.0:
+        s, rate = ((cut.q - start) * weights) @ way / square, (cut.rate * weights) @ way / square
+    else:
+        s, rate = np.linspace(0.0, 1.0, count + 1), np.zeros(count + 1)
+    return own.told | _growing(s, rate, cut.d, 1, own.ends)
 
 
 def corner_pieces(cubics: Cubics, frame: Array, robot: Robot, ball: float, angle: float) -> int:

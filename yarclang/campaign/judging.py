@@ -85,18 +85,24 @@ def judged_chunk(chunk: tuple[int, int], task: Task) -> Piece:
     first, count = chunk
     begin = process_time()
     piece = Piece(first, count)
+    robots = {name: _robot(name) for name in task.robots}
     for seed in range(first, first + count):
-        one = judged_program(seed, task)
+        one = judged_program(seed, task, robots[task.robot_of(seed)])
         piece.add(seed, one.robot, one.refused, one.faults, one.worst, one.duration, one.features)
     piece.seconds = process_time() - begin
     return piece
 
 
-def judged_program(seed: int, task: Task) -> Program:
-    """Draw and judge the program of a seed."""
-    name = task.robot_of(seed)
+def _robot(name: str) -> Robot:
     robot = load_robot(name).value
     assert robot is not None  # it was read when the campaign began
+    return robot
+
+
+def judged_program(seed: int, task: Task, robot: Robot | None = None) -> Program:
+    """Draw and judge the program of a seed; its robot is read if it isn't given."""
+    name = task.robot_of(seed)
+    robot = robot or _robot(name)
     arm = arm_of(robot)
     random = np.random.default_rng(seed)
     # the robots take turns in seeds, so chains are counted in turns of all robots

@@ -90,16 +90,16 @@ def as_text(whole: Piece, task: Task) -> Iterator[str]:
 
 def program_text(one: Program) -> Iterator[str]:
     """Yield the lines about one program: comments, and its text."""
-    yield f"; seed {one.seed}, {one.robot}"
+    yield f"! seed {one.seed}, {one.robot}"
     if one.refused:
-        yield f"; refused: {one.refused}"
+        yield f"! refused: {one.refused}"
     elif one.worst:
-        yield f"; compiles: {_duration(one.duration)}"
+        yield f"! compiles: {_duration(one.duration)}"
     for name, words in _WORST.items():
         if name in one.worst:
-            yield f"; {one.worst[name]:.6f} {words}"
+            yield f"! {one.worst[name]:.6f} {words}"
     for fault in one.faults:
-        yield f"; WRONG: {' '.join(fault.split())}"
+        yield f"! WRONG: {' '.join(fault.split())}"
     yield one.text.rstrip("\n")
 
 

@@ -202,7 +202,9 @@ def test_one_program_again():
 def test_robots_and_cells_of_ones_own(tmp_path):
     shutil.copytree("stdlib/robots/industrial6", tmp_path / "ours")
     cell = tmp_path / "cell.toml"
-    cell.write_text('[[obstacles]]\nname = "WALL"\nframe = "B"\nbox = [4000, 100, 4000]\nxyz = [0, 900, 0]\n')
+    cell.write_text(
+        'units = "mm,deg"\n[[obstacles]]\nname = "WALL"\nshape = "box"\nsize = [4000, 100, 4000]\nframe = "B"\nxyz = [0, 900, 0]\n'
+    )
     free = report("--programs", 4, "--robot", tmp_path / "ours")
     walled = report("--programs", 4, "--robot", tmp_path / "ours", "--cell", cell)
     assert free["compiled"] > walled["compiled"]

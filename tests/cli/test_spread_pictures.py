@@ -36,7 +36,7 @@ def test_pictures_are_the_same_in_one_process_and_in_two(project, tmp_path):
         f"line/{name}.png" for name in ("02_lines_and_deltas", "03_differential_wrist", "04_old_program")
     ]
     assert made[0].output.replace("out1", "out2") == made[1].output
-    assert "wrong.yarc: 1 error; nothing drawn" in made[0].output
+    assert "nothing drawn" in made[0].output
     alone = yarc("plot", "project/line/02_lines_and_deltas.yarc", "-o", "alone.png")
     assert alone.exit_code == 0
     assert (tmp_path / "alone.png").read_bytes() == one[next(iter(one))]

@@ -34,8 +34,8 @@ MOST = 6
 CHAINS = 20
 """One of so many programs is a chain of short pieces."""
 
-CERTIFICATE = "Y11"
-"""Beginning of the codes of findings about a text: the compiler writes none that has one."""
+CERTIFICATE = "11"
+"""Family of findings about a text: the compiler writes none that has one."""
 
 
 @frozen
@@ -145,7 +145,7 @@ def _judged(
     except Exception as error:  # a bug of ours, which is looked for here
         return "", (internal_error(error, source).message,), {}, 0.0
     errors = [one for one in made.diagnostics if one.is_error]
-    faults = [f"{one.code}: {one.message}" for one in errors if one.code.startswith(CERTIFICATE)]
+    faults = [f"{one.code}: {one.message}" for one in errors if one.family == CERTIFICATE]
     if made.value is None:
         if not errors:
             faults.append("it isn't compiled, and no error says why")

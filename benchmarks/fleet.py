@@ -1,7 +1,9 @@
 """What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet machine; the load is printed beside the figures.
 
 Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of one thread), `overhead` (what a task costs that does
-nothing), `cache` (1,000 unchanged programs, checked again), `length` (what a command costs in short and long programs). Matrix products use one thread.
+nothing), `cache` (1,000 unchanged programs, checked again), `campaign` (random programs a second, of a campaign that is killed in the middle and goes on, and what 10^6 would take),
+`length` (what a command costs in programs of 10^3 to 10^5 lines, and what 10^6 would take). Matrix products use one thread. With `--programs 8`, everything takes
+a minute, and shows only that it works.
 
 Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's cost flat.
 """
@@ -9,13 +11,15 @@ Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchange
 from __future__ import annotations
 
 import argparse
+import json
+import operator
 import os
 import re
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -112,28 +116,30 @@ def measure_processes(folder: Path, count: int) -> Iterator[str]:
     yield f"| two dask workers | {dask:.1f} s, {one / dask:.2f} times | at least 1.6 times |"
 
 
-def nothing(item: int) -> int:
-    """Do nothing."""
-    return item
+nothing = operator.index
+"""A task that does nothing, and that workers can import."""
+
+
+def timed(do: Callable[[range], Iterator[int]], items: range) -> float:
+    """Return how long tasks take that do nothing [s]."""
+    list(do(range(8)))
+    begin = time.perf_counter()
+    if list(do(items)) != list(items):
+        raise RuntimeError("the tasks weren't done")
+    return time.perf_counter() - begin
 
 
 def measure_overhead(folder: Path, count: int) -> Iterator[str]:
     """Yield the rows of tasks that do nothing."""
     items = range(20 * count)
     with workers(nothing, Place(2), lambda _: ()) as do:
-        list(do(range(8)))
-        begin = time.perf_counter()
-        list(do(items))
-        taken = time.perf_counter() - begin
+        taken = timed(do, items)
     yield f"| a task that does nothing, two processes | {taken / len(items) * 1e3:.3f} ms | at most 2 ms |"
     with (
         cluster(folder / "dask-overhead", 2) as address,
         workers(nothing, Place(None, address), lambda _: ()) as do,
     ):
-        list(do(range(8)))
-        begin = time.perf_counter()
-        list(do(items))
-        taken = time.perf_counter() - begin
+        taken = timed(do, items)
     yield f"| a task that does nothing, two dask workers | {taken / len(items) * 1e3:.3f} ms | at most 2 ms |"
 
 
@@ -147,29 +153,68 @@ def measure_cache(folder: Path, count: int) -> Iterator[str]:
     yield f"| the same, unchanged | {again:.2f} s | at most 3 s for 1,000 |"
 
 
+def measure_campaign(folder: Path, count: int) -> Iterator[str]:
+    """Yield the rate of a campaign of 50 times as many programs, which is killed once and goes on, and its worst figures."""
+    programs_, state = 50 * count, folder / "campaign"
+    arguments = ["campaign", "--programs", str(programs_), "--state", str(state), "--format", "json"]
+    begin = time.perf_counter()
+    killed = subprocess.Popen(
+        [COMMAND[0], COMMAND[1], COMMAND[2].format("yarc"), *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    # a third is done: a line for each ten programs, and one for the campaign
+    while killed.poll() is None and (not state.exists() or state.read_bytes().count(b"\n") < programs_ / 30):
+        time.sleep(0.1)
+    killed.kill()
+    killed.wait()
+    made = subprocess.run(
+        [COMMAND[0], COMMAND[1], COMMAND[2].format("yarc"), *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    taken = time.perf_counter() - begin
+    if made.returncode not in (0, 1):
+        raise RuntimeError(made.stderr[-2000:])
+    report = json.loads(made.stdout)
+    rate, hours = report["programs"] / taken, report["motion_seconds"] / 3600.0
+    of_processor = report["processor_seconds"] / report["programs"]
+    yield f"| a campaign of {programs_:,} programs, killed and resumed | {taken:.0f} s, {rate:.1f} programs/s, {of_processor:.2f} s of one core each | |"
+    yield f"| {report['compiled']:,} of them compile | {hours:.2f} h of motion | |"
+    worst = ", ".join(
+        f"{name} {one['share']:.6f} (seed {one['seed']})" for name, one in report["worst"].items()
+    )
+    yield f"| largest shares of what is allowed | {worst} | at most 1 |"
+    seeds = ", ".join(str(one["seed"]) for one in report["finds"][:20])
+    yield f"| something wrong | {report['found']:,}{': seeds ' + seeds if seeds else ''} | 0 |"
+    yield f"| 10^6 programs at this rate | {1e6 / rate / 3600.0:.1f} h | |"
+
+
 def measure_length(folder: Path, count: int) -> Iterator[str]:
-    """Yield the cost of a command in programs of different lengths."""
+    """Yield the cost of a command in programs of different lengths, up to 500 times as many lines as programs."""
+    short, longest = 5 * count, 500 * count
     costs = []
-    for motions in (50, 500, 5 * count):
-        made = programs(folder / f"length-{motions}", 1, motions)
-        base = seconds(
-            "yarcc",
-            str(programs(folder / f"short-{motions}", 1, 2)),
-            "--out-dir",
-            str(folder / "out"),
-            "--no-cache",
-            "-j",
-            "1",
-        )
-        taken = seconds("yarcc", str(made), "--out-dir", str(folder / "out"), "--no-cache", "-j", "1") - base
+    base = cost_of(programs(folder / "length-base", 1, 2), folder)
+    for motions in (short, 10 * short, longest):
+        taken = cost_of(programs(folder / f"length-{motions}", 1, motions), folder) - base
         costs.append(taken / motions)
-        yield f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} times that of 50 |"
+        yield f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} times that of {short:,} |"
+    growth = max(1.0, costs[-1] / costs[-2])
+    hours = costs[-1] * growth * 1e6 / 3600.0
+    yield f"| a command of 10^6, by the growth of the last tenfold | {costs[-1] * growth * 1e3:.2f} ms, {hours:.1f} h altogether | flat |"
+
+
+def cost_of(made: Path, folder: Path) -> float:
+    """Return the time that a folder of one program takes to compile [s]."""
+    return seconds("yarcc", str(made), "--out-dir", str(folder / "out"), "--no-cache", "-j", "1")
 
 
 PARTS = {
     "processes": measure_processes,
     "overhead": measure_overhead,
     "cache": measure_cache,
+    "campaign": measure_campaign,
     "length": measure_length,
 }
 

@@ -25,6 +25,7 @@ ROOMS = "a guide to the rooms names those of a kind"
 ALLOWED = {
     "__init__.py": HELP,
     "cell/schema.py": EXAMPLES,
+    "campaign/drawing.py": EXAMPLES,
     "certify/__init__.py": ROOMS,
     "certify/read/layout.py": "names the manual of the law of the curve, which kinds share",
     "cli": HELP,

@@ -9,20 +9,24 @@ law, time and option a share must be planned and certified. One block is one tes
 
 import os
 
-import independent
 import numpy as np
 import pytest
 from floors import Tally, exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import compiled, planned, robot_of
-from random_programs import drawn, drawn_chain, faults, features, told_by_step
 from scipy.spatial.transform import Rotation
+from yarclang.campaign.judging import told_by_step
 
 from tests.robot.made_arms import DATA, REAL, made
 from yarclang.backend_pmac.emit import emit
 from yarclang.backend_pmac.lower import lower
+from yarclang.campaign.chains import drawn_chain
+from yarclang.campaign.drawing import drawn, features
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.independent.arm import Arm
+from yarclang.independent.judging import judge as judged_anew
+from yarclang.independent.reading import off_joint_line, off_line, off_spline, overlaps, read, shares
 from yarclang.motion.leading import ahead, frame_motions
 from yarclang.motion.paths.arc import NoArc
 from yarclang.pipeline import stages
@@ -55,7 +59,7 @@ CHAIN_FLOORS = {"chains": 0.4, "long chains": 0.4, "corners of chains": 0.7, "ch
 """The least share of an arm's chains that must be planned and certified, and of their corners that must be passed without a stop."""
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
-ARMS = {name: independent.Arm(load_robot(name).value.folder) for name in ROBOTS}
+ARMS = {name: Arm.in_folder(load_robot(name).value.folder) for name in ROBOTS}
 
 share = st.floats(-1, 1, allow_nan=False).map(lambda value: round(value, 3))
 six = st.lists(share, min_size=6, max_size=6)
@@ -111,22 +115,22 @@ def _numbers(values):
 def judge(robot, text, meaning):
     """Hold an emitted text against limits, tolerance and what the program says."""
     arm = ARMS[robot]
-    _, executed = independent.read(text)
+    _, executed = read(text)
     for step, said in enumerate(meaning):
         done = executed[step]
-        used = independent.shares(arm, done)
+        used = shares(arm, done)
         assert max(used.values()) <= 1 + 1e-6, (step, said[0], used)
         for end in (0.0, done.duration):
             assert np.abs(done.spline(end, nu=1)).max() < 1e-4
         if said[0] == "joint":
-            assert independent.off_joint_line(done, said[1]) <= 0.002
+            assert off_joint_line(done, said[1]) <= 0.002
         elif said[0] == "delta_joint":
-            assert independent.off_joint_line(done, done.control[0] + said[1]) <= 0.002
+            assert off_joint_line(done, done.control[0] + said[1]) <= 0.002
         elif said[0] == "spline":
-            assert independent.off_spline(done, said[1]) <= 0.002
+            assert off_spline(done, said[1]) <= 0.002
         else:
             point, rotation = _goal(arm, done, said)
-            distance, angle = independent.off_line(arm, done, point, rotation)
+            distance, angle = off_line(arm, done, point, rotation)
             assert distance <= 0.02
             assert angle <= 0.002
 
@@ -158,7 +162,7 @@ def folder(tmp_path_factory):
                 made(DATA / file, made_here / name, *arguments)
                 where = str(made_here / name)
             robot = robot_of(where)
-            known[name] = robot, independent.Arm(robot.folder)
+            known[name] = robot, Arm.in_folder(robot.folder)
         return known[name]
 
     return find
@@ -179,10 +183,10 @@ def held(robot, arm, program, seed):
     text = emit(lower(plan, request.target or "rotary", request.robot.tolerance)).text(())
     chosen = {motion.step: motion.waypoints for motion in plan.motions}
     told = told_by_step((*diagnostics, *judged.diagnostics))
-    found = faults(arm, program.said, text, chosen, told)
-    assert (found, refused) == ([], []), f"seed {seed}:\n{program.text}"
+    found = judged_anew(arm, program.said, text, chosen, told).faults
+    assert (found, refused) == ((), []), f"seed {seed}:\n{program.text}"
     assert judged.value is not None or any(one.is_error for one in judged.diagnostics)
-    return judged.value is not None, independent.overlaps(text)
+    return judged.value is not None, overlaps(text)
 
 
 def tallied(robot, arm, seeds, looked_at=held):

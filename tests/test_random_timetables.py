@@ -6,12 +6,14 @@ refused with a stretch that works.
 
 import os
 
-import independent
 import numpy as np
 import pytest
 from floors import Tally
 from programs import compiled, robot_of
-from random_timetables import KINDS, drawn
+
+from yarclang.campaign.timetables import KINDS, drawn
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import read, shares
 
 COUNT = int(os.environ.get("YARCLANG_RANDOM_TIMETABLES", "200"))
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
@@ -28,7 +30,7 @@ LATE = 1e-3
 @pytest.mark.parametrize("name", ROBOTS)
 def test_timetables_are_kept_at_all_times_or_refused_with_a_stretch_that_works(name):
     robot = robot_of(name)
-    arm = independent.Arm(robot.folder)
+    arm = Arm.in_folder(robot.folder)
     tally = Tally()
     for seed in range(COUNT // len(ROBOTS)):
         random = np.random.default_rng(seed)
@@ -69,11 +71,11 @@ def _needed(arm, table):
 def _faults(arm, table, stretch, text):
     """What an emitted text does otherwise than its table says."""
     found = []
-    done = independent.read(text)[1][1]
+    done = read(text)[1][1]
     lasts = table.times[-1] * stretch
     if not -1e-9 <= done.duration - lasts <= LATE:
         found.append(f"takes {done.duration} s, not {lasts} s")
-    used = independent.shares(arm, done)
+    used = shares(arm, done)
     found += [f"{what} {share:.5f}" for what, share in used.items() if what != "jerk" and share > 1 + 1e-6]
     at = np.linspace(0.0, 1.0, 40_001)
     off = np.abs(done.spline(at * done.duration) - table.asked(stretch)(at * lasts)) * arm.si

@@ -9,7 +9,6 @@ YARCLANG_RANDOM_TRAJECTORIES=5000 in the environment draws so many, for a night.
 import os
 import re
 
-import independent
 import numpy as np
 import pytest
 from floors import exercises
@@ -17,6 +16,8 @@ from programs import compiled, robot_of
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
 from yarclang.diagnostics import Result
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import read, shares
 from yarclang.semantics.motions.trajectory_file import TrajectoryFile
 from yarclang.source import SourceFile
 
@@ -24,7 +25,7 @@ COUNT = int(os.environ.get("YARCLANG_RANDOM_TRAJECTORIES", "200"))
 """How many trajectories are drawn for all robots and kinds together."""
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
-ARMS = {name: independent.Arm(robot_of(name).folder) for name in ROBOTS}
+ARMS = {name: Arm.in_folder(robot_of(name).folder) for name in ROBOTS}
 KINDS = ("positions", "velocities", "accelerations")
 
 WITHIN, LATE = 1e-4, 1e-3
@@ -129,11 +130,11 @@ def _numbers(values):
 
 def judge(arm, trajectory, text, stretch=1.0):
     """Hold an emitted text against the trajectory: its end, its times, its path, and the limits."""
-    _, commands = independent.read(text)
+    _, commands = read(text)
     (done,) = commands.values()
     duration = trajectory.times[-1] * stretch
     assert -1e-9 <= done.duration - duration <= LATE + 1e-9
-    used = independent.shares(arm, done)
+    used = shares(arm, done)
     assert all(share <= 1 + 1e-6 for name, share in used.items() if name != "jerk"), used
     for end, row in ((0.0, 0), (done.duration, -1)):
         assert np.abs(done.spline(end) - trajectory.positions[row]).max() < 2e-6

@@ -3,7 +3,6 @@
 import math
 import re
 
-import independent
 import numpy as np
 import pytest
 from programs import codes, compiled, robot_of
@@ -12,11 +11,13 @@ from yarclang.certify.bodies import ceilings
 from yarclang.certify.certifying import certify
 from yarclang.certify.claims import Claims
 from yarclang.diagnostics import has_errors
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import read
 from yarclang.motion import zones
 from yarclang.robot.kinematics.fk import tool_poses
 
 HEAD = "DEFAULT {TCP} [MIN] (mm,deg,s) {B}\nJOINTS A 20 10 -40 0 -30 0\nSTART A\n"
-ARM = independent.Arm(robot_of("INDUSTRIAL6").folder)
+ARM = Arm.in_folder(robot_of("INDUSTRIAL6").folder)
 
 ALONE = {
     "MOVEJ": "P0010 MOVEJ -30 0 10 20 20 0",
@@ -35,7 +36,7 @@ ALONE = {
 def speeds(text):
     """The largest speed of {TCP} in each command [mm/s], by an independent reading."""
     found = {}
-    for step, done in independent.read(text)[1].items():
+    for step, done in read(text)[1].items():
         points = ARM.poses(done.sample())[0]
         rates = np.linalg.norm(np.diff(points, axis=0), axis=1)
         found[step] = float(rates.max() / (done.duration / (len(points) - 1)))
@@ -115,7 +116,7 @@ def test_several_frames_keep_their_own():
     assert [command.zone_speed.part for command in made.certificate.commands] == ["{TIP}", "{TCP}"]
     tip = next(step for step in made.program.steps).origin.tool
     flange_from_tip = made.plan.robot.flange_from_frame["TCP"] @ tip.parent_from_frame
-    done = independent.read(made.text)[1][0]
+    done = read(made.text)[1][0]
     points = tool_poses(made.plan.robot.chain, np.radians(done.sample()), flange_from_tip)[:, :3, 3]
     fastest = np.linalg.norm(np.diff(points, axis=0), axis=1).max() / (done.duration / (len(points) - 1))
     assert 0.098 < fastest <= 0.1 * 1.001

@@ -10,8 +10,8 @@ from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
 import yarclang
-from tests.independent import Arm
 from yarclang.certify import certify
+from yarclang.independent.arm import Arm
 from yarclang.pipeline.stages import claims_of
 
 PROGRAM = """
@@ -79,7 +79,7 @@ def sampled(f, h, first, last, per_segment=12):
 def test_figures_of_the_blends():
     made = compiled()
     f, h, spans = read(made.text)
-    arm = Arm(made.plan.robot.folder)
+    arm = Arm.in_folder(made.plan.robot.folder)
     assert all(blend for *_, blend in list(spans.values())[:-1])
     commands = {command.step: command for command in made.certificate.commands}
     for step, (corner, rpy) in CORNERS.items():
@@ -106,7 +106,7 @@ def test_figures_of_the_blends():
 def test_the_line_and_the_arc_between_their_blends():
     """By the plain definition: distances from a line, and from a circle and its plane."""
     f, h, spans = read(compiled().text)
-    arm = Arm(compiled().plan.robot.folder)
+    arm = Arm.in_folder(compiled().plan.robot.folder)
     before = spans[0][2]
     first, last, w = spans[1]
     points, _ = arm.poses(sampled(f, h, first + before // 2, last - w // 2))

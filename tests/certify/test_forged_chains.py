@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
-import independent
 import numpy as np
 import pytest
 from floors import exercises
@@ -35,6 +34,9 @@ from tests.certify.test_certify_blends import Q0, START, TIMING, codes, judge, l
 from yarclang import hir
 from yarclang.certify import certify
 from yarclang.certify.pmac.read import read
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import overlaps, shares
+from yarclang.independent.reading import read as read_anew
 from yarclang.pipeline.stages import claims_of
 from yarclang.robot.kinematics.fk import tool_poses
 
@@ -89,21 +91,19 @@ def refused(text, program, claims):
 
 @cache
 def arm():
-    return independent.Arm(robot_of(ROBOT).folder)
+    return Arm.in_folder(robot_of(ROBOT).folder)
 
 
 def broken(text, say, claims):
     """What a text does beyond what is said, by samples: sentences."""
     found = []
-    _, commands = independent.read(text)
-    overlaps = independent.overlaps(text)
+    _, commands = read_anew(text)
+    flowing = overlaps(text)
     points, steps = say["points"], [step for step in sorted(commands) if step]
     for place, step in enumerate(steps):
         done, tol, speed = commands[step], say["tol"][place], say["speeds"][place]
         found += [
-            f"{place} {name} {share}"
-            for name, share in independent.shares(arm(), done).items()
-            if share > 1 + 1e-6
+            f"{place} {name} {share}" for name, share in shares(arm(), done).items() if share > 1 + 1e-6
         ]
         p, turns = arm().poses(done.sample())
         own = slice(max(place - 1, 0), place + 2)
@@ -112,7 +112,7 @@ def broken(text, say, claims):
         off = np.linalg.norm(p[:, None] - a - along[..., None] * (b - a), axis=2).min(axis=1)
         near = np.zeros(len(p), bool)
         for corner in (place - 1, place):
-            if corner >= 0 and overlaps.get(steps[corner]) and say["balls"][corner]:
+            if corner >= 0 and flowing.get(steps[corner]) and say["balls"][corner]:
                 near |= (
                     np.linalg.norm(p - points[corner + 1], axis=1)
                     <= say["balls"][corner] + say["tol"][corner]
@@ -122,7 +122,7 @@ def broken(text, say, claims):
         # nothing turns here
         if (turned := turns.magnitude()).max() > np.radians(max(0.002, tol) * 1.05):
             found.append(f"{place} turned by {turned.max()}")
-        if say["balls"][place] is None or not overlaps.get(step):
+        if say["balls"][place] is None or not flowing.get(step):
             missed = np.linalg.norm(
                 np.vstack([p, arm().poses(commands[steps[min(place + 1, COUNT - 1)]].sample())[0]])
                 - points[place + 1],
@@ -134,7 +134,7 @@ def broken(text, say, claims):
         if went.max() > speed * 1.003:
             found.append(f"{place} at {went.max()}")
         lead, trail = (
-            overlaps.get(one, 0) // 2 * 8 * bool(ball)
+            flowing.get(one, 0) // 2 * 8 * bool(ball)
             for one, ball in (
                 (steps[place - 1], place and say["balls"][place - 1]),
                 (step, say["balls"][place]),

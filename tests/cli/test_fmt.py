@@ -3,10 +3,8 @@
 import re
 from pathlib import Path
 
-import independent
 import numpy as np
 import pytest
-import random_programs
 from click.testing import CliRunner
 from conftest import EXAMPLES
 from floors import exercises
@@ -17,12 +15,14 @@ from programs import compiled
 import yarclang
 import yarclang.syntax.form as form_module
 from yarclang.assist.changes import formatted
+from yarclang.campaign.drawing import drawn
 from yarclang.cli.yarc import main
+from yarclang.independent.arm import Arm
 from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
 from yarclang.syntax.print import print_module
 
-ARM = independent.Arm(load_robot("INDUSTRIAL6").value.folder)
+ARM = Arm.in_folder(load_robot("INDUSTRIAL6").value.folder)
 UGLY = "let a=1!x\nif a=1\np1 movej home [5]   (S)\nend\n"
 NEAT = "LET A = 1  !x\nIF A = 1\n  P1 MOVEJ HOME [5] (s)\nEND\n"
 _MAP_LINE = re.compile(r"^(; command \S+ \S+ \S+ )\d+", re.MULTILINE)
@@ -178,7 +178,7 @@ def without_lines(text):
 @settings(max_examples=12)
 def test_random_programs_compile_to_the_same_text(tally, seed):
     random = np.random.default_rng(seed)
-    text = roughened(random_programs.drawn(ARM, random, most=3).text, random)
+    text = roughened(drawn(ARM, random, most=3).text, random)
     again = yarclang.format(text)
     assert yarclang.format(again) == again
     assert re.findall(r"! note \d+", again) == re.findall(r"! note \d+", text)

@@ -4,7 +4,6 @@ import io
 import json
 from pathlib import Path
 
-import independent
 import numpy as np
 import pytest
 import yaml
@@ -12,9 +11,9 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import codes, robot_of
-from random_programs import drawn
 
 from tests.export.trajectories import both_texts, driven, executed, made_of, read_json, read_yaml
+from yarclang.campaign.drawing import drawn
 from yarclang.cli.yarc import main
 from yarclang.convert.convert import convert
 from yarclang.convert.course import Wishes as ImportWishes
@@ -22,6 +21,7 @@ from yarclang.convert.documents import read_json as read_json_values
 from yarclang.convert.documents import read_yaml as read_yaml_values
 from yarclang.convert.trajectory import content_of_documents
 from yarclang.diagnostics import Collector
+from yarclang.independent.arm import Arm
 from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
 
@@ -102,7 +102,7 @@ def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
 @pytest.mark.parametrize("seed", [7, 19])
 def test_all_kinds_of_motions_at_the_smallest_tolerance(seed, industrial6):
     """Of seed 7, hulls that were cut at other places than those of the choice exceeded the tolerance by 0.05 %."""
-    text = drawn(independent.Arm(industrial6.folder), np.random.default_rng(seed), most=4).text
+    text = drawn(Arm.in_folder(industrial6.folder), np.random.default_rng(seed), most=4).text
     _, made, _ = made_of(text, tolerance=1e-6, straight=True)
     assert len(made.points.time) > 100
     assert 0.99e-6 < made.worst <= 1e-6

@@ -2,7 +2,6 @@
 
 import json
 
-import independent
 import numpy as np
 import yaml
 from programs import compiled
@@ -10,6 +9,7 @@ from scipy.interpolate import BPoly, CubicHermiteSpline
 
 from yarclang.export.ros.exported import Wishes, exported
 from yarclang.export.ros.writing import json_text, yaml_text
+from yarclang.independent.reading import read
 
 _PARTS = {1: ("secs", "nsecs"), 2: ("sec", "nanosec")}
 
@@ -54,7 +54,7 @@ def driven(kind, trajectory, at):
 
 def executed(text, arm_units, stretches):
     """Of each stretch, given as the steps of its motions, dense times [s] and positions [rad or m]; and how long it takes."""
-    _, commands = independent.read(text)
+    _, commands = read(text)
     found = []
     for steps in stretches:
         begin, times, places = 0.0, [], []

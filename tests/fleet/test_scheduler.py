@@ -1,11 +1,13 @@
 """The workers of a dask scheduler that have no disk of this project: the same bytes, whatever ends."""
 
+import json
 import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -164,3 +166,65 @@ def test_differences_in_words(change, words):
     difference = ours.difference(ours._replace(**change))
     assert words in difference
     assert bool(difference) == bool(change)
+
+
+def test_pictures_are_the_same(address, tmp_path, monkeypatch):
+    folder = tmp_path / "project"
+    folder.mkdir()
+    shutil.copytree("stdlib/robots/industrial6", tmp_path / "ours")
+    for name in ("02_lines_and_deltas", "08_machine_tending"):
+        for path in Path("examples").glob(f"{name}.*"):
+            shutil.copy(path, folder)
+    monkeypatch.chdir(tmp_path)
+    for where, arguments in (("here", ["-j", "1"]), ("there", ["--scheduler", address])):
+        made = CliRunner().invoke(
+            yarc, ["plot", "project", "--out-dir", where, *arguments, "--robot", "ours"]
+        )
+        assert made.exit_code == 0, made.output
+        made = CliRunner().invoke(
+            yarc, ["reach", "TRACKED_MANIPULATOR", "ours", "--out-dir", where, *arguments]
+        )
+        assert made.exit_code == 0, made.output
+    assert len(text_files(tmp_path / "here")) == 4
+    assert text_files(tmp_path / "here") == text_files(tmp_path / "there")
+
+
+def test_a_campaign_is_the_same_although_a_worker_is_killed(address, tmp_path, monkeypatch):
+    shutil.copytree("stdlib/robots/industrial6", tmp_path / "ours")
+    monkeypatch.chdir(tmp_path)
+    arguments = [
+        "campaign",
+        "--format",
+        "json",
+        "--robot",
+        "ours",
+        "--robot",
+        "TRACKED_MANIPULATOR",
+        "--programs",
+        "60",
+    ]
+    options = ("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny")
+    third = started(tmp_path / "w3", *options)
+    try:
+        waited(lambda: "Registered to" in (tmp_path / "w3" / "log").read_text())
+        state = tmp_path / "state"
+
+        def kill():
+            waited(lambda: state.exists() and state.read_bytes().count(b"\n") >= 2)
+            third.kill()
+
+        killer = threading.Thread(target=kill)
+        killer.start()
+        there = CliRunner().invoke(yarc, [*arguments, "--scheduler", address, "--state", str(state)])
+        killer.join()
+    finally:
+        third.kill()
+        third.wait()
+    here = CliRunner().invoke(yarc, [*arguments, "-j", "1"])
+    found = []
+    for made in (here, there):
+        assert made.exit_code in (0, 1), made.output
+        found.append(json.loads(made.stdout))
+        del found[-1]["processor_seconds"]
+    assert found[0] == found[1]
+    assert found[0]["programs"] == 60

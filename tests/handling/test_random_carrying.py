@@ -8,10 +8,11 @@ import numpy as np
 from floors import exercises
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from independent import Arm, read
 from scipy.spatial.transform import Rotation
 
 from tests.handling.carrying import PICK, PUT, made
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import read
 from yarclang.robot.library import stdlib_folder
 
 WALL = '\n[[obstacles]]\nname = "WALL"\nshape = "box"\nframe = "B"\nxyz = [{}, {}, {}]\nsize = [{}, {}, {}]\n'
@@ -64,7 +65,7 @@ def test_what_is_certified_is_clear(tmp_path_factory, tally, x, y, z, turn, size
     tally.count("refused", found.value is None)
     if found.value is None:
         return
-    arm = Arm(stdlib_folder() / "robots" / "industrial6")
+    arm = Arm.in_folder(stdlib_folder() / "robots" / "industrial6")
     _, commands = read(found.value.text)
     steps = sorted(commands)
     qs = [commands[step].sample(0) for step in steps]

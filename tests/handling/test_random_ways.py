@@ -9,11 +9,12 @@ import numpy as np
 from floors import exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from independent import Arm, read
 from scipy.spatial.transform import Rotation
 
 from tests.handling.carrying import made
 from tests.handling.test_random_carrying import PRESSED, TOUCHING, WALL, box, gap
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import read
 from yarclang.robot.library import stdlib_folder
 
 OVER, AT = "MOVEL 0 0 120 0 0 0 [1] {FEEDER}", "MOVEL 0 0 0 0 0 0 [1] {FEEDER}"
@@ -89,7 +90,7 @@ def test_every_way_that_is_certified_is_clear(
     tally.count("refused", found.value is None)
     if found.value is None:
         return
-    arm = Arm(stdlib_folder() / "robots" / "industrial6")
+    arm = Arm.in_folder(stdlib_folder() / "robots" / "industrial6")
     _, commands = read(without_starts(found.value.text))
     motions = [at for at, line in enumerate(lines) if line.startswith("MOVE")]
     sampled = dict(zip(motions, (commands[step].sample(0)[::4] for step in sorted(commands)), strict=True))

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from independent import read
 from programs import compiled
 
 from tests.robot.made_arms import made, yarc
 from tests.robot.test_new_robot import DATA
 from tests.robot.trap_arms import poses
+from yarclang.independent.reading import read
 from yarclang.robot.kinematics import flange_poses, reaching
 from yarclang.robot.kinematics.search import within
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from independent import read
 from programs import compiled
 
 from tests.robot.made_arms import made, yarc
 from tests.robot.trap_arms import HAND, X, Y, arm, follows, joint, link, poses, robot, written
+from yarclang.independent.reading import read
 from yarclang.robot.kinematics import flange_poses, reaching
 from yarclang.robot.kinematics.search import within
 

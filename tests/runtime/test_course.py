@@ -5,15 +5,15 @@ Usually 24 programs are run; YARCLANG_RANDOM_RUNS=1000 in the environment runs s
 
 import os
 
-import independent
 import numpy as np
 import pytest
 from floors import Tally
 from programs import robot_of
-from random_programs import drawn
 from runtime.virtual import World
 
 from yarclang.backend_pmac.settings import settings_text
+from yarclang.campaign.drawing import drawn
+from yarclang.independent.arm import Arm
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.settings import items_of
 from yarclang.pipeline.stages import Request, compile_module
@@ -33,7 +33,7 @@ ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 def test_random_programs_run_without_an_alarm(name):
     """Joints, lines, arcs, splines, all laws, BLENDs and outputs; at any segment time, over links of any delay, at any pace."""
     robot = robot_of(name)
-    arm = independent.Arm(robot.folder)
+    arm = Arm.in_folder(robot.folder)
     tally = Tally()
     for seed in range(COUNT // len(ROBOTS)):
         random = np.random.default_rng([17, seed])

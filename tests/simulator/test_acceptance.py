@@ -10,12 +10,13 @@ from types import BuiltinFunctionType, FunctionType, ModuleType
 
 import numpy as np
 import pytest
-from independent import Arm, off_line
 from scipy.spatial.transform import Rotation
 from simulator.machines import EXAMPLES, bare, error, example, feed, lines_of, robot_machine, say
 from simulator.serving import Client, served
 
 from yarclang.backend_pmac.settings import settings_text
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import off_line
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.runtime.pmac.protocol import Ask, Write, Written, fitting
 from yarclang.simulator.machine import Machine
@@ -198,7 +199,7 @@ def goal_of(index, point, rotation):
 @TARGETS
 def test_the_tool_stays_as_near_to_its_line_as_the_certificate_proves(target):
     robot, _, traces = executed("TRACKED_MANIPULATOR", target)
-    arm = Arm(robot.folder)
+    arm = Arm.in_folder(robot.folder)
     lines = [(command, counts) for command, _, counts in traces if command.kind == "line"]
     assert [command.index for command, _ in lines] == ["P0040", "P0050", "P0060"]
     for command, counts in lines:

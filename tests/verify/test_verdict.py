@@ -6,13 +6,13 @@ import sys
 import time
 from pathlib import Path
 
-import independent
 import numpy as np
 import pytest
 from programs import compiled, robot_of
-from random_programs import drawn
 
 from tests.verify.proof_forging import BLENDED, MOTIONS, WAYS, made
+from yarclang.campaign.drawing import drawn
+from yarclang.independent.arm import Arm
 from yarclang.pipeline.proofs import proof_of
 from yarclang.verify import verdict as verdicts
 from yarclang.verify.__main__ import ACCEPTED, REFUSED, UNCHECKED, USAGE, main, status_of
@@ -165,7 +165,7 @@ def test_examples_are_accepted(name):
 @pytest.mark.parametrize("name", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
 def test_what_is_certified_by_chance_is_accepted(name):
     robot = robot_of(name)
-    arm = independent.Arm(robot.folder)
+    arm = Arm.in_folder(robot.folder)
     accepted, decided = 0, set()
     for seed in range(100, 112):
         found, _ = compiled(drawn(arm, np.random.default_rng(seed), most=3).text, robot)

@@ -4,12 +4,12 @@ import copy
 import json
 
 import numpy as np
-from independent import Arm
 from programs import compiled, robot_of
-from random_programs import drawn
 
 from tests.collision.zones.test_zone_programs import cell
+from yarclang.campaign.drawing import drawn
 from yarclang.diagnostics import Result
+from yarclang.independent.arm import Arm
 from yarclang.pipeline.proofs import proof_of
 from yarclang.verify.verdict import verify
 
@@ -30,7 +30,7 @@ def test_zones_by_chance():
         random = np.random.default_rng(seed + 34_000)
         name = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")[seed % 2]
         robot, around = robot_of(name), cell(random)
-        program = drawn(Arm(robot.folder), random, most=2)
+        program = drawn(Arm.in_folder(robot.folder), random, most=2)
         found, _ = compiled(
             'CELL "cell.toml"\n' + program.text, name, load_cell=lambda *_, made=around: Result(made, ())
         )

@@ -108,12 +108,12 @@ def run_option(function: F, *, which: str = "Which run") -> F:
 
 def controller_options(function: F) -> F:
     """Add --to and --robot, for a controller without a run."""
-    from yarclang.cli.options import _robots
+    from yarclang.cli.options import complete_robots
 
     robot = click.option(
         "--robot",
         metavar="NAME|PATH",
-        shell_complete=_robots,
+        shell_complete=complete_robots,
         help="With --to: the robot of the controller.",
     )
     to = click.option(

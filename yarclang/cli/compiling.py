@@ -91,26 +91,30 @@ def _compiled(path: str, task: Task) -> Made:
     return Made(compiled, (*found, *proof.diagnostics), proof.value)
 
 
-def destinations_of(paths: Sequence[str], output: str | None, folder: Path | None) -> dict[str, str]:
-    """Return the path of the text of each program.
+def destinations_of(
+    paths: Sequence[str], output: str | None, folder: Path | None, suffix: str = ".pmc"
+) -> dict[str, str]:
+    """Return the path of the text, or of another result, of each program.
 
     Args:
         paths: programs, and folders of programs.
         output: path of the text of one program.
         folder: where the texts go, those of a folder's programs in the same folders as there; None: beside
             the programs, of which each must be named, so that a slip of the finger writes no files everywhere.
+        suffix: of the results.
 
     Raises:
         click.UsageError: a folder has no program, or it isn't said where the texts of its programs go.
     """
     found: dict[str, str] = {}
+    what = "texts" if suffix == ".pmc" else "pictures"
     for path in paths:
         inside = path not in ("", STANDARD) and os.path.isdir(path)  # noqa: PTH112 (Path.is_dir raises where a folder can't be searched)
         if inside and folder is None:
             raise click.UsageError(
-                f"{path} is a folder: say with --out-dir where the texts of its programs go"
+                f"{path} is a folder: say with --out-dir where the {what} of its programs go"
             )
         for file in programs([path]) if inside else [path]:
             where = folder / os.path.relpath(Path(file).parent, path) if inside and folder else folder
-            found.setdefault(file, output or beside(file, ".pmc", where))
+            found.setdefault(file, output or beside(file, suffix, where))
     return found

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from yarclang.fleet.doing import Doing
     from yarclang.fleet.outcome import Lost
     from yarclang.fleet.reuse import Reuse
-    from yarclang.fleet.spreading import Work
+    from yarclang.fleet.spreading import RacingWork, Work
     from yarclang.fleet.store import Store
 
 R = TypeVar("R")
@@ -89,6 +89,18 @@ class Fleet:
 
         try:
             with workers(work, self._place, lambda _: ()) as do:
+                yield do
+        except UnreachableError as error:
+            raise click.ClickException(str(error)) from None
+
+    @contextmanager
+    def racing_workers(self, work: Callable[[T], R]) -> Iterator[RacingWork[T, R]]:
+        """Give a function that yields each result as soon as it is there; else as `workers`."""
+        from yarclang.fleet.outcome import UnreachableError
+        from yarclang.fleet.spreading import racing_workers
+
+        try:
+            with racing_workers(work, self._place, lambda _: ()) as do:
                 yield do
         except UnreachableError as error:
             raise click.ClickException(str(error)) from None

@@ -14,7 +14,7 @@ from yarclang.emitted.bounds import MOST_SEARCHES
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def _robots(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
+def complete_robots(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
     """Return the robots' names that begin with a text, for completion."""
     from yarclang.robot.library import list_robots
 
@@ -35,7 +35,7 @@ def file_argument(name: str, *, required: bool = True, **settings: Any) -> Calla
 
 def robot_argument(name: str, **settings: Any) -> Callable[[F], F]:
     """Add robots, completed by name."""
-    return click.argument(name, shell_complete=_robots, **settings)
+    return click.argument(name, shell_complete=complete_robots, **settings)
 
 
 def code_argument(name: str, **settings: Any) -> Callable[[F], F]:
@@ -95,7 +95,7 @@ def robot_option(function: F) -> F:
     return click.option(
         "--robot",
         metavar="NAME|PATH",
-        shell_complete=_robots,
+        shell_complete=complete_robots,
         help="A robot of the standard library, or the path of a robot.toml.",
     )(function)
 

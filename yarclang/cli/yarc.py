@@ -24,6 +24,9 @@ _COMMANDS = {
         "view": "Show a program or a run in three dimensions.",
         "place": "Find where a fixture or a part could stand.",
     },
+    "Proving the compiler": {
+        "campaign": "Compile random programs, and judge them by an independent reading.",
+    },
     "Running": {
         "run": "Run a program on a controller, or simulated.",
         "exec": "Run a program without a terminal, events as JSON.",

@@ -35,18 +35,36 @@ class Pool:
         self._busy: dict[Connection, int] = {}
         self._deaths: dict[int, int] = {}
         self._done: dict[int, Any] = {}
+        self._until = 0
+        """Items from this place on wait until earlier results were taken."""
 
     def results(self, items: Sequence[Any]) -> Iterator[Any]:
         """Yield the results for items in order. The results of earlier items were all taken."""
+        made = self._made(items)
+        self._until = _AHEAD * self._number
+        kept: dict[int, Any] = {}
+        for wanted in range(len(items)):
+            while wanted not in kept:
+                number, result = next(made)
+                kept[number] = result
+            self._until = wanted + 1 + _AHEAD * self._number
+            yield kept.pop(wanted)
+
+    def ended(self, items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Yield the place of each item and its result as soon as it is there, in any order; else as `results`."""
+        self._until = len(items)
+        return self._made(items)
+
+    def _made(self, items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         from multiprocessing.connection import wait
 
         self._items, self._waiting, self._deaths, self._done = items, deque(range(len(items))), {}, {}
-        for wanted in range(len(items)):
-            while wanted not in self._done:
-                self._hand_out(wanted)
+        for _ in items:
+            while not self._done:
+                self._hand_out()
                 for line in wait(list(self._busy)):
                     self._take(line)  # type: ignore[arg-type]
-            yield self._done.pop(wanted)
+            yield self._done.popitem()
 
     def end(self) -> None:
         """End all processes."""
@@ -57,9 +75,9 @@ class Pool:
         for process, _ in self._workers.values():
             process.join()
 
-    def _hand_out(self, wanted: int) -> None:
+    def _hand_out(self) -> None:
         """Give items to processes that have none, as long as they aren't too far ahead."""
-        while self._waiting and self._waiting[0] < wanted + _AHEAD * self._number:
+        while self._waiting and self._waiting[0] < self._until:
             idle = next((line for line in self._workers if line not in self._busy), None)
             if idle is None:
                 if len(self._workers) >= self._number:

@@ -75,16 +75,28 @@ class Scheduler:
 
     def results(self, items: Sequence[Any]) -> Iterator[Any]:
         """Yield the results for items in order."""
+        kept: dict[int, Any] = {}
+        wanted = 0
+        for number, result in self.ended(items):
+            kept[number] = result
+            while wanted in kept:
+                yield kept.pop(wanted)
+                wanted += 1
+
+    def ended(self, items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Yield the place of each item and its result as soon as it is there, in any order."""
         done = 0
         if items and not self._common:
             with recorded() as answers:
-                yield self._work(items[0])
+                result = self._work(items[0])
             own = {question_of(CONTENT, path) for path in self._files(items[0])}
             self._common = {question: answer for question, answer in answers.items() if question not in own}
             done = 1
+            yield 0, result
         rest = _Rest(self._client, self._work, items[done:], self._common, self._threads, self._files)
         try:
-            yield from rest.results()
+            for number, result in rest.ended():
+                yield number + done, result
         finally:
             rest.cancel()
 
@@ -164,18 +176,18 @@ class _Rest:
         for question, answer in common.items():
             self._offer(question, answer)
 
-    def results(self) -> Iterator[Any]:
-        """Yield the results in order."""
+    def ended(self) -> Iterator[tuple[int, Any]]:
+        """Yield places and results, as soon as they are there."""
         from distributed import wait
 
-        for wanted in range(len(self._items)):
-            while wanted not in self._done:
+        for _ in self._items:
+            while not self._done:
                 self._hand_out()
                 with self._client.as_current():
                     wait(list(self._under_way), return_when="FIRST_COMPLETED")  # type: ignore[no-untyped-call]
                 for future in [one for one in self._under_way if one.done()]:
                     self._take(future)
-            yield self._done.pop(wanted)
+            yield self._done.popitem()
 
     def cancel(self) -> None:
         """Give up what is under way."""

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from yarclang.fleet.outcome import Lost
 from yarclang.fleet.packing import packed
 from yarclang.fleet.pool import Pool
 from yarclang.parallel import cores
+
+if TYPE_CHECKING:
+    from yarclang.fleet.scheduler import Scheduler
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -39,6 +41,9 @@ class Place(NamedTuple):
 
 Work = Callable[[Sequence[T]], Iterator[R | Lost]]
 """Yields the result for each item, in order; to be called as often as there are items."""
+
+RacingWork = Callable[[Sequence[T]], Iterator[tuple[int, R | Lost]]]
+"""Yields for each item its place and its result, in any order."""
 
 
 def spread(
@@ -64,24 +69,54 @@ def workers(
     Raises:
         UnreachableError: the scheduler can't be used.
     """
+    with _crew(work, place, files) as crew:
+        yield crew.results
+
+
+@contextmanager
+def racing_workers(
+    work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
+) -> Iterator[RacingWork[T, R]]:
+    """Give a function that does `work` for items and yields each result as soon as it is there; else as `workers`."""
+    with _crew(work, place, files) as crew:
+        yield crew.ended
+
+
+@contextmanager
+def _crew(
+    work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
+) -> Iterator[_Here | Pool | Scheduler]:
     if place.scheduler:
         from yarclang.fleet.scheduler import Scheduler
 
         scheduler = Scheduler(work, place.scheduler, files)
         try:
-            yield scheduler.results
+            yield scheduler
         finally:
             scheduler.end()
         return
     number = _processes(place)
     if number < 2:
-        yield partial(map, work)
+        yield _Here(work)
         return
     pool = Pool(packed(work), number)
     try:
-        yield pool.results
+        yield pool
     finally:
         pool.end()
+
+
+class _Here:
+    """This process alone."""
+
+    def __init__(self, work: Callable[[Any], Any]) -> None:
+        self._work = work
+
+    def results(self, items: Sequence[Any]) -> Iterator[Any]:
+        return map(self._work, items)
+
+    def ended(self, items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        return enumerate(map(self._work, items))
 
 
 def _processes(place: Place) -> int:

@@ -5,16 +5,17 @@ import os
 import numpy as np
 import pytest
 from floors import Tally
-from independent import Arm, overlaps, read
 from programs import compiled
-from random_programs import drawn
 
 from tests.collision.test_proof import cell_of
 from tests.collision.test_proof import drawn as drawn_cell
 from tests.collision.zones.clouds import Clouds, drawn_zone, inside
+from yarclang.campaign.drawing import drawn
 from yarclang.cell.model import HalfSpace, Zone
 from yarclang.certify.motion.speed import KEPT
 from yarclang.diagnostics import Result
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import overlaps, read
 from yarclang.robot.description import load_robot
 
 COUNT = int(os.environ.get("YARCLANG_ZONE_PROGRAMS", "6"))
@@ -53,7 +54,7 @@ def look_for_a_violation(tally, seed):
     random = np.random.default_rng(seed + 5008)
     name = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")[seed % 2]
     robot = load_robot(name).value
-    arm, around = Arm(robot.folder), cell(random)
+    arm, around = Arm.in_folder(robot.folder), cell(random)
     program = drawn(arm, random, most=2)
     text = 'CELL "cell.toml"\n' + program.text
     value, found = compiled(text, name, load_cell=lambda *_: Result(around, ()))
@@ -96,7 +97,7 @@ def _has_a_breach(robot, around, text, name, random):
     bare = type(around)(around.source, {}, {}, {}, {}, around.obstacles, (), {})
     value, found = compiled(text, name, load_cell=lambda *_: Result(bare, ()))
     assert value is not None, (found, text)
-    arm, (_, commands) = Arm(robot.folder), read(value.text)
+    arm, (_, commands) = Arm.in_folder(robot.folder), read(value.text)
     clouds = Clouds(robot, around, robot.flange_from_frame["TCP"], random)
     least = np.inf
     for executed in commands.values():

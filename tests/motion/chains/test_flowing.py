@@ -5,10 +5,11 @@ import pytest
 from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from independent import Arm, overlaps, read, shares
 from programs import compiled, robot_of
 from scipy.spatial.transform import Rotation
 
+from yarclang.independent.arm import Arm
+from yarclang.independent.reading import overlaps, read, shares
 from yarclang.motion.chains.flowing.law import Law
 from yarclang.motion.chains.flowing.turns import angle_between, matrices, product, quaternions, steadied
 
@@ -61,7 +62,7 @@ def to_segments(p, a, b):
 
 def looked_at(text, robot, points, speed, ball, tolerance):
     """Hold a text against its way-points; return the mean share of the speed from the first to the last time that it is reached."""
-    arm = Arm(robot_of(robot).folder)
+    arm = Arm.in_folder(robot_of(robot).folder)
     _, commands = read(text)
     corners = np.array(BEGIN[robot]) + points
     radii = overlaps(text)
@@ -192,7 +193,7 @@ def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
     made, found = compiled("\n".join(lines) + "\n")
     assert made is not None, [(one.code, one.message) for one in found if one.is_error]
     assert all(motion.flows for motion in made.plan.motions[1:-1])
-    arm = Arm(robot_of("INDUSTRIAL6").folder)
+    arm = Arm.in_folder(robot_of("INDUSTRIAL6").folder)
     _, commands = read(made.text)
     for step in range(12, 36):
         executed = commands[step]

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.address import SIM, Address, AddressType, trouble_is_said
-from yarclang.cli.options import _robots as complete_robots
-from yarclang.cli.options import format_option
+from yarclang.cli.options import complete_robots, format_option
 
 if TYPE_CHECKING:
     from yarclang.robot.model import Robot

@@ -7,102 +7,84 @@ from typing import Any
 
 import click
 
-from yarclang.cli.options import file_argument, planning_options, tm_option
-from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
+from yarclang.cli.options import file_argument, jobs_option, planning_options, scheduler_option, tm_option
+from yarclang.cli.outputs import STANDARD, refuse_collisions
 
 _FORMATS = ("png", "svg", "pdf")
 
 
 @click.command("plot")
-@file_argument("file", metavar="FILE")
+@file_argument("files", nargs=-1, metavar="FILE...")
 @click.option(
     "-o",
     "--output",
     metavar="OUT",
     help="File to write: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the source).",
 )
+@click.option(
+    "--out-dir",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Folder for the pictures of several programs; those of a folder keep its structure.",
+)
 @planning_options
 @tm_option
-def command(file: str, output: str | None, **planning: Any) -> None:
-    """Draw the motion of a program: joints against their limits, and the tool's path. - reads standard input.
+@jobs_option
+@scheduler_option
+def command(
+    files: tuple[str, ...],
+    output: str | None,
+    out_dir: Path | None,
+    jobs: int | None,
+    scheduler: str,
+    **planning: Any,
+) -> None:
+    """Draw the motions of programs: joints against their limits, and the tool's path. - reads standard input.
 
-    For a run's log (.mcap): planned and actual motion.
+    For a run's log (.mcap): planned and actual motion. A folder, with --out-dir, means all .yarc files in it.
     """
+    if output is not None and out_dir is not None:
+        raise click.UsageError("-o and --out-dir exclude each other")
+    from yarclang.cli.compiling import destinations_of
     from yarclang.report.runs.kind import is_log
 
-    destination = output or beside(file, ".png")
-    format_ = _format(destination)
-    refuse_collisions([file], [(destination, file)])
-    if file != STANDARD and is_log(file):
-        if given := [f"--{name}" for name, value in planning.items() if value is not None]:
-            raise click.UsageError(f"{', '.join(given)}: the log of a run says that itself")
-        picture, what = _run_picture(file, format_)
-    else:
-        picture, what = _program_picture(file, format_, planning)
-    _write(picture, what, destination)
+    destinations = destinations_of(files, output, out_dir, ".png")
+    if len(destinations) > 1 and output is not None:
+        raise click.UsageError("-o names one picture: use --out-dir for several")
+    formats = {file: _format(destination) for file, destination in destinations.items()}
+    refuse_collisions(destinations, [(destination, file) for file, destination in destinations.items()])
+    logs = {file for file in destinations if file != STANDARD and is_log(file)}
+    if logs and (given := [f"--{name}" for name, value in planning.items() if value is not None]):
+        raise click.UsageError(f"{', '.join(given)}: the log of a run says that itself")
+    failed = _draw(destinations, formats, logs, planning, jobs, scheduler)
+    raise SystemExit(1 if failed else 0)
 
 
-def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple[bytes, str]:
-    """Return a program's picture, and a description of it."""
-    from yarclang.cli.show import show_findings
+def _draw(
+    destinations: dict[str, str],
+    formats: dict[str, Any],
+    logs: set[str],
+    planning: dict[str, Any],
+    jobs: int | None,
+    scheduler: str,
+) -> bool:
+    """Draw all files in their order; return True if one of them has no picture."""
+    from yarclang.cli.fleet import Fleet
+    from yarclang.cli.pictures import draw_programs, draw_run, put
     from yarclang.cli.work import Progress, options_from
-    from yarclang.diagnostics import has_errors, in_order
-    from yarclang.pipeline.checking import settled_in_folder
-    from yarclang.pipeline.inputs import open_program
-    from yarclang.pipeline.stages import plan_module
-    from yarclang.report.finding import count_text
 
-    name = "<stdin>" if file == STANDARD else file
+    failed = False
     with Progress() as progress:
-        opened = open_program(file, options_from(planning))
-        diagnostics, plan = opened.diagnostics, None
-        if opened.value is not None:
-            planned = plan_module(opened.value.module, opened.value.request)
-            folder = Path.cwd() if file == STANDARD else Path(file).parent
-            diagnostics = settled_in_folder(
-                (*diagnostics, *planned.diagnostics), opened.value.module.source, folder, opened.value
-            )
-            plan = planned.value
+        progress.file(0, len(destinations))
+        programs = [(file, formats[file]) for file in destinations if file not in logs]
+        made = draw_programs(programs, options_from(planning), Fleet(jobs, scheduler))
+        for number, (file, destination) in enumerate(destinations.items(), 1):
+            drawn = draw_run(file, formats[file]) if file in logs else next(made)
+            progress.pause()
+            failed |= not put(drawn, destination)
+            progress.file(number, len(destinations))
         progress.pause()
-        show_findings(in_order(diagnostics))
-        if plan is None or has_errors(diagnostics):
-            click.echo(f"{name}: {count_text(in_order(diagnostics)) or 'no motion'}; nothing drawn", err=True)
-            raise SystemExit(1)
-        from yarclang.report.pictures.plot import draw
-
-        return draw(plan, format_), f"{name}: {plan.lasting.text()}"
-
-
-def _run_picture(file: str, format_: Any) -> tuple[bytes, str]:
-    """Return a run's picture, and a description of it."""
-    from yarclang.cli.show import show_findings
-    from yarclang.report.runs.log import read_run
-    from yarclang.report.runs.planned import planned_motion
-
-    run = read_run(file)
-    show_findings(run.diagnostics)
-    if run.value is not None:
-        planned = planned_motion(run.value)
-        show_findings(planned.diagnostics)
-        if planned.value is not None:
-            from yarclang.report.runs.plot import draw_run
-
-            return draw_run(run.value, planned.value, format_), f"{file}: a run of {run.value.end:.3f} s"
-    click.echo(f"{file}: nothing drawn", err=True)
-    raise SystemExit(1)
-
-
-def _write(picture: bytes, what: str, destination: str) -> None:
-    from yarclang.cli.show import show_findings
-    from yarclang.cli.work import write_whole
-
-    if destination == STANDARD:
-        click.echo(picture, nl=False)
-    elif faults := write_whole(Path(destination), picture):
-        show_findings(faults)
-        raise SystemExit(1)
-    where = "standard output" if destination == STANDARD else destination
-    click.echo(f"{what} drawn to {where}", err=True)
+    return failed
 
 
 def _format(destination: str) -> Any:

@@ -6,33 +6,68 @@ from pathlib import Path
 
 import click
 
-from yarclang.cli.options import robot_argument
+from yarclang.cli.options import jobs_option, robot_argument, scheduler_option
 
 
 @click.command("reach")
-@robot_argument("robot", metavar="[FOLDER|robot.toml|NAME]", default=".")
+@robot_argument("robots", nargs=-1, metavar="[FOLDER|robot.toml|NAME]...")
 @click.option(
     "-o", "--output", metavar="OUT", help="The picture, a .png (default: NAME.reach.png in this folder)."
 )
-def command(robot: str, output: str | None) -> None:
-    """Draw where a robot can hold its flange, and in how many orientations, from the side and from above.
+@click.option(
+    "--out-dir",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Folder for the pictures (default: this folder).",
+)
+@jobs_option
+@scheduler_option
+def command(
+    robots: tuple[str, ...], output: str | None, out_dir: Path | None, jobs: int | None, scheduler: str
+) -> None:
+    """Draw where robots can hold their flanges, and in how many orientations, from the side and from above.
 
     The picture shows errors of a URDF: with missing joints there are few orientations, or a thin shell.
     """
-    from yarclang.cli.show import show_findings
-    from yarclang.cli.work import write_whole
-    from yarclang.robot.description import load_robot
-
+    names = tuple(dict.fromkeys(robots)) or (".",)
     if output is not None and not output.lower().endswith(".png"):
         raise click.BadParameter("only .png can be drawn", param_hint="-o")
-    loaded = load_robot(robot)
-    if loaded.value is None:
-        show_findings(loaded.diagnostics)
-        raise SystemExit(1)
-    from yarclang.report.pictures.held import draw_held
+    if output is not None and (out_dir is not None or len(names) > 1):
+        raise click.UsageError("-o names one picture: use --out-dir for several")
+    destinations = _destinations(names, output, out_dir or Path())
+    from yarclang.cli.fleet import Fleet
+    from yarclang.cli.pictures import draw_robots, put
+    from yarclang.cli.work import Progress
 
-    destination = Path(output or f"{loaded.value.name.lower()}.reach.png")
-    if faults := write_whole(destination, draw_held(loaded.value, "png")):
-        show_findings(faults)
-        raise SystemExit(1)
-    click.echo(f"{loaded.value.name}: where the flange can be held drawn to {destination}", err=True)
+    failed = len(destinations) < len(names)
+    with Progress() as progress:
+        made = draw_robots(list(destinations), Fleet(jobs, scheduler))
+        for number, (destination, drawn) in enumerate(zip(destinations.values(), made, strict=True), 1):
+            progress.pause()
+            failed |= not put(drawn, destination)
+            progress.file(number, len(destinations))
+    raise SystemExit(1 if failed else 0)
+
+
+def _destinations(names: tuple[str, ...], output: str | None, folder: Path) -> dict[str, str]:
+    """Return the path of each robot's picture; a robot that can't be read has findings, and none.
+
+    Raises:
+        click.UsageError: two robots have the same name.
+    """
+    from yarclang.cli.show import show_findings
+    from yarclang.robot.description import load_robot
+
+    found: dict[str, str] = {}
+    for name in names:
+        loaded = load_robot(name)
+        if loaded.value is None:
+            show_findings(loaded.diagnostics)
+            continue
+        destination = output or str(folder / f"{loaded.value.name.lower()}.reach.png")
+        if destination in found.values():
+            raise click.UsageError(
+                f"two robots are named {loaded.value.name}: draw them into different folders"
+            )
+        found[name] = destination
+    return found

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.controller_options import inputs_option
-from yarclang.cli.options import _robots as complete_robots
-from yarclang.cli.options import cell_option
+from yarclang.cli.options import cell_option, complete_robots
 from yarclang.cli.parameter import ParamType
 
 if TYPE_CHECKING:

@@ -1,15 +1,21 @@
 """What programs say, read anew: the programmed paths as dense polylines, and how far an executed motion is from them.
 
-As tests/independent.py it shares nothing with yarclang. A place of the moving frame is a vector: its position [mm] and its rotation
-matrix, each in units of its tolerance, so that one distance stands for both; joint positions are vectors as they are.
+A place of the moving frame is a vector: its position [mm] and its rotation matrix, each in units of its tolerance, so that one distance stands for both; joint
+positions are vectors as they are.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation, Slerp
+
+from yarclang.independent.arm import Arm, Array
+from yarclang.independent.timetable import Timetable
 
 DENSE, SHORT = 3000, 10.0
 """Points of a polyline; of a path that gets no farther than so [mm], a tenth of them."""
@@ -20,48 +26,53 @@ TURN_CHORD = 100.0
 
 @dataclass
 class Said:
-    """What one motion says: `kind` is joints, joint_spline, timed, line, arc or pose_spline; goals are joint positions (deg, mm) or poses.
+    """What a motion says: `kind` is joints, joint_spline, timed, line, arc or pose_spline; goals are joint positions (deg, mm) or poses.
 
-    A pose is (x y z [mm], Rotation). Increments are worked out by `goal_from`.
+    A pose is (x y z [mm], Rotation). Increments are worked out by `goals_from`.
     """
 
     kind: str
-    goals: list
-    via: np.ndarray | None = None
+    goals: list[Any]
+    via: Array | None = None
     relative: bool = False
     profile: str = "LSPB"
     time: str = "[MIN]"
     blend: float | None = None
     acc: float = 1.0
     tol: float | None = None
-    table: object = None
+    table: Timetable | None = None
     """The table of a timed motion, and the factor of all its times."""
     stretch: float = 1.0
 
     @property
-    def in_joints(self):
+    def in_joints(self) -> bool:
+        """True if the motion is said of joints."""
         return self.kind in ("joints", "joint_spline", "timed")
 
     @property
-    def seconds(self):
+    def seconds(self) -> float | None:
+        """Return the time that is asked for [s]; None without one."""
         inside = self.time[1:-1]
         return None if inside == "MIN" or "%" in inside or "V" in inside else float(inside)
 
     @property
-    def speed(self):
+    def speed(self) -> float | None:
+        """Return the speed that is asked for [mm/s]; None without one."""
         return float(self.time[2:-1]) if self.time.startswith("[V ") else None
 
     @property
-    def ceiling(self):
+    def ceiling(self) -> float | None:
+        """Return the largest speed that is allowed [mm/s]; None without one."""
         return float(self.time[4:-1]) if self.time.startswith("[V<=") else None
 
     @property
-    def share(self):
+    def share(self) -> float:
+        """Return the share of the limits that the motion may use."""
         return float(self.time[1:-2]) / 100.0 if "%" in self.time else 1.0
 
 
-def goals_from(arm, said, start):
-    """The goals of a motion from joint position `start`, increments added."""
+def goals_from(arm: Arm, said: Said, start: Array) -> list[Any]:
+    """Return the goals of a motion from joint position `start`, increments added."""
     if not said.relative:
         return said.goals
     (goal,) = said.goals
@@ -71,8 +82,8 @@ def goals_from(arm, said, start):
     return [(point + turns[0].apply(goal[0]), turns[0] * goal[1])]
 
 
-def path(arm, said, start, goals, way_points):
-    """The programmed path as a polyline (M, d): of joint positions, or of places as `embedded` makes them.
+def path(arm: Arm, said: Said, start: Array, goals: list[Any], way_points: Array) -> Array:
+    """Return the programmed path as a polyline (M, d): of joint positions, or of places as `embedded` makes them.
 
     `way_points` are the joint positions that were chosen for the goals.
     """
@@ -84,19 +95,20 @@ def path(arm, said, start, goals, way_points):
     return embedded(arm, said, *_of_frame(said, first, turns[0], goals))
 
 
-def embedded(arm, said, points, rotations):
-    """Poses as vectors (N, 12) in units of the motion's tolerance."""
+def embedded(arm: Arm, said: Said, points: Array, rotations: Any) -> Array:
+    """Return poses as vectors (N, 12) in units of the motion's tolerance."""
     tolerance = arm.data["tolerance"]
     # a degree for each millimetre of TOL, if that is more
     angle = max(tolerance["angle"], said.tol or 0.0)
     turns = rotations.as_matrix().reshape(-1, 9) / np.sqrt(2.0) / np.radians(angle)
-    return np.concatenate((points / (said.tol or tolerance["position"]), turns), axis=1)
+    places: Array = np.concatenate((points / (said.tol or tolerance["position"]), turns), axis=1)
+    return places
 
 
-def nearest(samples, polyline):
-    """The point of a polyline nearest to each sample."""
+def nearest(samples: Array, polyline: Array) -> Array:
+    """Return the point of a polyline nearest to each sample."""
     at = cKDTree(polyline).query(samples)[1]
-    best = polyline[at]
+    best: Array = polyline[at]
     far = np.linalg.norm(samples - best, axis=1)
     for piece in (at - 1, at):
         low = np.clip(piece, 0, len(polyline) - 2)
@@ -109,19 +121,20 @@ def nearest(samples, polyline):
     return best
 
 
-def off(arm, said, samples, polyline):
-    """How far samples (N, n) are from a path, as shares of the tolerance (N,)."""
+def off(arm: Arm, said: Said, samples: Array, polyline: Array) -> Array:
+    """Return how far samples (N, n) are from a path, as shares of the tolerance (N,)."""
     tolerance = arm.data["tolerance"]
     if said.in_joints:
         each = np.where(arm.slides, tolerance["position"], tolerance["angle"])
-        return np.abs((samples - nearest(samples, polyline)) / each).max(axis=1)
+        shares: Array = np.abs((samples - nearest(samples, polyline)) / each).max(axis=1)
+        return shares
     places = embedded(arm, said, *arm.poses(samples))
     miss = places - nearest(places, polyline)
-    return np.maximum(np.linalg.norm(miss[:, :3], axis=1), np.linalg.norm(miss[:, 3:], axis=1))
+    return np.asarray(np.maximum(np.linalg.norm(miss[:, :3], axis=1), np.linalg.norm(miss[:, 3:], axis=1)))
 
 
-def _of_frame(said, first, turn, goals):
-    """Positions [mm] and rotations along a path of the moving frame, densely."""
+def _of_frame(said: Said, first: Array, turn: Any, goals: list[Any]) -> tuple[Array, Any]:
+    """Return positions [mm] and rotations along a path of the moving frame, densely."""
     short = np.linalg.norm(goals[-1][0] - first) < SHORT
     s = np.linspace(0.0, 1.0, DENSE // 10 if short else DENSE)
     if said.kind == "pose_spline":
@@ -130,10 +143,11 @@ def _of_frame(said, first, turn, goals):
     turns = Slerp([0, 1], Rotation.concatenate([turn, rotation]))(s)
     if said.kind == "line":
         return first + s[:, None] * (point - first), turns
+    assert said.via is not None
     return _arc(first, said.via, point, s), turns
 
 
-def _arc(first, via, last, s):
+def _arc(first: Array, via: Array, last: Array, s: Array) -> Array:
     normal = np.cross(via - first, last - first)
     normal /= np.linalg.norm(normal)
     # as far from the first as from the two others, and in their plane
@@ -143,10 +157,11 @@ def _arc(first, via, last, s):
     x = first - centre
     y = np.cross(normal, x)
     sweep = np.arctan2((last - centre) @ y, (last - centre) @ x) % (2 * np.pi)
-    return centre + np.cos(s * sweep)[:, None] * x + np.sin(s * sweep)[:, None] * y
+    points: Array = centre + np.cos(s * sweep)[:, None] * x + np.sin(s * sweep)[:, None] * y
+    return points
 
 
-def _pose_spline(first, turn, goals, s):
+def _pose_spline(first: Array, turn: Any, goals: list[Any], s: Array) -> tuple[Array, Any]:
     points, quaternions = [first], [turn.as_quat()]
     steps = []
     for point, rotation in goals:
@@ -167,8 +182,8 @@ def _pose_spline(first, turn, goals, s):
     return placed, Rotation.from_quat(turned)
 
 
-def _joint_spline(points, si):
-    """The natural spline over the chord in rad and m."""
+def _joint_spline(points: Array, si: Array) -> Array:
+    """Return the natural spline over the chord in rad and m."""
     keep = [0]
     for number in range(1, len(points)):
         if np.linalg.norm((points[number] - points[keep[-1]]) * si) > 1e-9:
@@ -177,4 +192,5 @@ def _joint_spline(points, si):
     if len(points) == 1:
         return np.repeat(points, 2, axis=0)
     knots = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points * si, axis=0), axis=1))))
-    return CubicSpline(knots, points, bc_type="natural")(np.linspace(0.0, knots[-1], DENSE))
+    curve: Array = CubicSpline(knots, points, bc_type="natural")(np.linspace(0.0, knots[-1], DENSE))
+    return curve

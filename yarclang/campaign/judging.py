@@ -1,0 +1,183 @@
+"""Draw random programs, compile them, and judge what comes out."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from yarclang.campaign.chains import drawn_chain
+from yarclang.campaign.drawing import Drawn, drawn, features
+from yarclang.campaign.pieces import Piece
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
+from yarclang.independent.arm import Arm
+from yarclang.independent.judging import judge
+from yarclang.internal_errors import internal_error
+from yarclang.memory import NO_MEMORY
+from yarclang.pipeline.cells import cell_loader
+from yarclang.pipeline.project import Project
+from yarclang.pipeline.sources import NO_TEXTS
+from yarclang.pipeline.stages import Compiled, Request, compile_module
+from yarclang.robot.description import load_robot
+from yarclang.robot.model import Robot
+from yarclang.source import SourceFile
+from yarclang.syntax.parse import parse
+
+MOST = 6
+"""Largest number of motions that are drawn for a program that is no chain."""
+
+CHAINS = 20
+"""One of so many programs is a chain of short pieces."""
+
+CERTIFICATE = "11"
+"""Family of findings about a text: the compiler writes none that has one."""
+
+
+@frozen
+class Task:
+    """What is drawn for.
+
+    Attributes:
+        robots: names or paths of the robots.
+        cell: path of a cell.toml; None without one.
+    """
+
+    robots: tuple[str, ...]
+    cell: str | None = None
+
+    def robot_of(self, seed: int) -> str:
+        """Return the robot of a program."""
+        return self.robots[seed % len(self.robots)]
+
+
+@frozen
+class Program:
+    """A drawn program, and what became of it.
+
+    Attributes:
+        seed: of the program.
+        robot: its name or path.
+        text: of the program.
+        refused: code of the first error of a program that doesn't compile; empty if it compiles.
+        faults: what is wrong, as sentences.
+        worst: the largest shares of what is allowed, by name, as `independent.judging.Judgement`.
+        duration: time of all motions [s].
+        features: for each motion, what it is.
+    """
+
+    seed: int
+    robot: str
+    text: str
+    refused: str
+    faults: tuple[str, ...]
+    worst: dict[str, float]
+    duration: float
+    features: tuple[tuple[str, ...], ...]
+
+
+def judged_chunk(chunk: tuple[int, int], task: Task) -> Piece:
+    """Draw and judge the programs of a chunk: its first seed, and their number."""
+    first, count = chunk
+    begin = process_time()
+    piece = Piece(first, count)
+    robots = {name: _robot(name) for name in task.robots}
+    for seed in range(first, first + count):
+        one = judged_program(seed, task, robots[task.robot_of(seed)])
+        piece.add(seed, one.robot, one.refused, one.faults, one.worst, one.duration, one.features)
+    piece.seconds = process_time() - begin
+    return piece
+
+
+def _robot(name: str) -> Robot:
+    robot = load_robot(name).value
+    assert robot is not None  # it was read when the campaign began
+    return robot
+
+
+def judged_program(seed: int, task: Task, robot: Robot | None = None) -> Program:
+    """Draw and judge the program of a seed; its robot is read if it isn't given."""
+    name = task.robot_of(seed)
+    robot = robot or _robot(name)
+    arm = arm_of(robot)
+    random = np.random.default_rng(seed)
+    # the robots take turns in seeds, so chains are counted in turns of all robots
+    is_chain = seed // len(task.robots) % CHAINS == CHAINS - 1
+    program = drawn_chain(arm, random) if is_chain else drawn(arm, random, MOST)
+    refused, faults, worst, duration = _judged(program, seed, robot, arm, task.cell)
+    said = tuple(names for _, names in features(program))
+    return Program(seed, name, program.text, refused, faults, worst, duration, said)
+
+
+def arm_of(robot: Robot) -> Arm:
+    """Return a robot as the independent reading knows it.
+
+    Raises:
+        ValueError: the reading needs something that the robot's files don't say.
+    """
+    if robot.written is None:
+        raise ValueError("its files aren't known")
+    return _arm(robot.written.toml, robot.written.urdf)
+
+
+@lru_cache(maxsize=16)
+def _arm(description: str, urdf: str) -> Arm:
+    try:
+        arm = Arm(description, urdf)
+        if len(arm.data["positions"]["HOME"]) != len(arm.lower):
+            raise ValueError("HOME has another number of joints")
+    except KeyError as error:
+        raise ValueError(f"it says no {error.args[0]}") from None
+    return arm
+
+
+def _judged(
+    program: Drawn, seed: int, robot: Robot, arm: Arm, cell: str | None
+) -> tuple[str, tuple[str, ...], dict[str, float], float]:
+    """Compile a program, and return the code of its refusal, faults, worst shares and duration."""
+    source = SourceFile(f"seed-{seed}.yarc", program.text)
+    try:
+        made = _compiled(source, robot, cell)
+    except Exception as error:  # a bug of ours, which is looked for here
+        return "", (internal_error(error, source).message,), {}, 0.0
+    errors = [one for one in made.diagnostics if one.is_error]
+    faults = [f"{one.code}: {one.message}" for one in errors if one.family == CERTIFICATE]
+    if made.value is None:
+        if not errors:
+            faults.append("it isn't compiled, and no error says why")
+        return ("" if faults else errors[0].code), tuple(faults), {}, 0.0
+    faults += [f"{one.code}, and yet it is compiled: {one.message}" for one in errors]
+    chosen = {motion.step: motion.waypoints for motion in made.value.plan.motions}
+    try:
+        found = judge(arm, program.said, made.value.text, chosen, told_by_step(made.diagnostics))
+    except Exception as error:  # a text that can't be read
+        fault = f"the text can't be judged: {type(error).__name__}: {error}"
+        return "", (*faults, fault), {}, 0.0
+    return "", (*faults, *found.faults), found.worst, found.duration
+
+
+def _compiled(source: SourceFile, robot: Robot, cell: str | None) -> Result[Compiled]:
+    parsed = parse(source)
+    assert parsed.value is not None  # parsing always gives a tree
+    given = None
+    loader = cell_loader(Path(), robot, NO_TEXTS, NO_MEMORY)
+    if cell is not None:
+        given = loader.given(Project(Path()), cell).value
+    made = compile_module(parsed.value, Request(robot, load_cell=loader, cell=given))
+    return Result(made.value, (*parsed.diagnostics, *made.diagnostics))
+
+
+def told_by_step(diagnostics: Iterable[Diagnostic]) -> dict[int, set[str]]:
+    """Return the codes of findings by the step of their command, which its index tells."""
+    told: dict[int, set[str]] = {}
+    for one in diagnostics:
+        if one.span is None or one.source is None:
+            continue
+        index = re.match(r"P(\d+) ", one.source.line(one.span.line))
+        if index:
+            told.setdefault(max(int(index[1]) // 10 - 1, 0), set()).add(one.code)
+    return told

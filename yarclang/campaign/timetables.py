@@ -1,0 +1,70 @@
+"""Timetables drawn by chance, such as other makers' planners give them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.independent.arm import Arm, Array
+from yarclang.independent.timetable import Timetable
+
+KINDS = ("positions", "velocities", "accelerations")
+"""What rows have besides their times: positions alone, also velocities, also accelerations."""
+
+
+def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None = None) -> Timetable:
+    """Draw a table from `start`, or about the middle of an arm's home: joints that go to and fro, or along one
+    line with ramps, sampled about every 0.1 s.
+
+    Its peaks of velocity and acceleration are between a third and one and a half times the limits.
+    """
+    home = np.array(arm.data["positions"]["HOME"], float)
+    room = np.minimum(np.minimum(arm.upper - home, home - arm.lower), 60.0)
+    if start is None:
+        start = np.round(home + random.uniform(-0.4, 0.4, len(home)) * room, 4)
+    else:
+        # other motions of the program shall not be refused with it
+        room = np.minimum(np.minimum(arm.upper - start, start - arm.lower), 25.0)
+    way = random.uniform(-0.5, 0.5, len(home)) * room
+    if random.random() < 0.5:
+        shares, rates, bends = _swinging(random)
+    else:
+        shares, rates, bends = _ramped(random)
+    peaks = np.abs(way) * np.abs(rates).max(), np.abs(way) * np.abs(bends).max()
+    # so long that the sharpest joint uses a share of its limits
+    duration = max((peaks[0] / arm.velocity).max(), np.sqrt((peaks[1] / arm.acceleration).max()))
+    duration /= random.uniform(0.3, 1.5)
+    count = max(3, round(duration / random.uniform(0.05, 0.2)))
+    at = np.linspace(0.0, 1.0, count + 1)[1:]
+    if random.random() < 0.3:
+        at[:-1] += random.uniform(-0.3, 0.3, count - 1) / count
+    place = np.round(at * (len(shares) - 1)).astype(int)
+    times = np.round(at * duration, 4)
+    rows = np.round(start + shares[place, None] * way, 4)
+    velocities: Array | None = None
+    accelerations: Array | None = None
+    if kind != "positions":
+        velocities = np.round(rates[place, None] * way / duration, 4)
+        velocities[-1] = 0.0
+    if kind == "accelerations":
+        accelerations = np.round(bends[place, None] * way / duration**2, 4)
+    return Timetable(start, times, rows, velocities, accelerations)
+
+
+def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Return a share of a way over time that goes to and fro, with two derivatives; all are 0 at both ends."""
+    u = np.linspace(0.0, 1.0, 20_001)
+    turns = random.integers(1, 4)
+    window = u**3 * (1 - u) ** 3 * 64.0
+    share = window * np.cos(np.pi * turns * u)
+    first = np.gradient(share, u, edge_order=2)
+    return share, first, np.gradient(first, u, edge_order=2)
+
+
+def _ramped(random: np.random.Generator) -> tuple[Array, Array, Array]:
+    """Return a share of a way over time with a constant acceleration, a cruise, and a constant deceleration."""
+    u = np.linspace(0.0, 1.0, 20_001)
+    ramp = random.uniform(0.15, 0.45)
+    bend = np.where(u < ramp, 1.0, np.where(u > 1 - ramp, -1.0, 0.0)) / (ramp * (1 - ramp))
+    rate = np.minimum(np.minimum(u, 1 - u), ramp) / (ramp * (1 - ramp))
+    share = np.concatenate(([0.0], np.cumsum((rate[1:] + rate[:-1]) / 2.0) * u[1]))
+    return share, rate, bend

@@ -97,3 +97,15 @@ def test_another_duration_of_ways_is_refused():
         other = f"{float(Fraction(one) + Fraction(by)):.3f}"
         assert "another duration" in refused_text(WAYS, text.replace(said, said.replace(one, other, 1)))
     assert "another duration" in refused_text(WAYS, text.replace(said, said.replace(f"{least} to ", "", 1)))
+
+
+@pytest.mark.parametrize(("said", "is_refused"), [("1.000", False), ("1.001", True), ("0.999", True)])
+def test_a_single_duration_is_held_to_its_last_digit(said, is_refused):
+    course = Course(0)
+    course.items[:] = [Item("dwell", 1, "1000")]
+    course.text.duration = f"{said} s, segments of 50 ms"
+    if is_refused:
+        with pytest.raises(RefusedError, match="another duration"):
+            check_duration(course.text)
+    else:
+        check_duration(course.text)

@@ -1,4 +1,4 @@
-"""Find what is inside closed triangles, by the triangles along straight lines."""
+"""Find what is inside closed triangles, by the triangles along straight lines through them."""
 
 from __future__ import annotations
 
@@ -92,7 +92,8 @@ def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
     slopes = slack * (1.0 + across**2 / np.abs(area))
     if (np.abs(height) <= slopes).any():
         return None
-    return np.sign(area[height > 0.0])
+    found: Array = np.sign(area[height > 0.0])
+    return found
 
 
 def filled(triangles: Array, low: Array, high: Array, count: int) -> tuple[NDArray[np.bool_], Array]:

@@ -76,12 +76,13 @@ def _of_text(content: bytes) -> Array | str:
     for number, row in enumerate(rows):
         if len(row) != width:
             return f"has {width} values in its first row, and {len(row)} in row {number + 1}"
+    values = []
     for number, row in enumerate(rows):
         found = numbers(b" ".join(one.strip() or b"nan" for one in row))
         if found is None or len(found) != width:
             return f"has a value in row {number + 1} that isn't a number"
-        rows[number] = found
-    return np.array(rows)
+        values.append(found)
+    return np.array(values)
 
 
 def below(heights: Array, spacing: float, every: int, most: int) -> Array | TooMany:

@@ -6,12 +6,12 @@ import re
 from collections import Counter
 from dataclasses import dataclass, field
 
-import independent
 import numpy as np
 from programs import compiled, robot_of
-from random_programs import drawn
 
+from yarclang.campaign.drawing import drawn
 from yarclang.certify.certifying import certify
+from yarclang.independent.arm import Arm as IndependentArm
 from yarclang.pipeline.proofs import proof_of
 from yarclang.pipeline.stages import claims_of
 from yarclang.robot.model import Tolerance
@@ -99,7 +99,7 @@ CHANGES = {one.__name__: one for one in (moved, moved, moved, exchanged, scaled,
 def try_program(name, seed, tried, changes=4):
     """Compile a random program; compare both verdicts about its text and about changed ones."""
     random = np.random.default_rng([name == "INDUSTRIAL6", seed])
-    program = drawn(independent.Arm(robot_of(name).folder), random, most=3)
+    program = drawn(IndependentArm(robot_of(name).folder), random, most=3)
     found, _ = compiled(program.text, name)
     tried.counts["drawn"] += 1
     if found is None:

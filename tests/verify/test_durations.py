@@ -7,7 +7,7 @@ import pytest
 
 from tests.verify.proof_forging import WAYS, made, refused_text
 from yarclang.lasting import schedule_of
-from yarclang.verify.course import check_duration, span_of
+from yarclang.verify.course import Ways, check_duration, span_of
 from yarclang.verify.exact import RefusedError
 from yarclang.verify.reader import Item, Text
 
@@ -109,3 +109,21 @@ def test_a_single_duration_is_held_to_its_last_digit(said, is_refused):
             check_duration(course.text)
     else:
         check_duration(course.text)
+
+
+def test_ways_that_end_need_not_end_at_one_place():
+    def differ(one, other, line):
+        raise RefusedError(f"line {line}: {one} and {other}")
+
+    ways = Ways(0, differ)
+    for place in (1, 2):
+        ways.passes("when", place)
+        ways.at = place
+        ways.passes("abort", place)
+        assert ways.at is None
+        ways.passes("end", place)
+    assert (ways.at, ways.ended) == (0, [1, 2])
+    ways.passes("when", 3)
+    ways.at = 3
+    with pytest.raises(RefusedError, match="line 3: 3 and 0"):
+        ways.passes("end", 3)

@@ -5,6 +5,7 @@ from bisect import bisect
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise
 from typing import Any
 
@@ -77,12 +78,12 @@ class Ways:
 
     Attributes:
         at: what is known here; None if no way leads here.
-        ended: what is known where ways have ended before the text does.
+        ended: what is known at each place where ways end before the text does. These needn't agree.
     """
 
     def __init__(self, at: Any, merge: Callable[[Any, Any, int], Any]) -> None:
         self.at: Any = at
-        self.ended: Any = None
+        self.ended = list[Any]()
         self.open, self._merge = list[_Open](), merge
 
     def _either(self, one: Any, other: Any, line: int) -> Any:
@@ -95,7 +96,8 @@ class Ways:
         if kind in ("when", "loop"):
             self.open.append(_Open(kind == "loop", self.at, None if kind == "loop" else self.at))
         elif kind in ("stop", "abort"):
-            self.ended, self.at = self._either(self.ended, self.at, line), None
+            self.ended += [] if self.at is None else [self.at]
+            self.at = None
         elif kind in ("else", "end", "endloop"):
             one = self.open[-1] if self.open else _Open(False, None)
             own = bool(self.open) and one.loop == (kind == "endloop")
@@ -231,7 +233,7 @@ Span = tuple[Fraction, Fraction, int, int]
 """Least and most known time [s], fewest and most waits, over all ways to a place."""
 
 
-def _widest(one: Span, other: Span, _: int = 0) -> Span:
+def _widest(one: Span, other: Span, *_: int) -> Span:
     """Return the span of two sets of ways to a place."""
     return min(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), max(one[3], other[3])
 
@@ -257,11 +259,12 @@ def span_of(text: Text) -> tuple[Span, bool]:
         if again is not None:
             loops = True
             if ways.at is None:
-                ways.ended = _widest(ways.ended or again, again)
+                ways.ended.append(again)
             else:
                 ways.at = ways.at[0], max(ways.at[1], again[1]), ways.at[2], max(ways.at[3], again[3])
-    need(ways.at is not None or ways.ended is not None, "the text has no way to its end")
-    return _widest(ways.at or ways.ended, ways.ended or ways.at), loops
+    ends = ways.ended if ways.at is None else [*ways.ended, ways.at]
+    need(bool(ends), "the text has no way to its end")
+    return reduce(_widest, ends), loops
 
 
 def check_duration(text: Text) -> None:

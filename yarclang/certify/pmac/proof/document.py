@@ -25,6 +25,7 @@ from yarclang.decisions import bits_of
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.verify.course import follow
+from yarclang.verify.exact import RefusedError
 from yarclang.verify.reader import read
 from yarclang.verify.verdict import FORM, verify
 
@@ -66,7 +67,10 @@ def proof_of(
         raise NoProofError("the text isn't the program's")
     controller = turbo_pmac(robot)
     told = read(text, list(controller.axes), list(controller.motors), controller.coordinate_system)
-    rows, course = follow(told)
+    try:
+        rows, course = follow(told)
+    except RefusedError as refusal:
+        raise NoProofError(f"the checker doesn't follow this text: {refusal}") from None
     judged = Judged(robot, tolerance, claims, lambda *_: None)
     steps, motions = [{"title": entry.title} for entry in told.entries], dict[str, Any]()
     if layout.places:

@@ -33,7 +33,7 @@ def test_a_table(slider):
     text = f"{NAMES}\n0.25,10,0,0,0,0\n"
     assert numbers(program(slider, "a.csv", text, "cm,deg")).tolist() == [[2.5, 10, 0, 0, 0, 0]]
     found = convert(SourceFile("a.csv", text), slider, Wishes(units=units("deg"))).diagnostics
-    assert [(one.code, "unit j1 is" in one.message) for one in found] == [("Y1506", True)]
+    assert [(one.code, "unit of j1 is" in one.message) for one in found] == [("Y1506", True)]
 
 
 def test_an_angle_for_a_length(slider):

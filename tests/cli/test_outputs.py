@@ -69,7 +69,7 @@ def test_odd_names_compile(call, name):
 @pytest.mark.parametrize("program", ["yarcc", "plot"])
 def test_folders_as_programs_are_findings(call, name, program):
     done = call(name) if program == "yarcc" else call(program, name, program=yarc)
-    if program == "yarcc" and name:  # the programs in it: where their texts go must be said
+    if name:  # the programs in it: where their results go must be said
         assert done.exit_code == 2
         assert "--out-dir" in done.stderr
         return

@@ -190,6 +190,7 @@ def test_pictures_are_the_same(address, tmp_path, monkeypatch):
 
 
 def test_a_campaign_is_the_same_although_a_worker_is_killed(address, tmp_path, monkeypatch):
+    monkeypatch.setattr("yarclang.cli.commands.campaign._CHUNK", 2)
     shutil.copytree("stdlib/robots/industrial6", tmp_path / "ours")
     monkeypatch.chdir(tmp_path)
     arguments = [
@@ -201,7 +202,7 @@ def test_a_campaign_is_the_same_although_a_worker_is_killed(address, tmp_path, m
         "--robot",
         "TRACKED_MANIPULATOR",
         "--programs",
-        "60",
+        "20",
     ]
     options = ("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny")
     third = started(tmp_path / "w3", *options)
@@ -227,4 +228,4 @@ def test_a_campaign_is_the_same_although_a_worker_is_killed(address, tmp_path, m
         found.append(json.loads(made.stdout))
         del found[-1]["processor_seconds"]
     assert found[0] == found[1]
-    assert found[0]["programs"] == 60
+    assert found[0]["programs"] == 20

@@ -409,6 +409,7 @@ class Judge:
             torque=torque,
             carries=self.handled.carried.get(place.step, ()),
             may_touch=tuple(may_touch(self.handled, place.step, apart.touching)),
+            kept=zones.kept,
             module=step.origin.source.module,
             tolerance=self._own_tolerance(step),
         )

@@ -7,7 +7,7 @@ from array import array
 from dataclasses import field
 from typing import Any, Literal
 
-from yarclang.certify.outward import least, most, percent, up
+from yarclang.certify.outward import least, most, percent, up, up_to
 from yarclang.certify.read.text import ControllerText
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
@@ -549,6 +549,8 @@ class Certificate:
         may = [len(command.may_touch) for command in self.commands if command.may_touch]
         if may:
             told += f"; {sum(may)} pair{'s' * (sum(may) > 1)} of bodies may touch, unchecked"
+        if tilts := [one.largest for each in self.commands for one in each.kept if one.largest is not None]:
+            told += f"; what is kept upright tilts by at most {up_to(most(max(tilts), DEG), 3)} deg"
         return f"{path}; {loads} of the limits{told}"
 
 

@@ -39,7 +39,7 @@ FINDINGS = (
         "error",
         "the robot would come nearer to a plane than KEEP allows",
         "Inside of a KEEP ... ABOVE, the origin of the frame stays above the plane on the whole way, by the distance that the line names.",
-        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} ABOVE 1100 (mm)\n  P0010 MOVEJ 0 0 20 0 0 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} ABOVE 1930 (mm)\n  P0010 MOVEJ 0 0 20 0 0 0\nEND",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} ABOVE 500 (mm)\n  P0010 MOVEJ 0 0 20 0 0 0\nEND",
     ),
     Finding(

@@ -79,7 +79,9 @@ def find_zones(
     in_zones: dict[int, InZones] = {}
     for cell, places in moving_chunks(layout, handled):
         made = scene_of(robot, cell)
-        if made.value is None or cell is None:
+        if cell is None:
+            continue  # without a cell, only the motions of a KEEP have zones
+        if made.value is None:
             return told, findings  # unreadable bodies are reported with the collisions
         for moving, run in _runs(places, robot):
             judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))

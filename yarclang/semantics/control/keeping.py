@@ -110,7 +110,8 @@ def _limit(
     if units is None or found is None:
         return None
     wanted = _UNITS[kind]
-    unit = units.get(wanted) or found.unit or defaults.units.get(wanted)
+    # the units of a line that has any aren't those of DEFAULT: 10 (mm) is no angle
+    unit = units.get(wanted) or found.unit or (None if units else defaults.units.get(wanted))
     try:
         if unit is None:
             raise missing_unit(wanted, "the angle of UPRIGHT" if kind == "UPRIGHT" else "the distance of ABOVE")

@@ -188,7 +188,15 @@ def _read_body(lines, preamble, controller):
     if not lines.at_end:
         lines.refuse("stands behind END")
     return ControllerText(
-        preamble.header, preamble.entries, start, tuple(course), (), DECIMALS, STEP, allows=preamble.allows, keeps=preamble.keeps
+        preamble.header,
+        preamble.entries,
+        start,
+        tuple(course),
+        (),
+        DECIMALS,
+        STEP,
+        allows=preamble.allows,
+        keeps=preamble.keeps,
     )
 
 

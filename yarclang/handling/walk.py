@@ -10,8 +10,8 @@ import numpy as np
 from yarclang.cell.model import Cell, Leaving, Parts, Touch
 from yarclang.frozen import frozen
 from yarclang.handling.allowing import Allowances, allowances
-from yarclang.handling.keeping import has_keeps, keeps_of
 from yarclang.handling.grasp import Grasp, Parted, Whereabouts
+from yarclang.handling.keeping import has_keeps, keeps_of
 from yarclang.handling.parts import (
     arrive,
     close,

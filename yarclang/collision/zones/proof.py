@@ -21,8 +21,8 @@ from yarclang.collision.proof import COARSE, KNOWN, SHARE
 from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
 from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
 from yarclang.collision.zones.regions import outside
-from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.tilts import angles_at, turning
+from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
 from yarclang.collision.zones.workspace import SLACK, TILT_SLACK, Watch

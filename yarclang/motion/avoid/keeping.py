@@ -105,7 +105,7 @@ class _Space:
 
 class _Tree:
     def __init__(self, roots: Array) -> None:
-        self.points = [one for one in roots]
+        self.points = list(roots)
         self.scaled = roots.copy()
         self.parents = [-1] * len(roots)
 
@@ -164,7 +164,10 @@ def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: E
         if np.array_equal(other.points[meeting], tip):
             first, last = (at, meeting) if one is out else (meeting, at)
             return _shortened(space, [*out.way(first), *in_.way(last)[::-1][1:]], random)
-    left = [float(np.linalg.norm((one - in_.points[in_.nearest(one, space.reach)]) * space.reach)) for one in out.points]
+    left = [
+        float(np.linalg.norm((one - in_.points[in_.nearest(one, space.reach)]) * space.reach))
+        for one in out.points
+    ]
     best = int(np.argmin(left))
     beyond = in_.points[in_.nearest(out.points[best], space.reach)]
     return Apart(out.points[best], beyond, left[best], tries)

@@ -144,7 +144,9 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
     carries = one.carries is not None and other.carries is not None and one.carries != other.carries
     other_branch = _other_branch(robot, frame, tolerance, ends, path)
     touches, keeps = one.may_touch != other.may_touch, one.keeps != other.keeps
-    return Compared(one, other, path, differs, other_branch, longer, carries=carries, touches=touches, keeps=keeps)
+    return Compared(
+        one, other, path, differs, other_branch, longer, carries=carries, touches=touches, keeps=keeps
+    )
 
 
 def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:

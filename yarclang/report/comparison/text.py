@@ -112,7 +112,9 @@ def difference_text(comparison: Comparison, one: Compared) -> str:
             if one.touches:
                 parts.append(f"may touch: {_touching(first)} -> {_touching(second)}")
             if one.keeps:
-                parts.append(f"keeps to: {', '.join(first.keeps) or 'nothing'} -> {', '.join(second.keeps) or 'nothing'}")
+                parts.append(
+                    f"keeps to: {', '.join(first.keeps) or 'nothing'} -> {', '.join(second.keeps) or 'nothing'}"
+                )
             return "; ".join(parts)
         case _:
             return ""

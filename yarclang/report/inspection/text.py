@@ -103,7 +103,9 @@ def _command(inspected: Inspected) -> Iterator[str]:
     if inspected.carries:
         yield f"the robot carries {', '.join(inspected.carries)}"
     for rule in () if inspected.certificate is None else inspected.certificate.kept:
-        reached = "" if rule.largest is None else f": it tilts at most {up_to(most(rule.largest, DEG), 4)} deg"
+        reached = (
+            "" if rule.largest is None else f": it tilts at most {up_to(most(rule.largest, DEG), 4)} deg"
+        )
         yield f"keeps to {printable(rule.rule)}{reached}"
     for one in () if inspected.certificate is None else inspected.certificate.may_touch:
         needed = "they touch, or come nearer than a margin" if one.needed else "they keep apart all the same"

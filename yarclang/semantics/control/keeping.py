@@ -64,9 +64,7 @@ def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | Non
     found = known_frame(head, head.base, scope, findings)
     if found is not None and found.on_flange:
         message = f"{head.base.text} moves with the robot: what a frame is kept to stands still"
-        findings.add(
-            "Y0303", message, head.span(head.base.place), "write {B}", subject=Name(head.base.name)
-        )
+        findings.add("Y0303", message, head.span(head.base.place), "write {B}", subject=Name(head.base.name))
         return None
     return found
 
@@ -114,7 +112,9 @@ def _limit(
     unit = units.get(wanted) or found.unit or (None if units else defaults.units.get(wanted))
     try:
         if unit is None:
-            raise missing_unit(wanted, "the angle of UPRIGHT" if kind == "UPRIGHT" else "the distance of ABOVE")
+            raise missing_unit(
+                wanted, "the angle of UPRIGHT" if kind == "UPRIGHT" else "the distance of ABOVE"
+            )
         if unit.kind != wanted:
             raise AmountError(
                 "Y0307", f"{found} is of the wrong kind: {kind} takes a{'n' * (wanted == 'angle')} {wanted}"

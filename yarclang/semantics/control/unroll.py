@@ -532,9 +532,7 @@ class _Unroller:
         if not is_alone or isinstance(context.memory, Forgetful) or _names_file(statement):
             step = make(file.defaults, scope)
         else:
-            step = step_before(
-                context.memory, context.robot, statement, file.defaults, scope, findings, make
-            )
+            step = step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
         return replace(step, keeps=self._keeps) if self._keeps and isinstance(step, Motion) else step
 
     def _count_command(self, statement: Statement, file: File) -> None:

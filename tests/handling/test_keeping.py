@@ -1,5 +1,7 @@
 """KEEP: a carried frame stays upright, or above a plane, on the whole way."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -36,7 +38,7 @@ def test_a_way_between_two_upright_places_that_tilts_is_refused():
         HEAD
         + "P0010 MOVEJ 0 0 0 0 20 0\nKEEP {TCP} UPRIGHT 21 (deg)\n  P0020 MOVEJ_SPLINE 0 0 0 0 40 0; 0 0 0 0 20 0 [4]\nEND\n"
     )
-    result, found = compiled(arc)
+    _, found = compiled(arc)
     assert codes(found) == ["Y0955"]
     assert "tilts 40" in found[0].message
 
@@ -121,7 +123,7 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, ways, limit):
     robot = robot_of("INDUSTRIAL6")
     places = [np.zeros(6), *(np.radians(one) for one in ways)]
     dense = np.concatenate(
-        [a + np.linspace(0, 1, 400)[:, None] * (b - a) for a, b in zip(places, places[1:], strict=False)]
+        [a + np.linspace(0, 1, 400)[:, None] * (b - a) for a, b in pairwise(places)]
     )
     axes = tool_poses(robot.chain, dense, robot.flange_from_frame["TCP"])[:, 2, 2]
     angle = float(np.arccos(np.clip(axes, -1.0, 1.0)).max())

@@ -354,7 +354,7 @@ class Judge:
 
     def zones(self, layout: Layout) -> dict[int, InZones]:
         """Check that every watched body respects its zones."""
-        told, findings = find_zones(layout, self.program, self.robot, self.handled)
+        told, findings = find_zones(layout, self.robot, self.handled)
         self.findings.extend(findings)
         return told
 

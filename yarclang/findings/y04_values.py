@@ -357,8 +357,8 @@ FINDINGS = (
         "warning",
         "no line of a KEEP moves the robot",
         "KEEP is a rule for the motions up to its END. Without any, it does nothing.",
-        "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 DWELL [1] (s)\nEND\nP0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)",
-        "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 DWELL [1] (s)\n  P0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)\nEND",
+        "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 WAIT [1] (s)\nEND\nP0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)",
+        "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 WAIT [1] (s)\n  P0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)\nEND",
     ),
     Finding(
         "Y0475",

@@ -55,15 +55,14 @@ NO_ZONES = InZones(None, None)
 
 
 def find_zones(
-    layout: Layout, program: hir.Program, robot: Robot, handled: Handled
+    layout: Layout, robot: Robot, handled: Handled
 ) -> tuple[dict[int, InZones], list[Diagnostic]]:
     """Return the bounds of every command by its step, and findings about broken zones and ceilings.
 
     Args:
         layout: the segments of the text.
-        program: the program that the text was compiled from; its cell has the zones.
         robot: its links and kinematics.
-        handled: the cell's state during each command.
+        handled: the cell's state during each command; it has the zones.
     """
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
@@ -157,7 +156,7 @@ class _Judge:
             for row in range(len(self.places)):
                 most_ = None if found is None else float(found.most[row])
                 told[row].append(KeptRule(rule.words, rule.limit, most_))
-                if found is not None and found.exceeds[row]:
+                if isinstance(zone.region, Tilt) and found is not None and found.exceeds[row]:
                     self._too_tilted(row, rule, zone.region, float(found.when[row]))
         return [tuple(one) for one in told]
 
@@ -234,6 +233,7 @@ class _Judge:
             if watch.zone.rule != "slow" or limit is None:
                 continue
             assert watch.item is not None  # only joint windows have no body, and they are never slow zones
+            assert not isinstance(watch.zone.region, Tilt)
             found = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)

@@ -122,9 +122,7 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, ways, limit):
     result, found = compiled(f"{HEAD}KEEP {{TCP}} UPRIGHT {limit} (deg)\n{lines}END\n")
     robot = robot_of("INDUSTRIAL6")
     places = [np.zeros(6), *(np.radians(one) for one in ways)]
-    dense = np.concatenate(
-        [a + np.linspace(0, 1, 400)[:, None] * (b - a) for a, b in pairwise(places)]
-    )
+    dense = np.concatenate([a + np.linspace(0, 1, 400)[:, None] * (b - a) for a, b in pairwise(places)])
     axes = tool_poses(robot.chain, dense, robot.flange_from_frame["TCP"])[:, 2, 2]
     angle = float(np.arccos(np.clip(axes, -1.0, 1.0)).max())
     if abs(angle - np.radians(limit)) < 1e-3:

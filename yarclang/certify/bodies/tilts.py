@@ -117,7 +117,8 @@ def tilted(motions: Motions, tilt: Tilt) -> Tilted:
         if done > MOST:
             exceeds[own[rows]] = True
             break
-        segment, begin, end, before, after = (one[rows] for one in (segment, begin, end, before, after))
+        segment, begin, end = segment[rows], begin[rows], end[rows]
+        before, after = before[rows], after[rows]
         half = (begin + end) / 2.0
         middle = angles(motions.at(chain.size, segment, half).turn) if len(rows) else half
         learn(segment, middle, half)

@@ -54,9 +54,7 @@ class InZones:
 NO_ZONES = InZones(None, None)
 
 
-def find_zones(
-    layout: Layout, robot: Robot, handled: Handled
-) -> tuple[dict[int, InZones], list[Diagnostic]]:
+def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, InZones], list[Diagnostic]]:
     """Return the bounds of every command by its step, and findings about broken zones and ceilings.
 
     Args:

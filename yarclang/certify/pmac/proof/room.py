@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from yarclang import hir
+from yarclang.cell.keeping import Tilt
 from yarclang.cell.model import Cell, HalfSpace, JointWindow, Zone
 from yarclang.certify.bodies.handled import follow
 from yarclang.certify.bodies.zones import moving_of
@@ -272,7 +273,7 @@ def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
     if zone.speed is not None:
         told["speed"] = zone.speed
     region = zone.region
-    if isinstance(region, JointWindow):
+    if isinstance(region, JointWindow | Tilt):
         return told, []
     if isinstance(region, HalfSpace):
         told["region"] = {"pose": told_frame(region.base_from_plane)}

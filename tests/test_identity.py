@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import checked
 
+from yarclang.cell.keeping import keep
 from yarclang.hir import (
     Allowed,
     ArcMove,
@@ -88,6 +89,7 @@ OTHERS = {
     "search": (None, Search("M12", 1.0, "TOUCH")),
     "file": ("", "path.csv"),
     "allowed": ((), (Allowed("BOX", "GRIPPER"),)),
+    "keeps": ((), (keep("UPRIGHT", ("TCP", "B"), np.eye(4), np.eye(4), 0.2),)),
 }
 """Two values of each field of a motion. A new field needs a pair here."""
 

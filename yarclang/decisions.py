@@ -199,6 +199,19 @@ class Shifted:
 
 
 @frozen
+class KeptTo:
+    """A rule to which a motion keeps along its whole way (KEEP).
+
+    Attributes:
+        step: index of the motion in the program's steps.
+        rule: the rule in words, with all its numbers.
+    """
+
+    step: int
+    rule: str
+
+
+@frozen
 class Permitted:
     """Two bodies that may touch on a motion.
 

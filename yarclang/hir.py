@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.cell.keeping import Keep
 from yarclang.cell.model import Cell
 from yarclang.decisions import Register, Searched, Shifted, Value, Watch, bits_of
 from yarclang.frozen import frozen
@@ -261,6 +262,7 @@ class MotionHead:
         blend: distance or angle from the end at which the path may be left, to flow into the next motion
             without a stop; None if the motion ends at rest.
         allowed: pairs of bodies that may touch during the motion.
+        keeps: rules to which the motion keeps along its whole way (KEEP).
     """
 
     __slots__ = ()
@@ -320,6 +322,7 @@ class JointMove(MotionHead):
     blend: Reading | None = None
     search: Search | None = None
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | JointDelta | PoseGoal]:
@@ -342,6 +345,7 @@ class AvoidMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal]:
@@ -362,6 +366,7 @@ class LineMove(MotionHead):
     blend: Reading | None = None
     search: Search | None = None
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:
@@ -388,6 +393,7 @@ class ArcMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal]:
@@ -420,6 +426,7 @@ class PoseSplineMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal, ...]:
@@ -445,6 +452,7 @@ class SplineMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal, ...]:
@@ -523,6 +531,7 @@ class TimedMove(MotionHead):
     blend: Reading | None = None
     file: str = ""
     allowed: tuple[Allowed, ...] = ()
+    keeps: tuple[Keep, ...] = ()
 
     @property
     def asked(self) -> Timetable:

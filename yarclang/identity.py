@@ -77,6 +77,8 @@ def key_of(step: Motion) -> bytes:
         ),
         # Written only if bodies may touch, likewise.
         *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
+        # Written only if the motion keeps to rules, likewise.
+        *((tuple([("keep", one.told) for one in step.keeps]),) if step.keeps else ()),
     )
 
 
@@ -236,6 +238,8 @@ _LATER: dict[str, object] = {
     "way": "",
     "allowed": (),
     "pieces": 0,
+    "keeps": (),
+    "keep": None,
 }
 """Fields added after programs had been hashed, with their default values.
 

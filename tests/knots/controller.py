@@ -19,9 +19,10 @@ from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.reader import Fault, Reader, StartPlace
 from yarclang.certify.read.text import ControllerText, Dwelt, Run, Start, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.emitted.quoting import allow_line
+from yarclang.emitted.quoting import allow_line, keep_line
 from yarclang.frozen import frozen
 from yarclang.handling.allowing import permitted
+from yarclang.handling.keeping import kept_to
 from yarclang.hir import Dwell, Motion
 from yarclang.motion.limits import Grid
 from yarclang.robot.controller import NO_SIGNAL, Kind, SignalVariable
@@ -115,12 +116,14 @@ def _write(plan, target, tolerance, memory):
 
     def text(header):
         allows = [one for one in permitted(plan.program) if spans[one.step] is not None]
-        behind = len(header) + len(entries) + len(allows)
+        keeps = [one for one in kept_to(plan.program) if spans[one.step] is not None]
+        behind = len(header) + len(entries) + len(allows) + len(keeps)
         head = [f"; {line}" for line in header]
         for number, origin, span in entries:
             place = "- -" if span is None else f"{behind + span[0] + 1} {behind + span[1] + 1}"
             head.append(f"; command {number} {origin.label or '-'} {origin.name} {origin.span.line} {place}")
         head += map(allow_line, allows)
+        head += map(keep_line, keeps)
         return "\n".join([*head, *lines, "END"]) + "\n"
 
     times = sorted({motion.curve.segment / MS for motion in plan.motions})
@@ -185,7 +188,15 @@ def _read_body(lines, preamble, controller):
     if not lines.at_end:
         lines.refuse("stands behind END")
     return ControllerText(
-        preamble.header, preamble.entries, start, tuple(course), (), DECIMALS, STEP, allows=preamble.allows
+        preamble.header,
+        preamble.entries,
+        start,
+        tuple(course),
+        (),
+        DECIMALS,
+        STEP,
+        allows=preamble.allows,
+        keeps=preamble.keeps,
     )
 
 

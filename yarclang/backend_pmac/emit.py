@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
-from yarclang.decisions import Permitted, Register, Searched, Shifted, Watch
-from yarclang.emitted.quoting import allow_line
+from yarclang.decisions import KeptTo, Permitted, Register, Searched, Shifted, Watch
+from yarclang.emitted.quoting import allow_line, keep_line
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -37,6 +37,7 @@ class Emitted:
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
     allows: tuple[Permitted, ...] = ()
+    keeps: tuple[KeptTo, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
@@ -48,7 +49,8 @@ class Emitted:
         # A searched motion of length zero has no lines, so no input can end it.
         searches = [one for one in self.searches if one.step in self.places]
         allows = [one for one in self.allows if one.step in self.places]
-        maps += len(searches) + len(self.offsets) + len(allows)
+        keeps = [one for one in self.keeps if one.step in self.places]
+        maps += len(searches) + len(self.offsets) + len(allows) + len(keeps)
         before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
@@ -83,6 +85,7 @@ class Emitted:
             for one in self.offsets
         ]
         head += map(allow_line, allows)
+        head += map(keep_line, keeps)
         return "\n".join((*head, *self.opening, "")) + self.body
 
 
@@ -132,6 +135,7 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         program.searches,
         program.offsets,
         program.allows,
+        program.keeps,
     )
 
 

@@ -14,6 +14,7 @@ from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.guard import Watermarks, watermarks
 from yarclang.decisions import AGAIN, called, in_words
 from yarclang.handling.allowing import permitted
+from yarclang.handling.keeping import kept_to
 from yarclang.hir import (
     Array,
     Assign,
@@ -107,6 +108,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
         searches=searches_of(plan.program),
         offsets=offsets_of(plan.program),
         allows=permitted(plan.program),
+        keeps=kept_to(plan.program),
     )
 
 

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.cell.keeping import Keep, Tilt
 from yarclang.frozen import frozen
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from yarclang.source import SourceFile, Span
@@ -364,7 +365,7 @@ class StartZone:
     window: JointWindow
 
 
-Region = ShapeRegion | HalfSpace | JointWindow
+Region = ShapeRegion | HalfSpace | JointWindow | Tilt
 
 
 @frozen(eq=False)
@@ -379,7 +380,8 @@ class Zone:
     that a command moves, `tool` is that and all bodies that the robot carries, `elbow` is a point
     (`yarclang.robot.kinematics.elbow`), `arm` is all links that the joints move. Everything watched keeps
     `margin` [m] from the border of an allowed or forbidden zone; slow and posture zones begin `margin` before
-    their border. A joint window that is allowed or forbidden watches only the joints.
+    their border. A joint window that is allowed or forbidden watches only the joints. A `Tilt` is allowed, and
+    watches the orientation of the flange. `keep` is the rule of the program from which the zone was made.
     """
 
     name: str
@@ -389,6 +391,17 @@ class Zone:
     watch: tuple[str, ...] = ("tool",)
     margin: float = 0.0
     posture: JointWindow | None = None
+    keep: Keep | None = None
+
+    @staticmethod
+    def of(keep: Keep) -> Zone:
+        """Return the zone of a rule."""
+        name = f"KEEP {keep.words}"
+        if keep.kind == "UPRIGHT":
+            return Zone(name, "allowed", Tilt(keep.own, keep.up, keep.limit), watch=(), keep=keep)
+        normal = np.array(keep.up)
+        normal.flags.writeable = False
+        return Zone(name, "allowed", HalfSpace(normal, keep.level + keep.limit), watch=(), keep=keep)
 
 
 @frozen(eq=False)

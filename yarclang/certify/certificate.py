@@ -7,7 +7,7 @@ from array import array
 from dataclasses import field
 from typing import Any, Literal
 
-from yarclang.certify.outward import least, most, percent, up
+from yarclang.certify.outward import least, most, percent, up, up_to
 from yarclang.certify.read.text import ControllerText
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
@@ -264,6 +264,26 @@ class MayTouch:
 
 
 @frozen
+class KeptRule:
+    """A rule of KEEP to which a command keeps.
+
+    Attributes:
+        rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
+        limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
+        largest: UPRIGHT: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
+    """
+
+    rule: str
+    limit: float
+    largest: float | None
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data, with the angle in deg."""
+        angle = {} if self.largest is None else {"largest_deg": _number(most(self.largest, DEG))}
+        return {"rule": self.rule, **angle}
+
+
+@frozen
 class ZoneSpeed:
     """Proved upper bound of the speed of a body in a slow zone, or of a motion with a speed limit of its own.
 
@@ -326,6 +346,7 @@ class CommandCertificate:
         torque: largest load of a motor's effort; None if the robot's masses or efforts are unknown.
         carries: parts that grippers hold during the motion.
         may_touch: bodies whose distance isn't checked, since they may touch.
+        kept: rules of KEEP to which the command keeps.
         module: module that contains `source_line`; empty for the program itself.
         tolerance: the command's own tolerance; None if the general one applies.
     """
@@ -352,6 +373,7 @@ class CommandCertificate:
     torque: Load | None = None
     carries: tuple[str, ...] = ()
     may_touch: tuple[MayTouch, ...] = ()
+    kept: tuple[KeptRule, ...] = ()
     module: str = ""
     tolerance: Tolerance | None = None
 
@@ -416,6 +438,7 @@ class CommandCertificate:
             "zone_speed": self.zone_speed.to_json() if self.zone_speed else None,
             "torque": self.torque.to_json() if self.torque else None,
             "carries": list(self.carries),
+            **({"keeps": [one.to_json() for one in self.kept]} if self.kept else {}),
             **({"not_checked": [one.to_json() for one in self.may_touch]} if self.may_touch else {}),
         }
 
@@ -526,6 +549,8 @@ class Certificate:
         may = [len(command.may_touch) for command in self.commands if command.may_touch]
         if may:
             told += f"; {sum(may)} pair{'s' * (sum(may) > 1)} of bodies may touch, unchecked"
+        if tilts := [one.largest for each in self.commands for one in each.kept if one.largest is not None]:
+            told += f"; what is kept upright tilts by at most {up_to(most(max(tilts), DEG), 3)} deg"
         return f"{path}; {loads} of the limits{told}"
 
 

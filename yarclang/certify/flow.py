@@ -18,8 +18,9 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.certify.read.ways import Standing
-from yarclang.decisions import Watch, called, in_words, inputs_of
+from yarclang.decisions import KeptTo, Watch, called, in_words, inputs_of
 from yarclang.handling.allowing import permitted
+from yarclang.handling.keeping import kept_to
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -65,6 +66,15 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
         lets = "lets" if wrong in text.allows else "doesn't let"
         other = "doesn't" if wrong in text.allows else "does"
         yield wrong.step, f"the text {lets} {wrong.first} and {wrong.second} touch, and the program {other}"
+    keeps = tuple(one for one in kept_to(program) if one.step in moving)
+    if text.keeps != keeps:
+        here = next(
+            (one for one in (*text.keeps, *keeps) if (one in text.keeps) != (one in keeps)),
+            KeptTo(0, "the rules in another order"),
+        )
+        keeps_it = "keeps" if here in text.keeps else "doesn't keep"
+        other = "doesn't" if here in text.keeps else "does"
+        yield here.step, f"the text {keeps_it} to {here.rule}, and the program {other}"
     told = list(_told(text))
     deeds = list(_meant(program, moving))
     for place, (step, deed) in enumerate(deeds):

@@ -354,7 +354,7 @@ class Judge:
 
     def zones(self, layout: Layout) -> dict[int, InZones]:
         """Check that every watched body respects its zones."""
-        told, findings = find_zones(layout, self.program, self.robot, self.handled)
+        told, findings = find_zones(layout, self.robot, self.handled)
         self.findings.extend(findings)
         return told
 
@@ -409,6 +409,7 @@ class Judge:
             torque=torque,
             carries=self.handled.carried.get(place.step, ()),
             may_touch=tuple(may_touch(self.handled, place.step, apart.touching)),
+            kept=zones.kept,
             module=step.origin.source.module,
             tolerance=self._own_tolerance(step),
         )

@@ -1,15 +1,22 @@
-"""Names of bodies in the header of a controller text: one word of ASCII each, whatever they contain."""
+"""Lines of a controller text's map about bodies that may touch, and rules that motions keep to. Names are one
+word of ASCII each, whatever they contain.
+"""
 
 from __future__ import annotations
 
 from urllib.parse import quote, unquote
 
-from yarclang.decisions import Permitted
+from yarclang.decisions import KeptTo, Permitted
 
 
 def allow_line(one: Permitted) -> str:
     """Return the line of the map for two bodies that may touch."""
     return f"; allow {one.step} {quoted(one.first)} {quoted(one.second)}"
+
+
+def keep_line(one: KeptTo) -> str:
+    """Return the line of the map for a rule that a motion keeps to."""
+    return f"; keep {one.step} {quoted(one.rule)}"
 
 
 def quoted(name: str) -> str:

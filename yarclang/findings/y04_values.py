@@ -342,6 +342,25 @@ FINDINGS = (
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ 90 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
     ),
     Finding(
+        "Y0480",
+        "unknown-rule",
+        "error",
+        "KEEP doesn't know this rule, or its angle can't be kept",
+        "KEEP takes UPRIGHT with an angle, by which the z axis of a carried frame may turn away from that of a frame that stands still, or ABOVE with a distance from the plane of that frame. "
+        "An angle is at least 0.1 deg, since no executed motion is exact, and at most 175 deg.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} LEVEL 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0481",
+        "keeps-nothing",
+        "warning",
+        "no line of a KEEP moves the robot",
+        "KEEP is a rule for the motions up to its END. Without any, it does nothing.",
+        "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 WAIT [1] (s)\nEND\nP0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)",
+        "KEEP {TCP} UPRIGHT 100 (deg)\n  P0010 WAIT [1] (s)\n  P0020 MOVEJ 10 0 0 0 30 0 [2] (deg,s)\nEND",
+    ),
+    Finding(
         "Y0475",
         "unknown-place-behind-search",
         "error",

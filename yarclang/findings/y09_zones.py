@@ -24,6 +24,25 @@ FINDINGS = (
         "P0010 MOVEL {TCP} 0 1100 420 0 0 0 [5] (mm,deg,s) {B}",
     ),
     Finding(
+        "Y0955",
+        "not-upright",
+        "error",
+        "the tool would tilt more than KEEP allows",
+        "Inside of a KEEP ... UPRIGHT, the z axis of the frame stays within the angle on the whole way, not only where motions begin and end. The path that the controller executes is checked at every instant. "
+        "The message says how far it tilts, when, and where the robot is then.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 20 (deg)\n  P0010 MOVEJ 0 0 0 0 30 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 40 (deg)\n  P0010 MOVEJ 0 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0956",
+        "too-low",
+        "error",
+        "the robot would come nearer to a plane than KEEP allows",
+        "Inside of a KEEP ... ABOVE, the origin of the frame stays above the plane on the whole way, by the distance that the line names.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} ABOVE 1930 (mm)\n  P0010 MOVEJ 0 0 20 0 0 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} ABOVE 500 (mm)\n  P0010 MOVEJ 0 0 20 0 0 0\nEND",
+    ),
+    Finding(
         "Y0908",
         "into-a-zone",
         "error",

@@ -10,7 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from yarclang.cell.model import Cell, Item, Mount, Obstacle, Parts, Touch
+from yarclang.cell.keeping import Keep
+from yarclang.cell.model import Cell, Item, Mount, Obstacle, Parts, Touch, Zone
 from yarclang.collision.geometry import UnreadableError, geometry_of
 from yarclang.collision.placing import Relative, distances, place, relative
 from yarclang.collision.scene import scene_of
@@ -39,6 +40,7 @@ def surroundings(
     parts: Parts,
     touches: tuple[Touch, ...] = (),
     allowed: frozenset[tuple[str, str]] = NO_PAIRS,
+    keeps: tuple[Keep, ...] = (),
 ) -> Cell | None:
     """Return the cell with its parts at their places; equal states give the same object.
 
@@ -47,18 +49,20 @@ def surroundings(
         parts: where its parts are.
         touches: the bodies that may touch each other where a part is taken or put down.
         allowed: the pairs of bodies that may touch because the program or the cell allows it, by their names.
+        keeps: the rules of the program for a motion; each is one more zone.
     """
     if cell is None:
-        return _without_cell(allowed) if allowed else None
-    if not cell.parts and not allowed:
+        return _without_cell(allowed, keeps) if allowed or keeps else None
+    if not cell.parts and not allowed and not keeps:
         return cell
-    return _surroundings(cell, parts.items, touches, allowed)
+    return _surroundings(cell, parts.items, touches, allowed, keeps)
 
 
 @lru_cache(maxsize=64)
-def _without_cell(allowed: frozenset[tuple[str, str]]) -> Cell:
-    """Return an empty cell in which bodies of the robot may touch each other."""
-    return Cell(SourceFile("", ""), {}, {}, {}, {}, (), (), {}, allowed=allowed)
+def _without_cell(allowed: frozenset[tuple[str, str]], keeps: tuple[Keep, ...]) -> Cell:
+    """Return an empty cell in which bodies of the robot may touch each other, and motions keep to rules."""
+    zones = tuple(map(Zone.of, keeps))
+    return Cell(SourceFile("", ""), {}, {}, {}, {}, (), zones, {}, allowed=allowed)
 
 
 @lru_cache(maxsize=64)
@@ -73,13 +77,17 @@ def _surroundings(
     items: tuple[Item, ...],
     touches: tuple[Touch, ...],
     allowed: frozenset[tuple[str, str]],
+    keeps: tuple[Keep, ...],
 ) -> Cell:
     bodies = tuple(body for one in items for body in bodies_of(one))
     # a part that may be at two places doesn't collide with itself
     twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
     obstacles = (*cell.obstacles, *bodies)
     touches = (*touches, *twice)
-    return replace(cell, obstacles=obstacles, touches=touches, allowed=allowed, parts=(), present=None)
+    zones = (*cell.zones, *map(Zone.of, keeps))
+    return replace(
+        cell, obstacles=obstacles, zones=zones, touches=touches, allowed=allowed, parts=(), present=None
+    )
 
 
 @lru_cache(maxsize=4096)

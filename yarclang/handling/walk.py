@@ -11,6 +11,7 @@ from yarclang.cell.model import Cell, Leaving, Parts, Touch
 from yarclang.frozen import frozen
 from yarclang.handling.allowing import Allowances, allowances
 from yarclang.handling.grasp import Grasp, Parted, Whereabouts
+from yarclang.handling.keeping import has_keeps, keeps_of
 from yarclang.handling.parts import (
     arrive,
     close,
@@ -56,8 +57,8 @@ class Handling:
 
     @property
     def is_needed(self) -> bool:
-        """True if the cell isn't the same on all motions: with parts, or bodies that may touch."""
-        return self.has_parts or bool(self.allowances)
+        """True if the cell isn't the same on all motions: with parts, bodies that may touch, or KEEP."""
+        return self.has_parts or bool(self.allowances) or has_keeps(self.steps)
 
     def first(self) -> Whereabouts:
         """Return where the parts are when the program starts."""
@@ -303,12 +304,12 @@ class Handling:
         Args:
             parts: where the parts are.
             touches: the bodies that may touch where a part is taken or put down.
-            step: of the motion whose allowances count; None for none.
+            step: of the motion whose allowances and rules (KEEP) count; None for none.
         """
         own = () if step is None else self.allowances.get(step, ())
-        return surroundings(
-            self.cell, parts, touches, frozenset(one.pair for one in own) if own else NO_PAIRS
-        )
+        pairs = frozenset(one.pair for one in own) if own else NO_PAIRS
+        keeps = () if step is None or step >= len(self.steps) else keeps_of(self.steps[step])
+        return surroundings(self.cell, parts, touches, pairs, keeps)
 
 
 @frozen(eq=False)

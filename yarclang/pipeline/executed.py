@@ -52,7 +52,7 @@ class Act:
     For a command that moves nothing, `what` describes it, for people and for comparison. `curve` is the
     executed motion [rad or m], and `duration` its known duration [s]. `step` is the number of the command in
     the program, -1 if the text doesn't contain it. `carries` are the parts that grippers hold during a
-    motion, None if unknown. `may_touch` are the pairs of bodies that may touch on it.
+    motion, None if unknown. `may_touch` are the pairs of bodies that may touch on it, `keeps` the rules of KEEP.
     """
 
     kind: Kind
@@ -65,6 +65,7 @@ class Act:
     step: int = -1
     carries: tuple[str, ...] | None = None
     may_touch: tuple[str, ...] = ()
+    keeps: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -124,6 +125,13 @@ def executed(
         replace(act, may_touch=tuple(f"{one.first} and {one.second}" for one in allowed[act.step]))
         if act.step in allowed and act.curve is not None
         else act
+        for act in acts
+    )
+    rules: dict[int, tuple[str, ...]] = {}
+    for one in content.keeps:
+        rules[one.step] = (*rules.get(one.step, ()), one.rule)
+    acts = tuple(
+        replace(act, keeps=rules[act.step]) if act.step in rules and act.curve is not None else act
         for act in acts
     )
     return Result(Executed(name, robot, start, acts, content.schedule.lasting, content.watches))

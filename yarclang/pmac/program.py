@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Permitted, Register, Searched, Shifted, Watch
+from yarclang.decisions import KeptTo, Permitted, Register, Searched, Shifted, Watch
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
@@ -153,3 +153,4 @@ class PmacProgram:
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
     allows: tuple[Permitted, ...] = ()
+    keeps: tuple[KeptTo, ...] = ()

@@ -39,7 +39,7 @@ _BARRIER = (
     r"; barrier ([0-9]{1,9}) ((wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) "
     r"([0-9]{1,9}) (\S{1,4000}) (\S+) .+)"
 )
-_REGISTER = r"; (?:register|watch|search|offset|allow) .+"
+_REGISTER = r"; (?:register|watch|search|offset|allow|keep) .+"
 _VALUE = r"(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)"
 _NUMBER = r"(-?[0-9]{1,7}(?:\.[0-9]{1,12})?)"
 
@@ -193,7 +193,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
         if int(line) in barriers or int(step) >= len(entries) or entries[int(step)].first:
             reading.refuse("a second barrier of a line, or one of a command that isn't there or moves")
         barriers[int(line)] = (what, int(step), kind)
-    while reading.peek().startswith(("; register", "; watch", "; search", "; offset", "; allow")):
+    while reading.peek().startswith(("; register", "; watch", "; search", "; offset", "; allow", "; keep")):
         registers.append(reading.match(_REGISTER)[0])
     reading.expect("CLOSE ALL", "END GATHER", "DELETE GATHER")
     safe = []

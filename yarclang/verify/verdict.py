@@ -163,7 +163,20 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         )
     _check_bodies(rows, done, proof, arm, verdict)
     _list_allowed(content.registers, proof["cell"]["bodies"], verdict)
+    _list_kept(content.registers, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
+
+
+def _list_kept(lines: list[str], verdict: Verdict) -> None:
+    """List the rules (KEEP) of commands: their angles and distances aren't checked."""
+    found = dict[str, list[str]]()
+    for line in lines:
+        if line.startswith("; keep"):
+            words = line.split(" ")
+            need(len(words) == 4 and words[2].isdecimal(), f"{line!r} doesn't name a command and a rule")
+            found.setdefault(unquote(words[3]), []).append(words[2])
+    for rule, steps in found.items():
+        verdict.unchecked.append(f"that commands {', '.join(steps)} of the map keep to {rule}")
 
 
 def _list_allowed(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:

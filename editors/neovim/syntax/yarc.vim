@@ -12,7 +12,7 @@ syntax match yarcVariable /\v\$[A-Za-z_][A-Za-z0-9_.]*/
 syntax match yarcUnit /\v\$@<!\(\s*%(deg|min|rad|cm|in|mm|ms|um|m|s)\s*%(,\s*%(deg|min|rad|cm|in|mm|ms|um|m|s)\s*)*\)/
 syntax match yarcCommand /\v%([A-Za-z0-9_.$])@<!%(MOVEJ_SPLINE|MOVEL_SPLINE|MOVEJ_TIMED|MOVJ_SPLINE|DMOVEJ|RETURN|ABORT|DMOVE|DMOVJ|MOVEC|MOVEJ|MOVEL|PULSE|CALL|DMOV|EXIT|HOLD|JPOS|LPOS|MOVJ|MOVL|STOP|TOOL|WAIT|SAY|SET)%(_%(SCURVE|AVOID|POLY5|LSPB|QUAT|TOPP|RPY))*%([A-Za-z0-9_.])@!/
 syntax match yarcIndex /\v^\s*P\d+>/
-syntax match yarcBlock /\v^\s*%(OFFSET|REPEAT|UNTIL|WHILE|CASE|ELSE|LOOP|WHEN|END|SUB|IF|OF)%([A-Za-z0-9_.])@!/
+syntax match yarcBlock /\v^\s*%(OFFSET|REPEAT|UNTIL|WHILE|CASE|ELSE|KEEP|LOOP|WHEN|END|SUB|IF|OF)%([A-Za-z0-9_.])@!/
 syntax match yarcDeclaration /\v^\s*%(FRAME_QUAT|REGISTER|DEFAULT|JOINTS|OUTPUT|FRAME|INPUT|ROBOT|START|TABLE|CELL|FUNC|POSE|LET|USE|ON)%([A-Za-z0-9_.])@!/
 syntax match yarcForeign /[^\t -~]/
 syntax match yarcFrame /{[^{}!"]*}/

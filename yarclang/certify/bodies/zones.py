@@ -7,14 +7,16 @@ from collections.abc import Container, Iterator, Sequence
 import numpy as np
 
 from yarclang import hir
+from yarclang.cell.keeping import Keep, Tilt
 from yarclang.cell.model import JointWindow
 from yarclang.certify.bodies.ceilings import find_ceilings
 from yarclang.certify.bodies.fastest import Motions, fastest_in
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
 from yarclang.certify.bodies.sweep import Sweep, moving_chunks, sweep_of
+from yarclang.certify.bodies.tilts import tilted
 from yarclang.certify.bodies.witness import seen_beyond
-from yarclang.certify.certificate import Clearance, ZoneSpeed
+from yarclang.certify.certificate import Clearance, KeptRule, ZoneSpeed
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.speed import KEPT
@@ -30,7 +32,7 @@ from yarclang.collision.zones.workspace import Watch, watches_of
 from yarclang.diagnostics import Diagnostic, Fix, grouped
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
-from yarclang.units import MM
+from yarclang.units import DEG, MM
 
 
 @frozen
@@ -41,25 +43,24 @@ class InZones:
         clearance: distance of the watched bodies from borders that they must not cross; None without such
             zones.
         speed: speed in slow zones, where it is nearest to the allowed speed; None if the command is in none.
+        kept: the rules of KEEP that the command keeps to, with the bounds that are proved.
     """
 
     clearance: Clearance | None
     speed: ZoneSpeed | None
+    kept: tuple[KeptRule, ...] = ()
 
 
 NO_ZONES = InZones(None, None)
 
 
-def find_zones(
-    layout: Layout, program: hir.Program, robot: Robot, handled: Handled
-) -> tuple[dict[int, InZones], list[Diagnostic]]:
+def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, InZones], list[Diagnostic]]:
     """Return the bounds of every command by its step, and findings about broken zones and ceilings.
 
     Args:
         layout: the segments of the text.
-        program: the program that the text was compiled from; its cell has the zones.
         robot: its links and kinematics.
-        handled: the cell's state during each command.
+        handled: the cell's state during each command; it has the zones.
     """
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
@@ -69,12 +70,15 @@ def find_zones(
         ceilings, too_fast = find_ceilings(layout, robot, moved)
         told = {step: InZones(None, speed) for step, speed in ceilings.items()}
         findings += grouped(too_fast)
-    if program.cell is None or not program.cell.zones:
+    cells = (handled.at(place.step) for place in moving_places)
+    if not any(one is not None and one.zones for one in cells):
         return told, findings
     in_zones: dict[int, InZones] = {}
     for cell, places in moving_chunks(layout, handled):
         made = scene_of(robot, cell)
-        if made.value is None or cell is None:
+        if cell is None:
+            continue  # without a cell, only the motions of a KEEP have zones
+        if made.value is None:
             return told, findings  # unreadable bodies are reported with the collisions
         for moving, run in _runs(places, robot):
             judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
@@ -84,7 +88,7 @@ def find_zones(
         own, speed = told.get(step, NO_ZONES).speed, zones.speed
         if own is not None and (speed is None or own.share > speed.share):
             speed = own
-        told[step] = InZones(zones.clearance, speed)
+        told[step] = InZones(zones.clearance, speed, zones.kept)
     return told, list(grouped(findings))
 
 
@@ -134,23 +138,55 @@ class _Judge:
     def judged(self) -> dict[int, InZones]:
         """Return the proved bounds of each command by its step."""
         speeds = self._speeds()
-        borders = self._borders()
-        return {place.step: InZones(borders[row], speeds[row]) for row, place in enumerate(self.places)}
+        borders, kept_to = self._borders(), self._kept()
+        return {
+            place.step: InZones(borders[row], speeds[row], kept_to[row])
+            for row, place in enumerate(self.places)
+        }
+
+    def _kept(self) -> list[tuple[KeptRule, ...]]:
+        """Return the rules of KEEP for each command, and report the commands that break one."""
+        told: list[list[KeptRule]] = [[] for _ in self.places]
+        for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
+            rule = zone.keep
+            assert rule is not None
+            found = tilted(self.motions, zone.region) if isinstance(zone.region, Tilt) else None
+            for row in range(len(self.places)):
+                most_ = None if found is None else float(found.most[row])
+                told[row].append(KeptRule(rule.words, rule.limit, most_))
+                if isinstance(zone.region, Tilt) and found is not None and found.exceeds[row]:
+                    self._too_tilted(row, rule, zone.region, float(found.when[row]))
+        return [tuple(one) for one in told]
+
+    def _too_tilted(self, row: int, rule: Keep, tilt: Tilt, when: float) -> None:
+        """Report a command on which an axis leaves its angle, with the part of the way and the worst place."""
+        place, watch = self.places[row], next(one for one in self.watches if one.zone.keep is rule)
+        stay = beyond(self.scene, self.course, self.sweep.span(row), watch, when)
+        q = self._at(self.sweep.starts(row) + stay.worst)
+        angle = tilt.limit - stay.slack
+        message = (
+            f"{{{rule.frame}}} tilts {up_to(angle / DEG, 4)} deg from the z axis of {{{rule.of}}}, {up_to(-stay.slack / DEG, 3)} deg more than the {rule.amount.replace('(', '').replace(')', '')} of KEEP, "
+            f"{span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, {pose_text(self.robot, place.motion.origin, q)}"
+        )
+        when_ = (stay.begin, stay.end)
+        self._find(
+            "Y0955", message, place, *remedy(place.motion, _REMEDIES["Y0955"], when_, self.sweep.lasts(row))
+        )
 
     def _borders(self) -> list[Clearance | None]:
-        if not any(one.item is not None and one.zone.rule != "slow" for one in self.watches) and not any(
-            one.item is None for one in self.watches
-        ):
+        if not any(one.zone.rule != "slow" for one in self.watches):
             return [None] * len(self.places)
-        found = kept(self.scene, self.course, self.spans, self.watches)
+        # Tilts have a proof of the judge's own.
+        watches = [one for one in self.watches if not isinstance(one.zone.region, Tilt)]
+        found = kept(self.scene, self.course, self.spans, watches)
         broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
         for one in found.breaches:
-            watch, span = self.watches[one.watch], self.sweep.span(one.motion)
+            watch, span = watches[one.watch], self.sweep.span(one.motion)
             stay = beyond(self.scene, self.course, span, watch, one.time)
             broken.setdefault((one.motion, watch.zone.name), []).append((watch, stay))
         for (row, _), stays in sorted(broken.items(), key=lambda one: one[0][0]):
             self._break(row, stays)
-        self._look_again(broken)
+        self._look_again(watches, broken)
         clearances: list[Clearance | None] = []
         for row in range(len(self.places)):
             near, least = int(found.nearest[row]), float(found.least[row])
@@ -159,16 +195,16 @@ class _Judge:
             elif near < 0 or least >= KNOWN:
                 clearances.append(Clearance(KNOWN))
             else:
-                watch, at = self.watches[near], float(found.when[row]) - self.sweep.starts(row)
+                watch, at = watches[near], float(found.when[row]) - self.sweep.starts(row)
                 clearances.append(Clearance(least, _called(watch), watch.zone.name, at))
         return clearances
 
-    def _look_again(self, broken: Container[tuple[int, str]]) -> None:
+    def _look_again(self, watches: Sequence[Watch], broken: Container[tuple[int, str]]) -> None:
         """Check borders again by arithmetic that the proof does not use.
 
         A violation that the proof missed is a bug of yarclang.
         """
-        for watch in self.watches:
+        for watch in watches:
             if watch.zone.rule == "slow":
                 continue
             for row, seen in enumerate(seen_beyond(self.motions, watch)):
@@ -195,6 +231,7 @@ class _Judge:
             if watch.zone.rule != "slow" or limit is None:
                 continue
             assert watch.item is not None  # only joint windows have no body, and they are never slow zones
+            assert not isinstance(watch.zone.region, Tilt)
             found = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
@@ -249,6 +286,9 @@ class _Judge:
         part = _called(watch)
         if zone.posture is not None:
             return "Y0910", f"{self._joint(zone.posture, q)} of the zone {zone.name} while {part} is in it"
+        if zone.keep is not None:
+            below = f"{_mm(max(-found.slack, 1e-5))} less than the {zone.keep.limit / MM:.6g} mm of KEEP"
+            return "Y0956", f"{part} is above {{{zone.keep.of}}} by {below}"
         code = "Y0907" if zone.rule == "allowed" else "Y0908"
         apart = found.slack + zone.margin
         if apart > 0.0:
@@ -288,6 +328,8 @@ def _called(watch: Watch) -> str:
 
 
 _REMEDIES = {
+    "Y0955": "keep the tool upright: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP",
+    "Y0956": "stay above: a pose in between, another order, or MOVEJ_AVOID; or allow a smaller distance in the KEEP",
     "Y0907": "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
     "Y0908": "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
     "Y0909": "choose another configuration (NEAR) or a via pose; or correct the window in the cell.toml",

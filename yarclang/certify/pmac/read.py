@@ -86,6 +86,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
         preamble.searches,
         preamble.offsets,
         preamble.allows,
+        preamble.keeps,
     )
 
 

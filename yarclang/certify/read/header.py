@@ -15,6 +15,7 @@ from yarclang.decisions import (
     LONGEST_NAME,
     MOST_WATCHES,
     InputValue,
+    KeptTo,
     Permitted,
     Register,
     RegisterValue,
@@ -79,6 +80,7 @@ _OFFSET = re.compile(
     r"((?! )[ -~]{1,80}(?<! ))"
 )
 
+_KEEP = re.compile(r"; keep ([0-9]{1,7}) ([!-~]{1,900})")
 _ALLOW = re.compile(r"; allow ([0-9]{1,7}) ([!-~]{1,400}) ([!-~]{1,400})")
 
 
@@ -95,6 +97,7 @@ class Preamble:
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
         allows: bodies that may touch on motions.
+        keeps: rules that motions keep to.
     """
 
     header: Header
@@ -105,6 +108,7 @@ class Preamble:
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
     allows: tuple[Permitted, ...] = ()
+    keeps: tuple[KeptTo, ...] = ()
 
 
 def header_of(text: str) -> Preamble | Unreadable:
@@ -152,9 +156,10 @@ def read_preamble(lines: Lines) -> Preamble:
     searches = _read_searches(lines, moves, registers)
     offsets = _read_offsets(lines, barriers, registers, {one.flag for one in searches})
     allows = _read_allows(lines, moves)
+    keeps = _read_keeps(lines, moves)
     if lines.peek().startswith(";"):
         lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
-    return Preamble(header, tuple(entries), barriers, registers, watches, searches, offsets, allows)
+    return Preamble(header, tuple(entries), barriers, registers, watches, searches, offsets, allows, keeps)
 
 
 def _read_header(lines: Lines) -> Header:
@@ -432,3 +437,25 @@ def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
         allows.append(one)
         lines.skip()
     return tuple(allows)
+
+
+def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
+    """Read the rules that motions keep to: in the order of the motions, each once for a motion."""
+    keeps: list[KeptTo] = []
+    while lines.peek().startswith("; keep"):
+        found = _KEEP.fullmatch(lines.peek())
+        rule = None if found is None else unquoted(found[2])
+        if found is None or rule is None:
+            lines.refuse(f"is no line of the map of rules that motions keep to: {shown(lines.peek())}")
+        one = KeptTo(int(found[1]), rule)
+        if one.step not in moves or (keeps and keeps[-1].step > one.step) or one in keeps[-_MOST_KEEPS:]:
+            lines.refuse(
+                f"is a rule for a command that doesn't move, stands twice, or out of order: {shown(lines.peek())}"
+            )
+        keeps.append(one)
+        lines.skip()
+    return tuple(keeps)
+
+
+_MOST_KEEPS = 100
+"""Lines before a rule among which it must not stand already; blocks can't be deeper."""

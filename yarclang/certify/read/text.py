@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Permitted, Register, Searched, Shifted, Value, Watch
+from yarclang.decisions import KeptTo, Permitted, Register, Searched, Shifted, Value, Watch
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
@@ -216,6 +216,7 @@ class ControllerText:
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
         allows: bodies that may touch on motions.
+        keeps: rules that motions keep to.
         own: further content for rooms of the controller's kind only.
     """
 
@@ -232,6 +233,7 @@ class ControllerText:
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
     allows: tuple[Permitted, ...] = ()
+    keeps: tuple[KeptTo, ...] = ()
 
     @property
     def target(self) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from yarclang.cell.keeping import Tilt
 from yarclang.cell.model import Cell, HalfSpace, JointWindow, ShapeRegion, Zone
 from yarclang.collision.zones.regions import Place, coal_of, faces_of, reach
 from yarclang.collision.zones.watched import tool_frame
@@ -90,8 +91,8 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
         joint = _joint_without(robot, one, other) if rules == {"allowed"} else None
         return f"its window for {joint} has nothing in common with that of {first.name}" if joint else None
     if (
-        isinstance(one, JointWindow)
-        or isinstance(other, JointWindow)
+        isinstance(one, JointWindow | Tilt)
+        or isinstance(other, JointWindow | Tilt)
         or not set(first.watch) & set(second.watch)
     ):
         return None

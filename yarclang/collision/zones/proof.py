@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.cell.keeping import Tilt
 from yarclang.cell.model import JointWindow
 from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
@@ -20,10 +21,11 @@ from yarclang.collision.proof import COARSE, KNOWN, SHARE
 from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
 from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
 from yarclang.collision.zones.regions import outside
+from yarclang.collision.zones.tilts import angles_at, turning
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room, room_on
-from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.collision.zones.workspace import SLACK, TILT_SLACK, Watch
 from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.shapes import Array
@@ -99,6 +101,9 @@ class _Search:
         if isinstance(region, JointWindow):
             self._window(number, watch, region, hit)
             return
+        if isinstance(region, Tilt):
+            self._tilt(number, region, hit)
+            return
         item = watch.item
         assert item is not None
         bounds = self.bounds.setdefault(id(item), rates(self.scene.chain, self.course, item))
@@ -129,7 +134,7 @@ class _Search:
         others.
         """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
-        assert not isinstance(region, JointWindow)
+        assert not isinstance(region, JointWindow | Tilt)
         # each instant once, though it is both an end and a beginning
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
@@ -146,7 +151,7 @@ class _Search:
         self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Posed, Posed]
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
-        assert not isinstance(region, JointWindow)
+        assert not isinstance(region, JointWindow | Tilt)
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
         before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)
@@ -156,7 +161,7 @@ class _Search:
         self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Posed, Posed]
     ) -> tuple[Array, Array, Array]:
         region, posture = watch.zone.region, watch.zone.posture
-        assert not isinstance(region, JointWindow)
+        assert not isinstance(region, JointWindow | Tilt)
         way = bounds.first[pieces.segment] * (pieces.end - pieces.begin)
         least = roughly_outside(region, item, ends, way)
         seen = np.full(len(least), np.inf)
@@ -209,6 +214,32 @@ class _Search:
             self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
             open_ = (surely < -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
             pieces = pieces.take(np.flatnonzero(open_)).halves()
+
+    def _tilt(self, number: int, tilt: Tilt, hit: Flags) -> None:
+        """Settle a tilt on all motions: by the angle that the axis can turn, and by its second derivative."""
+        scene, course, pieces, done = self.scene, self.course, self.pieces, 0
+        speed, bend = turning(scene.chain, course)
+        while len(pieces.segment):
+            go_on()
+            long = pieces.end - pieces.begin
+            before, behind = (
+                angles_at(tilt, scene, joints(course, pieces.segment, time)[0])
+                for time in (pieces.begin, pieces.end)
+            )
+            worst = np.maximum(before, behind)
+            # the cosine is below its chord by at most its second derivative times d^2 / 8
+            sag = bend[pieces.segment] * long**2 / 8.0
+            by_chord = np.arccos(np.clip(np.cos(worst) - sag, -1.0, 1.0))
+            most = np.minimum(by_chord, (before + behind + speed[pieces.segment] * long) / 2.0)
+            when = np.where(before > behind, pieces.begin, pieces.end)
+            self._break(number, pieces.segment, worst > tilt.limit + TILT_SLACK / 2.0, when, hit)
+            open_ = np.flatnonzero((most > tilt.limit + TILT_SLACK) & ~hit[self.motion[pieces.segment]])
+            done += len(open_)
+            pieces = pieces.take(open_)
+            if done > MOST:
+                self._break(number, pieces.segment, np.ones(len(open_), np.bool_), pieces.middle, hit)
+                return
+            pieces = pieces.halves()
 
     def _break(self, number: int, segment: Rows, broken: Flags, when: Array, hit: Flags) -> None:
         """Record the first place of each motion at which a watch is broken."""

@@ -62,6 +62,10 @@ def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item
     made = scene_of(robot, cell)
     if made.value is None:
         return ()
+    if zone.keep is not None:
+        own = np.eye(4)
+        own[:3, 3] = zone.keep.own
+        return (point_of(robot, Moving(zone.keep.frame, own)),)
     found: dict[str, Item] = {}
     for part in zone.watch:
         for item in _of_part(robot, made.value, part, moving):

@@ -9,10 +9,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from yarclang.cell.keeping import Tilt
 from yarclang.cell.model import Cell, JointWindow, Zone
 from yarclang.collision.scene import Rows, Scene, scene_of
 from yarclang.collision.zones.gaps import depth_inside, distance_outside
 from yarclang.collision.zones.moved import Arm
+from yarclang.collision.zones.tilts import angles
 from yarclang.collision.zones.watched import Item, Moving, items_of
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.collision.zones.windows import room
@@ -22,11 +24,13 @@ from yarclang.shapes import Array
 
 SLACK = 1e-5
 """Items that cross a border by no more than this [m] count as on it."""
+TILT_SLACK = 1e-5
+"""Axes that exceed their angle by no more than this [rad] count as within it."""
 
 
 @frozen(eq=False)
 class Watch:
-    """A zone, and an item that it watches; None if the zone concerns only joints."""
+    """A zone, and an item that it watches; None if the zone concerns only joints, or the flange's orientation."""
 
     zone: Zone
     item: Item | None
@@ -42,7 +46,7 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
     moving = Moving(name, np.frombuffer(frame).reshape(4, 4))
     found: list[Watch] = []
     for zone in cell.zones:
-        if isinstance(zone.region, JointWindow) and zone.rule != "slow":
+        if isinstance(zone.region, Tilt) or (isinstance(zone.region, JointWindow) and zone.rule != "slow"):
             found.append(Watch(zone, None))
         else:
             found += [Watch(zone, item) for item in items_of(robot, cell, zone, moving)]
@@ -51,10 +55,10 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
     """Return how far a watch is from being broken at joint positions (P, n), (P,) [m; rad or m for a joint
-    window]. Below `slack_of` it is broken.
+    window, rad for a tilt]. Below `slack_of` it is broken.
     """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
-    return _slack(watch, q, arm, np.arange(len(q)))
+    return _slack(scene, watch, q, arm, np.arange(len(q)))
 
 
 @lru_cache(maxsize=16)
@@ -65,12 +69,15 @@ def _one_arm(scene: Scene, q: bytes) -> Arm:
     return Arm.at(scene, np.frombuffer(q)[None])
 
 
-def _slack(watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
+def _slack(scene: Scene, watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
     """Return the slack of a watch, as `slack_at` does, at some of the instants of an arm."""
     zone, region = watch.zone, watch.zone.region
     if isinstance(region, JointWindow):
         inner: Array = room(region, q).min(axis=1)
         return inner if zone.rule == "allowed" else -inner
+    if isinstance(region, Tilt):
+        tilted: Array = region.limit - angles(region, scene.chain, arm.turn[-1][..., rows])
+        return tilted
     assert watch.item is not None
     posed = arm.of(watch.item).take(rows)
     if zone.rule == "allowed":
@@ -84,7 +91,12 @@ def _slack(watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
 
 def slack_of(watch: Watch) -> float:
     """Return the slack below which a watch counts as broken at an instant."""
-    return -(WINDOW_SLACK if isinstance(watch.zone.region, JointWindow) else SLACK) / 2.0
+    match watch.zone.region:
+        case JointWindow():
+            return -WINDOW_SLACK / 2.0
+        case Tilt():
+            return -TILT_SLACK / 2.0
+    return -SLACK / 2.0
 
 
 def broken_at(robot: Robot, cell: Cell, moving: Moving, q: Array) -> Sequence[tuple[Watch, float]]:

@@ -17,7 +17,7 @@ from yarclang.motion.leading.messages import differs, near_fix
 from yarclang.motion.wording import Message
 from yarclang.robot.model import Robot
 from yarclang.source import Span
-from yarclang.units import MM
+from yarclang.units import DEG, MM
 
 _SHOWN = 4
 """The largest number of blocked configurations that are listed."""
@@ -160,6 +160,8 @@ def with_changes(
 def inside(one: Obstruction) -> str:
     """Return the obstruction as the end of a sentence."""
     moving, other = one.names
+    if one.is_tilt:
+        return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"
     if one.is_zone:
         return (
             f"{JOINTS} break the zone {other}"

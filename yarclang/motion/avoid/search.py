@@ -88,7 +88,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     util.setLogLevel(util.LogLevel.LOG_NONE)
     util.RNG.setSeed(effort.seed)
     scale, size = question.reach, len(question.reach)
-    low, high = _bounds(question)
+    low, high = bounds_of(question)
     bounds = base.RealVectorBounds(size)
     for joint in range(size):
         bounds.setLow(joint, float(low[joint] * scale[joint]))
@@ -188,7 +188,7 @@ def _nearest(ends: Array, q: Array) -> Array:
     return found
 
 
-def _bounds(question: Question) -> tuple[Array, Array]:
+def bounds_of(question: Question) -> tuple[Array, Array]:
     """Return the least and the largest joint positions (n,) of the search: slightly inside the limits, but
     including start and goal.
     """

@@ -37,6 +37,7 @@ class Compared:
         what: True if two commands without motion do different things.
         carries: True if the robot carries other parts meanwhile.
         touches: True if other bodies may touch.
+        keeps: True if the motion keeps to other rules.
     """
 
     first: Act | None
@@ -48,6 +49,7 @@ class Compared:
     what: bool = False
     carries: bool = False
     touches: bool = False
+    keeps: bool = False
 
     @property
     def status(self) -> Status:
@@ -57,7 +59,7 @@ class Compared:
         if self.second is None:
             return "removed"
         different = self.differs or self.other_branch or self.longer != 0.0 or self.what
-        different = different or self.carries or self.touches
+        different = different or self.carries or self.touches or self.keeps
         return "changed" if different else "same"
 
 
@@ -141,8 +143,10 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
     ends = np.stack((one.curve.points[-1], other.curve.points[-1]))
     carries = one.carries is not None and other.carries is not None and one.carries != other.carries
     other_branch = _other_branch(robot, frame, tolerance, ends, path)
-    touches = one.may_touch != other.may_touch
-    return Compared(one, other, path, differs, other_branch, longer, carries=carries, touches=touches)
+    touches, keeps = one.may_touch != other.may_touch, one.keeps != other.keeps
+    return Compared(
+        one, other, path, differs, other_branch, longer, carries=carries, touches=touches, keeps=keeps
+    )
 
 
 def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:

@@ -111,6 +111,10 @@ def difference_text(comparison: Comparison, one: Compared) -> str:
                 parts.append(f"carries {_carried(first)} -> {_carried(second)}")
             if one.touches:
                 parts.append(f"may touch: {_touching(first)} -> {_touching(second)}")
+            if one.keeps:
+                parts.append(
+                    f"keeps to: {', '.join(first.keeps) or 'nothing'} -> {', '.join(second.keeps) or 'nothing'}"
+                )
             return "; ".join(parts)
         case _:
             return ""
@@ -219,4 +223,5 @@ def _act(act: Act | None) -> dict[str, Any] | None:
         "duration_s": act.duration,
         "carries": None if act.carries is None else list(act.carries),
         **({"may_touch": list(act.may_touch)} if act.may_touch else {}),
+        **({"keeps": list(act.keeps)} if act.keeps else {}),
     }

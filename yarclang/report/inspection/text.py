@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
-from yarclang.certify.outward import percent
+from yarclang.certify.outward import most, percent, up_to
 from yarclang.decisions import in_words, shown_variable, simple
 from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
@@ -102,6 +102,11 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield f"it {verb} {', '.join(names)}"
     if inspected.carries:
         yield f"the robot carries {', '.join(inspected.carries)}"
+    for rule in () if inspected.certificate is None else inspected.certificate.kept:
+        reached = (
+            "" if rule.largest is None else f": it tilts at most {up_to(most(rule.largest, DEG), 4)} deg"
+        )
+        yield f"keeps to {printable(rule.rule)}{reached}"
     for one in () if inspected.certificate is None else inspected.certificate.may_touch:
         needed = "they touch, or come nearer than a margin" if one.needed else "they keep apart all the same"
         yield f"not checked: {printable(one.pair)} may touch, allowed by {one.giver}; {needed}"

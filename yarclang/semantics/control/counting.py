@@ -171,10 +171,10 @@ class Counter:
                 commands, lines, rounds, deepest = self._repeat(node, file, scope, depth, needed)
             case "IF":
                 commands, lines, rounds, deepest = self._if(node, file, scope, depth, needed)
-            case "WHEN" | "CASE" | "LOOP" | "WHILE" | "WAIT" | "OFFSET" as word:
+            case "WHEN" | "CASE" | "LOOP" | "WHILE" | "WAIT" | "OFFSET" | "KEEP" as word:
                 both = (*node.body, *(node.otherwise or ()))
                 commands, lines, rounds, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
-                commands += _ofs(node) if word == "CASE" else 1
+                commands += _ofs(node) if word == "CASE" else int(word != "KEEP")
             case _:
                 return _NOTHING
         return commands, lines + size, rounds, deepest + 1
@@ -256,8 +256,8 @@ class Counter:
             elif word == "REPEAT":
                 number = repeats(head, counted(head)[1], scope, Collector(source))
                 total += (number or 0) * self._least_round(node, file, scope)
-            elif word in ("WHEN", "CASE", "LOOP", "WHILE", "WAIT", "OFFSET"):
-                total += Count(_ofs(node) if word == "CASE" else 1) + self._least(
+            elif word in ("WHEN", "CASE", "LOOP", "WHILE", "WAIT", "OFFSET", "KEEP"):
+                total += Count(_ofs(node) if word == "CASE" else int(word != "KEEP")) + self._least(
                     (*node.body, *(node.otherwise or ())), file, scope
                 )
         return total

@@ -9,11 +9,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from yarclang.cell.keeping import Keep
 from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
 from yarclang.decisions import Register, RegisterValue, Watch
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Exit, Finish, Gap, JointMove, LineMove, Output, Say, Step, Stop, WayOut
+from yarclang.hir import (
+    Array,
+    Exit,
+    Finish,
+    Gap,
+    JointMove,
+    LineMove,
+    Motion,
+    Output,
+    Say,
+    Step,
+    Stop,
+    WayOut,
+)
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import (
     assigns,
@@ -37,6 +51,7 @@ from yarclang.semantics.control.counting import (
 )
 from yarclang.semantics.control.decided import Decided, Ended
 from yarclang.semantics.control.extent import ENOUGH_WITH_ERRORS, Extent
+from yarclang.semantics.control.keeping import keep_of
 from yarclang.semantics.control.places import Place, at, index_of, looped, shown
 from yarclang.semantics.control.repeats import counted, repeats
 from yarclang.semantics.declared.declaring import Declaring
@@ -140,6 +155,8 @@ class _Unroller:
         self._decided = Decided(self._steps, self._declaring.registers, self._carry_out, self._count_way)
         self._place: Place = ()
         """Place of the block that is being carried out."""
+        self._keeps: tuple[Keep, ...] = ()
+        """The rules of the KEEPs around the lines that are being carried out."""
         self._is_too_much = False
         self._ways_out: list[WayOut] = []
 
@@ -211,6 +228,8 @@ class _Unroller:
                 self._wait(block, file, scope, place)
             case "OFFSET":
                 self._decided.offset(block, file, scope, self._declaring.cells.cell)
+            case "KEEP":
+                self._keep(block, file, scope, place)
             case _ if block.head.waits_else:
                 self._search(block, file, scope, place)
             case "LOOP":
@@ -221,6 +240,22 @@ class _Unroller:
                 self._decided.when(block, file, scope)
         self._depth -= 1
         self._place = before
+
+    def _keep(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        """Carry out the lines of a KEEP: all motions among them keep to its rule, those of CALLs too."""
+        kept = keep_of(block.head, scope, file.defaults, file.findings)
+        if kept is None:
+            self._steps.append(Gap())
+            return
+        before, begin = self._keeps, len(self._steps)
+        if kept not in before:
+            self._keeps = (*before, kept)
+        self._nodes(block.body, file, Scope(scope), place)
+        self._keeps = before
+        if not any(isinstance(one, Motion | Gap) for one in self._steps[begin:]):
+            message = "nothing in this KEEP moves the robot"
+            help_ = "put the motions between KEEP and its END"
+            file.findings.add("Y0481", message, block.head.whole_span, help_)
 
     def _wait(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         """Carry out a WAIT with its ELSE."""
@@ -495,8 +530,10 @@ class _Unroller:
 
         # The cache's key is the text of the command, and a trajectory file isn't part of the text.
         if not is_alone or isinstance(context.memory, Forgetful) or _names_file(statement):
-            return make(file.defaults, scope)
-        return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
+            step = make(file.defaults, scope)
+        else:
+            step = step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
+        return replace(step, keeps=self._keeps) if self._keeps and isinstance(step, Motion) else step
 
     def _count_command(self, statement: Statement, file: File) -> None:
         """Count a command that is carried out.

@@ -1,0 +1,128 @@
+"""Proof that axes of the flange stay within their angles (KEEP ... UPRIGHT) while the text runs.
+
+It shares no code with `yarclang.collision.zones.tilts`, which the planner uses: it has the judge's own
+kinematics.
+
+An axis is a unit vector u that the turning joints turn about axes of length 1. Its derivatives with respect to
+the joints are nested cross products with these axes, so that |u'| <= W and |u''| <= W^2 + A, with the sums W
+and A of the joints' largest velocities and accelerations on a segment. On a piece of duration d, the angle
+to a fixed direction is therefore at most half of the sum of its values at both ends and W d; and the cosine
+is nowhere below the smaller one of both ends by more than (W^2 + A) d^2 / 8. Pieces are halved until one of
+the two bounds settles them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.cell.keeping import Tilt
+from yarclang.certify.bodies.fastest import Motions
+from yarclang.certify.kinematics.arm import axes_of
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array
+
+SLACK = 1e-5
+"""Angle by which an axis may exceed its limit and counts as within it [rad]."""
+KNOWN = 0.1
+"""Share of the limit up to which angles aren't told apart."""
+SHARP = 0.02
+"""Share of the largest angle seen by which its bound may be larger."""
+MOST = 1_000_000
+"""The largest number of pieces. If more are needed, the limit counts as exceeded."""
+
+
+@frozen(eq=False)
+class Tilted:
+    """The angles of an axis from its direction, for each of G motions.
+
+    Attributes:
+        most: (G,) upper bounds [rad]. Infinite for a motion that exceeds the limit.
+        seen: (G,) the largest angle of a sample [rad].
+        when: (G,) the time of that sample after the start of the first segment [s].
+        exceeds: (G,) True for motions that exceed the limit, or aren't proved to keep it.
+    """
+
+    most: Array
+    seen: Array
+    when: Array
+    exceeds: NDArray[np.bool_]
+
+
+def tilted(motions: Motions, tilt: Tilt) -> Tilted:
+    """Bound the angle of an axis on each motion.
+
+    Args:
+        motions: the segments, and the range of each motion; none is empty.
+        tilt: the axis, the direction and the largest angle.
+    """
+    chain, cubics, spans = motions.chain, motions.cubics, motions.spans
+    count = len(spans)
+    motion = np.repeat(np.arange(count), np.diff(spans, axis=1)[:, 0])
+    # cubics have exactly the segments of the spans
+    first = int(spans[0, 0])
+    turns = axes_of(chain).turn
+    speed = np.abs(cubics.velocity_peaks()) @ turns
+    strength = np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j)) @ turns
+    bend = strength + speed**2
+    axis, up = chain.base_from_flange[:3, :3] @ np.array(tilt.own), np.array(tilt.up)
+
+    def angles(turn: Array) -> Array:
+        """Return the angles (P,) for rotations (3, 3, P) of the flange."""
+        now = np.tensordot(turn, axis, axes=(1, 0))
+        cross = (
+            now[1] * up[2] - now[2] * up[1],
+            now[2] * up[0] - now[0] * up[2],
+            now[0] * up[1] - now[1] * up[0],
+        )
+        dot = now[0] * up[0] + now[1] * up[1] + now[2] * up[2]
+        found: Array = np.arctan2(np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2), dot)
+        return found
+
+    segment = np.arange(first, first + len(motion))
+    begin, end = np.zeros(len(segment)), cubics.h[segment]
+    before, after = (angles(one.turn)[segment] for one in motions.ends(chain.size))
+    most, seen = np.zeros(count), np.zeros(count)
+    when, exceeds = np.zeros(count), np.zeros(count, np.bool_)
+
+    def learn(rows: NDArray[np.int64], angle: Array, time: Array) -> None:
+        """Store the largest angle of each motion and its time."""
+        order = np.argsort(angle, kind="stable")
+        own = motion[rows[order] - first]
+        larger = angle[order] > seen[own]
+        seen[own[larger]] = angle[order][larger]
+        when[own[larger]] = (motions.starts[rows[order]] + time[order])[larger]
+
+    learn(segment, before, begin)
+    learn(segment, after, end)
+    done = 0
+    while len(segment):
+        go_on()
+        own, long = motion[segment - first], end - begin
+        # A comparison with NaN is false: such a piece is never settled.
+        worst = np.maximum(before, after)
+        chord = np.cos(worst) - bend[segment] * long**2 / 8.0
+        bound = np.minimum(
+            (before + after + speed[segment] * long) / 2.0, np.arccos(np.clip(chord, -1.0, 1.0))
+        )
+        exceeds |= ~(seen <= tilt.limit + SLACK / 2.0)
+        enough = np.minimum(
+            tilt.limit + SLACK, np.maximum(seen[own] * (1.0 + SHARP) + SLACK, tilt.limit * KNOWN)
+        )
+        settled = (bound <= enough) | exceeds[own]
+        np.maximum.at(most, own[settled], bound[settled])
+        rows = np.flatnonzero(~settled)
+        done += len(rows)
+        if done > MOST:
+            exceeds[own[rows]] = True
+            break
+        segment, begin, end = segment[rows], begin[rows], end[rows]
+        before, after = before[rows], after[rows]
+        half = (begin + end) / 2.0
+        middle = angles(motions.at(chain.size, segment, half).turn) if len(rows) else half
+        learn(segment, middle, half)
+        segment = np.concatenate([segment, segment])
+        begin, end = np.concatenate([begin, half]), np.concatenate([half, end])
+        before, after = np.concatenate([before, middle]), np.concatenate([middle, after])
+    return Tilted(np.where(exceeds, np.inf, most), seen, when, exceeds)

@@ -1,0 +1,203 @@
+"""Find a way of straight pieces along which an axis keeps its angle: two trees whose branches are pulled back
+into the angle at every step.
+
+Of all joint positions only a thin layer is upright, so that samples hardly ever hit it, and straight lines
+leave it. So samples, and each step of a branch, are projected (Berenson, Srinivasa and Kuffner, "Manipulation
+planning on constraint manifolds", 2009). Random numbers come from a seed, and a search ends by the number of
+its samples, as in `yarclang.motion.avoid.search`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from yarclang.cell.keeping import Tilt
+from yarclang.collision.scene import Scene
+from yarclang.collision.zones.tilts import angles_at
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.avoid.search import Apart, Effort, Question, bounds_of
+from yarclang.progress import go_on
+
+_STEP = 0.1
+"""Length of a step of a branch before it is pulled back [m, of bodies]."""
+_INSIDE = 0.7
+"""Share of the angle within which projected joint positions are, so that the pieces between them fit."""
+_ROUNDS = 12
+"""Steps of Newton's method to pull a joint position back."""
+_MOST_STEPS = 60
+"""Steps of a branch towards a sample or the other tree."""
+_DELTA = 1e-6
+"""Difference of joint positions for derivatives [rad or m]."""
+_CUTS = 120
+"""Shortcuts that are tried."""
+
+
+def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Array | None:
+    """Return a joint position (n,) near another one at which all tilts are within a share of their angles.
+
+    Args:
+        scene: has the arm.
+        tilts: axes, directions and angles.
+        reach: (n,) scale of the joints [m/rad or 1]: joints that move bodies less turn more.
+        q: (n,) [rad or m].
+
+    Returns:
+        None if it isn't found.
+    """
+    around = np.concatenate((np.zeros((1, len(q))), np.eye(len(q)) * _DELTA))
+    for _ in range(_ROUNDS):
+        worst, slopes = 0.0, None
+        for tilt in tilts:
+            seen = angles_at(tilt, scene, q + around)
+            over = float(seen[0]) - tilt.limit * _INSIDE
+            if over > worst:
+                worst, slopes = over, (seen[1:] - seen[0]) / _DELTA / reach
+        if slopes is None:
+            return q
+        size = float(slopes @ slopes)
+        if size < 1e-9:
+            return None
+        q = q - slopes * ((worst + 1e-4) / size) / reach
+    return None
+
+
+@frozen(eq=False)
+class _Space:
+    """What a search needs: `free` checks joint positions, `pull` projects them, `step` (n,) is the distance
+    between checks [rad or m], and `low` and `high` (n,) are the range of joint positions.
+    """
+
+    free: Callable[[Array], bool]
+    pull: Callable[[Array], Array | None]
+    reach: Array
+    step: Array
+    low: Array
+    high: Array
+
+    def joined(self, one: Array, other: Array) -> bool:
+        """Return True if the straight piece between two joint positions is free, the first one excluded."""
+        count = int(np.ceil(float(np.linalg.norm((other - one) / self.step)))) or 1
+        return all(self.free(one + (other - one) * (at / count)) for at in range(count, 0, -1))
+
+    def walk(self, one: Array, other: Array) -> list[Array]:
+        """Return joint positions on the way from one to another, as far as it is free and comes nearer."""
+        found: list[Array] = []
+        here, left = one, float(np.linalg.norm((other - one) * self.reach))
+        for _ in range(_MOST_STEPS):
+            if left <= _STEP:
+                if left and self.joined(here, other):
+                    found.append(other)
+                break
+            there = self.pull(here + (other - here) * (_STEP / left))
+            if there is None or (there < self.low).any() or (there > self.high).any():
+                break
+            now = float(np.linalg.norm((other - there) * self.reach))
+            if now > left - 0.2 * _STEP or not self.joined(here, there):
+                break
+            found.append(there)
+            here, left = there, now
+        return found
+
+
+class _Tree:
+    def __init__(self, roots: Array) -> None:
+        self.points = list(roots)
+        self.scaled = roots.copy()
+        self.parents = [-1] * len(roots)
+
+    def nearest(self, q: Array, reach: Array) -> int:
+        return int(np.argmin(np.square((self.scaled - q) * reach).sum(axis=1)))
+
+    def grow(self, parent: int, points: list[Array]) -> int:
+        """Add a branch, and return the number of its end."""
+        for one in points:
+            self.points.append(one)
+            self.parents.append(parent)
+            parent = len(self.points) - 1
+        if points:
+            self.scaled = np.concatenate((self.scaled, np.array(points)))
+        return parent
+
+    def way(self, at: int) -> list[Array]:
+        """Return the way from a root to a point."""
+        found = []
+        while at >= 0:
+            found.append(self.points[at])
+            at = self.parents[at]
+        return found[::-1]
+
+
+def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: Effort) -> Array | Apart:
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which tilts
+    are kept; or how near the search came.
+
+    Args:
+        scene: has the arm.
+        tilts: axes, directions and angles.
+        question: its `free` checks the tilts too.
+        effort: parameters of the search.
+    """
+    random = np.random.default_rng(effort.seed)
+    low, high = bounds_of(question)
+    pull = partial(pulled, scene, tilts, question.reach)
+    space = _Space(question.free, pull, question.reach, effort.step / question.reach, low, high)
+    out, in_ = _Tree(question.starts), _Tree(question.goals)
+    tries = 0
+    for tries in range(1, effort.samples + 1):
+        go_on()
+        if question.is_over():
+            break
+        # the first branches lead straight from one end to the other
+        sample = in_.points[0] if tries == 1 else pull(low + random.random(len(low)) * (high - low))
+        if sample is None:
+            continue
+        one, other = (out, in_) if tries % 2 else (in_, out)
+        near = one.nearest(sample, space.reach)
+        at = one.grow(near, space.walk(one.points[near], sample))
+        tip = one.points[at]
+        near = other.nearest(tip, space.reach)
+        meeting = other.grow(near, space.walk(other.points[near], tip))
+        if np.array_equal(other.points[meeting], tip):
+            first, last = (at, meeting) if one is out else (meeting, at)
+            return _shortened(space, [*out.way(first), *in_.way(last)[::-1][1:]], random)
+    left = [
+        float(np.linalg.norm((one - in_.points[in_.nearest(one, space.reach)]) * space.reach))
+        for one in out.points
+    ]
+    best = int(np.argmin(left))
+    beyond = in_.points[in_.nearest(out.points[best], space.reach)]
+    return Apart(out.points[best], beyond, left[best], tries)
+
+
+def _shortened(space: _Space, points: list[Array], random: np.random.Generator) -> Array:
+    """Return a way with fewer and shorter pieces and the same ends."""
+    for _ in range(_CUTS):
+        if len(points) < 3:
+            break
+        go_on()
+        first, last = sorted(random.integers(0, len(points), 2).tolist())
+        if last - first < 2:
+            continue
+        cut = space.walk(points[first], points[last])
+        if not cut or cut[-1] is not points[last]:
+            continue
+        old, new = (_length(way, space.reach) for way in (points[first : last + 1], [points[first], *cut]))
+        if new < old * 0.999:
+            points = [*points[: first + 1], *cut, *points[last + 1 :]]
+    kept, at = [points[0]], 0
+    while at < len(points) - 1:
+        # as far as a straight piece leads
+        end = at + 1
+        while end + 1 < len(points) and space.joined(points[at], points[end + 1]):
+            end += 1
+        kept.append(points[end])
+        at = end
+    return np.array(kept)
+
+
+def _length(points: list[Array], reach: Array) -> float:
+    return float(np.linalg.norm(np.diff(np.array(points), axis=0) * reach, axis=1).sum())

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from yarclang.source import SourceFile
     from yarclang.syntax.ast import Module
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _MARK = "\ufeff"
 """Byte order mark, which is removed from the beginning of a text."""

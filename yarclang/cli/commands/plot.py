@@ -56,8 +56,8 @@ def command(
     logs = {file for file in destinations if file != STANDARD and is_log(file)}
     if logs and (given := [f"--{name}" for name, value in planning.items() if value is not None]):
         raise click.UsageError(f"{', '.join(given)}: the log of a run says that itself")
-    failed = _draw(destinations, formats, logs, planning, jobs, scheduler)
-    raise SystemExit(1 if failed else 0)
+    if _draw(destinations, formats, logs, planning, jobs, scheduler):
+        raise SystemExit(1)
 
 
 def _draw(

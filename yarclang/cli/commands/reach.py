@@ -46,7 +46,8 @@ def command(
             progress.pause()
             failed |= not put(drawn, destination)
             progress.file(number, len(destinations))
-    raise SystemExit(1 if failed else 0)
+    if failed:
+        raise SystemExit(1)
 
 
 def _destinations(names: tuple[str, ...], output: str | None, folder: Path) -> dict[str, str]:

@@ -16,13 +16,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from programs import compiled, planned, robot_of
 from scipy.spatial.transform import Rotation
-from yarclang.campaign.judging import told_by_step
 
 from tests.robot.made_arms import DATA, REAL, made
 from yarclang.backend_pmac.emit import emit
 from yarclang.backend_pmac.lower import lower
 from yarclang.campaign.chains import drawn_chain
 from yarclang.campaign.drawing import drawn, features
+from yarclang.campaign.judging import told_by_step
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.independent.arm import Arm
 from yarclang.independent.judging import judge as judged_anew

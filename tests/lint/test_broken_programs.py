@@ -12,7 +12,7 @@ from yarclang.pipeline.incremental import MOST_KEPT
 from yarclang.pipeline.inputs import Options
 from yarclang.source import SourceFile
 
-COUNT = 200
+COUNT = 400
 AT_MOST = 2
 """Findings for one fault, in 95 % of the programs."""
 SHARE = 0.95

@@ -31,8 +31,8 @@ def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
     handled, _ = follow(_layout(plan, plan.motions), plan.program, plan.robot)
     for motions in _without_gaps(plan.motions):
         layout = _layout(plan, motions)
-        for find in (find_clearances, find_zones):
-            found += find(layout, plan.program, plan.robot, handled)[1]
+        found += find_clearances(layout, plan.program, plan.robot, handled)[1]
+        found += find_zones(layout, plan.robot, handled)[1]
     return in_order(found)
 
 

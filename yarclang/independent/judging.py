@@ -168,6 +168,10 @@ def _not_solutions(arm: Arm, goals: list[Any], ends: Array) -> Iterator[str]:
             yield "a joint position out of limits"
 
 
+_PRINTED = {"velocity": 2e-4, "motor": 2e-4, "acceleration": 1e-3, "jerk": 1e-2}
+"""Shares of the limits that the decimals of the text may add to what a program sets; never beyond the limits."""
+
+
 def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float]) -> Iterator[str]:
     """Yield limits that are broken at any sample; the largest share of the motions `beside` each other is allowed."""
     share = max(other.share for other in beside)
@@ -177,6 +181,7 @@ def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float
         del allowed["jerk"]
     used = shares_of(arm, done)
     for kind, most in allowed.items():
+        most = min(most + _PRINTED.get(kind, 0.0), 1.0)
         _count(worst, kind, used[kind] / most)
         if used[kind] > most * (1.0 + 1e-6) + 1e-9:
             yield f"{kind} at {used[kind]:.6f} of the limit, {most:g} is allowed"

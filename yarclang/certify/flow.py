@@ -202,11 +202,11 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 puts = list(item.puts)
                 while entry is not None and (entry.first or 0) <= int(item.lines[-1]):
                     yield ("move", entry.step)
-                    # Outputs nearer to the end of this command than to that of the next one.
-                    while puts and _behind(item, puts[0], entry) <= SEGMENTS_OFF:
+                    following = next(moving, None)
+                    while puts and _belongs_after(item, puts[0], entry, following):
                         put = puts.pop(0)
                         yield ("set", put.variable, put.value)
-                    entry = next(moving, None)
+                    entry = following
                 for put in puts:
                     yield ("set", put.variable, put.value)
             case Dwelt(milliseconds=milliseconds) if milliseconds > 0.0:
@@ -245,6 +245,17 @@ def _behind(run: Run, put: Put, entry: Entry) -> int:
     return int(
         np.searchsorted(run.lines, put.line) - np.searchsorted(run.lines, entry.last or 0, side="right")
     )
+
+
+def _belongs_after(run: Run, put: Put, entry: Entry, following: Entry | None) -> bool:
+    """Return True if an output is set where a command ends, and not nearer to the end of the following one,
+    which may be as short as one segment.
+    """
+    off = _behind(run, put, entry)
+    if off > SEGMENTS_OFF:
+        return False
+    in_run = following is not None and (following.first or 0) <= int(run.lines[-1])
+    return following is None or not in_run or abs(off) <= abs(_behind(run, put, following))
 
 
 def _not_in_the_middle(text: ControllerText) -> Iterator[Fault]:

@@ -218,9 +218,10 @@ def _sequence(
         need((before or 0) + (blend or 0) <= longest, f"command {entry.step} is shorter than its blends")
         found.append(one)
         done.append(f"move {entry.step}")
+        after = numbers.get(waiting[0].last or 0, place) + 1 if waiting else 0  # where the next one ends
         for line, what in list(puts):
             off = bisect(item.lines, line) - behind
-            if off <= 1:
+            if off <= 1 and (after <= behind or abs(off) <= abs(bisect(item.lines, line) - after)):
                 need(off >= -1 and blend is not None, f"line {line}: an output not in a blend's middle")
                 done.append(f"put {what}")
                 puts.pop(0)

@@ -180,8 +180,8 @@ def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float
     if any(other.profile == "TOPP" or other.kind == "timed" for other in beside):
         del allowed["jerk"]
     used = shares_of(arm, done)
-    for kind, most in allowed.items():
-        most = min(most + _PRINTED.get(kind, 0.0), 1.0)
+    for kind, meant in allowed.items():
+        most = min(meant + _PRINTED.get(kind, 0.0), 1.0)
         _count(worst, kind, used[kind] / most)
         if used[kind] > most * (1.0 + 1e-6) + 1e-9:
             yield f"{kind} at {used[kind]:.6f} of the limit, {most:g} is allowed"

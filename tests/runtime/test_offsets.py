@@ -335,6 +335,28 @@ def test_values_from_outside(does):
         assert world.anew[0][0].values[0] in (1234, -2000)
 
 
+KEPT = PROGRAM.replace(
+    "OFFSET {PART} X DX Y DY Z DZ RZ TURN\n",
+    "OFFSET {PART} X DX Y DY Z DZ RZ TURN\nKEEP {TCP} ABOVE 795 (mm) {B}\n",
+).replace("  P0060", "END\n  P0060")
+
+
+@pytest.mark.parametrize(("lower", "is_refused"), [(0, False), (400, False), (600, True), (1000, True)])
+def test_a_rule_of_keep_holds_where_the_frame_is(lower, is_refused):
+    """The part lies 800 mm high: shifted down by more than 5 mm, the tool would come below the plane."""
+    world, job, _ = made((0, 0, -lower, 0), KEPT)
+    assert run(world, job).well
+    ((_, answer, _),) = world.anew
+    assert isinstance(answer, str) == is_refused
+    assert ("it can't be done: P0030" in world.words) == is_refused
+
+
+@pytest.mark.parametrize("of", ["PART", "BIN"])
+def test_what_is_kept_to_is_not_shifted(of):
+    _, found = compiled(KEPT.replace("(mm) {B}", f"(mm) {{{of}}}").replace("ABOVE 795", "ABOVE -5"))
+    assert ("Y0477" in codes(found)) == (of == "PART")
+
+
 LINE = "; offset 1 OFFSET_1 DX DY DZ TURN PART\n"
 
 

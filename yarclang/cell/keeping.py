@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
@@ -34,6 +35,7 @@ class Keep:
         up: the z axis of the other frame in {B}.
         level: ABOVE: distance of the plane from the origin of {B}, along `up` [m]; otherwise 0.
         limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
+        among: names of the frame that stands still and of those in which it is given.
     """
 
     kind: KeepKind
@@ -43,6 +45,7 @@ class Keep:
     up: Vector
     level: float
     limit: float
+    among: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def amount(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import get_args
 
 from yarclang.cell.keeping import LEAST_TILT, MOST_TILT, Keep, KeepKind, keep
@@ -54,7 +55,12 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
     if kind is None or limit is None or carried is None or standing is None or head.moving is None:
         return None
     of = "B" if head.base is None else head.base.name
-    return keep(kind, (head.moving.name, of), carried.transform, standing.transform, limit)
+    made = keep(kind, (head.moving.name, of), carried.transform, standing.transform, limit)
+    link, among = standing.link, [of]
+    while link is not None:
+        among.append(link.name)
+        link = link.parent
+    return replace(made, among=tuple(among))
 
 
 def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | None:

@@ -175,6 +175,14 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
             )
             return
         if isinstance(step, Motion):
+            if rule := next((one for one in step.keeps if offset.name in one.among), None):
+                origin = step.origin
+                message = f"{origin.label or origin.name} keeps to {rule.words}, where the file has it, and this OFFSET shifts {{{offset.name}}}"
+                help_ = "keep to a frame that isn't shifted, such as {B}, or end the KEEP in front of the OFFSET"
+                findings.found.append(
+                    Diagnostic("Y0477", message, origin.source, origin.span, help_, place=origin.place)
+                )
+                return
             steps[number] = step = _shifted(step, offset)
             motions.append(step)
     if not any(_is_shifted(one) for one in motions):

@@ -208,10 +208,10 @@ def _outer_model(shape: Mesh) -> Any | None:
 
 
 def _plain_model(shape: Mesh) -> Prepared | None:
-    """Return a large mesh without equal corners, kept from before if there is one; None for a small file, and
-    for one with a fault.
+    """Return a large mesh with equal corners merged, from the cache if it is there; None if the file is small or
+    faulty.
 
-    Where the file can be read as arrays, coal's reader isn't needed, which takes three times as long.
+    A file that can be read as arrays doesn't need coal's reader, which takes three times as long.
     """
     try:
         is_large = shape.path.stat().st_size >= _LARGE

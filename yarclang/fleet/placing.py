@@ -93,8 +93,8 @@ class Candidate:
 
     Attributes:
         shift: the shift from the present place.
-        seconds: time of the program [s]; None if it doesn't compile.
-        clearance: smallest proved distance of the robot from the cell [m]; None if there is none, or it
+        seconds: duration of the program [s]; None if it doesn't compile.
+        clearance: smallest proved distance of the robot from the cell [m]; None if no distance was proved, or the program
             doesn't compile.
         errors: number of errors.
         reason: the first error; empty if it compiles.

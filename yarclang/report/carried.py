@@ -143,7 +143,9 @@ def _beside(
 
 
 def carried_in_plan(plan: MotionPlan) -> Carried | None:
-    """Follow the parts through a planned program; None if its cell has none, and no bodies may touch."""
+    """Follow the parts through a planned program. Return None if the cell has no parts and the program lets no
+    bodies touch.
+    """
     if not _is_needed(plan.program):
         return None
     ends = {motion.step: end_of(motion.curve) for motion in plan.motions}

@@ -133,7 +133,7 @@ class _Maker:
         self._base = holds.base or BASE
 
     def line(self, taught: Taught, joints: Array) -> str:
-        """Return the code of a motion without its index.
+        """Return the source line of a taught motion without its index, such as P0030.
 
         Args:
             taught: the motion.

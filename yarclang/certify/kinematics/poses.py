@@ -176,7 +176,7 @@ def _are_one(one: Array, other: Array) -> bool:
 
 
 def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
-    """Return whether pairs of transforms (n, 4, 4) are equal but for rounding; False if not finite."""
+    """Return whether all pairs of transforms (n, 4, 4) are equal up to rounding; False if a value isn't finite."""
     allowed = SAME * np.maximum(1.0, np.abs(others[:, :3, 3]).max(axis=1))
     made: NDArray[np.bool_] = np.abs(ones - others).max(axis=(1, 2)) <= allowed
     return made

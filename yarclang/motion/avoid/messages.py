@@ -33,8 +33,8 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
-    """Return the finding that there is no way, or none was found, with what is in the way at the start, at
-    the goal, or between.
+    """Return the finding for a path that doesn't exist, or that wasn't found. It names what blocks the robot at
+    the start, at the goal, or in between.
     """
     if why.start is not None:
         message = f"there is no way from where the robot stands: {inside(why.start)}"

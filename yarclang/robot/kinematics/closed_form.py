@@ -238,9 +238,9 @@ def _is_straight(
 
     Args:
         arm: the arm's constants.
-        axis: the last axis (3, N), in the axes of the first joint.
-        turned_by: sine and cosine of q1, (shoulder 2, N) each.
-        bent: the sum of q2 and q3 (shoulder 2, elbow 2, N) [rad].
+        axis: (3, N) direction of the last joint's axis, in the frame of the first joint.
+        turned_by: sine and cosine of q1, each (2, N): a row for each shoulder branch.
+        bent: the sum of q2 and q3 (2, 2, N), by shoulder branch and elbow branch [rad].
     """
     sin, cos = turned_by
     turned = np.stack((cos * axis[0] + sin * axis[1], cos * axis[1] - sin * axis[0], axis[2] + 0.0 * sin))

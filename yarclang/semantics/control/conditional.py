@@ -41,7 +41,9 @@ def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
 
 
 def _declared(nodes: tuple[Node, ...]) -> frozenset[tuple[str, bool]]:
-    """Return the names that lines declare in any case: in a line of their own, or in both ways of an IF."""
+    """Return the names that lines declare whichever branches are taken: outside of any IF, or in both branches of
+    one.
+    """
     found: set[tuple[str, bool]] = set()
     for node in nodes:
         if isinstance(node, Block):

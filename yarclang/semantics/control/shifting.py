@@ -178,7 +178,9 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
             if rule := next((one for one in step.keeps if offset.name in one.among), None):
                 origin = step.origin
                 message = f"{origin.label or origin.name} keeps to {rule.words}, where the file has it, and this OFFSET shifts {{{offset.name}}}"
-                help_ = "keep to a frame that isn't shifted, such as {B}, or end the KEEP in front of the OFFSET"
+                help_ = (
+                    "keep to a frame that isn't shifted, such as {B}, or end the KEEP in front of the OFFSET"
+                )
                 findings.found.append(
                     Diagnostic("Y0477", message, origin.source, origin.span, help_, place=origin.place)
                 )

@@ -53,7 +53,8 @@ def _span(line: Line, option: Option) -> Span:
 
 
 def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findings: Collector) -> None:
-    """Check that the bodies of each ALLOW exist, once for each place in the text.
+    """Check that the bodies of each ALLOW exist. An ALLOW that is carried out several times, as in a loop, is
+    checked once.
 
     Args:
         steps: steps of the program.

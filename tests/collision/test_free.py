@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
-from tests.collision.test_proof import drawn
-from yarclang.collision.free import free_space, gaps, plain_free_space
+from tests.collision.test_proof import cell_of, drawn, mount
+from tests.robot.made_arms import DATA, REAL, made
+from yarclang.cell.model import Obstacle
+from yarclang.collision.free import _can_meet, free_space, gaps, plain_free_space
+from yarclang.collision.placing import distances, place, relative
 from yarclang.collision.scene import scene_of
 from yarclang.robot.description import load_robot
+from yarclang.shapes import Sphere
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
@@ -59,3 +63,34 @@ def test_pairs_left_out_by_their_boxes_change_no_answer():
             assert space.has(one) is not touches
             seen.add(touches)
     assert seen == {True, False}
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, "ur5", "panda"])
+def test_what_no_joint_position_reaches_is_left_out(name, tmp_path):
+    """Balls around the arm: those that are left out are far away everywhere, those beyond all reach are left out."""
+    if name in ROBOTS:
+        robot = load_robot(name).value
+    else:
+        urdf, arguments, _ = REAL[name]
+        robot = made(DATA / urdf, tmp_path / name, *arguments)
+    random = np.random.default_rng(7)
+    reach = float(np.linalg.norm(robot.chain.base_from_flange[:3, 3])) + 0.5
+    balls = []
+    for number in range(60):
+        way = random.normal(size=3)
+        at = way / np.linalg.norm(way) * random.uniform(0.3, 2.5) * reach
+        balls.append(Obstacle(f"BALL{number}", Sphere(0.05), mount(at, np.zeros(3)), 0.0))
+    scene = scene_of(robot, cell_of(*balls)).value
+    every = np.arange(len(scene.pairs.first))
+    apart = np.full(len(every), 0.02)
+    out = ~_can_meet(scene, apart)
+    lower, upper = np.maximum(robot.limits.lower, -np.pi), np.minimum(robot.limits.upper, np.pi)
+    q = random.uniform(lower, upper, (400, robot.size))
+    placed = place(scene, q)
+    least = np.full(len(every), np.inf)
+    for at in range(len(q)):
+        seen = relative(placed, np.full_like(every, at), every)
+        least = np.minimum(least, distances(scene, every, seen))
+    assert (least[out] > apart[out]).all()
+    assert out.sum() > 20
+    assert (~out).sum() > 20

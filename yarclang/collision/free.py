@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.placing import box_gaps, distances, place, relative
@@ -26,7 +27,7 @@ class FreeSpace:
     `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's. The manager examines only pairs whose
     axis-aligned boxes, grown by the margins, overlap. Inside a hollow mesh nothing is near; use `gaps` there.
     Pairs with a large mesh in tiles (`tiled`, with the distances `apart` (K,) of all pairs [m]) aren't
-    Pinocchio's, which would need a tree of all triangles.
+    Pinocchio's, which would need a tree of all triangles. Pairs that no joint position brings near are left out.
     """
 
     scene: Scene
@@ -60,31 +61,66 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
         scene: bodies and pairs.
         more: (K,) the distance that each pair keeps in addition to its margin [m].
     """
-    import coal
     import pinocchio
 
     model = _model(scene.chain)
     data = model.createData()
     pinocchio.forwardKinematics(model, data, np.zeros(scene.chain.size))
     geometry = pinocchio.GeometryModel()
-    for number, body in enumerate(scene.bodies):
-        placed = data.oMi[body.joint].inverse() * pinocchio.SE3(np.array(body.base_from_body))
-        is_tiled = isinstance(body.geometry.solid, TiledMesh)
-        shape = coal.Sphere(_NOTHING) if is_tiled else body.geometry.of_coal
-        geometry.addGeometryObject(pinocchio.GeometryObject(str(number), body.joint, placed, shape))
     tiles = np.array([isinstance(body.geometry.solid, TiledMesh) for body in scene.bodies], dtype=np.bool_)
     in_tiles = tiles[scene.pairs.first] | tiles[scene.pairs.second]
     apart = scene.pairs.margin + SLACK + (0.0 if more is None else more)
-    others = np.flatnonzero(~in_tiles).tolist()
+    meet = _can_meet(scene, apart)
+    others = np.flatnonzero(meet & ~in_tiles).tolist()
+    objects: dict[int, int] = {}
+    for number in sorted({*scene.pairs.first[others].tolist(), *scene.pairs.second[others].tolist()}):
+        body = scene.bodies[number]
+        placed = data.oMi[body.joint].inverse() * pinocchio.SE3(np.array(body.base_from_body))
+        thing = pinocchio.GeometryObject(str(number), body.joint, placed, body.geometry.of_coal)
+        objects[number] = geometry.addGeometryObject(thing)
     for pair in others:
         first, second = int(scene.pairs.first[pair]), int(scene.pairs.second[pair])
-        geometry.addCollisionPair(pinocchio.CollisionPair(first, second))
+        geometry.addCollisionPair(pinocchio.CollisionPair(objects[first], objects[second]))
     pairs = geometry.createData()
     for number, pair in enumerate(others):
         pairs.collisionRequests[number].security_margin = float(apart[pair])
     # after the margins are set: each body's box grows by half of its largest margin
     manager = pinocchio.BroadPhaseManager_NaiveCollisionManager(model, geometry, pairs)
-    return FreeSpace(scene, model, data, geometry, pairs, manager, np.flatnonzero(in_tiles), apart)
+    return FreeSpace(scene, model, data, geometry, pairs, manager, np.flatnonzero(meet & in_tiles), apart)
+
+
+def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
+    """Return a mask (K,) of the pairs that some joint position could bring nearer than `apart` (K,) [m].
+
+    What a joint carries stays within a ball around a point on the first axis: each joint turns the next axis
+    about its own, so that points on both axes keep their distance. Arms with joints that slide keep all pairs.
+    """
+    boxes, points = scene.boxes, _on_axes(scene.chain)
+    if points is None:
+        return np.ones(len(scene.pairs.first), dtype=np.bool_)
+    joints, carrier = boxes.joint, np.maximum(boxes.joint - 1, 0)
+    way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    reach = way[carrier] + np.linalg.norm(boxes.middle - points[carrier], axis=1) + boxes.bound
+    seen = np.einsum("bij,bi->bj", boxes.rotation, points[0] - boxes.middle)
+    away = np.linalg.norm(np.maximum(np.abs(seen) - boxes.half, 0.0), axis=1) - boxes.radius
+    first, second = scene.pairs.first, scene.pairs.second
+    one, other = np.where(joints[first] > 0, first, second), np.where(joints[first] > 0, second, first)
+    near: NDArray[np.bool_] = away[other] - reach[one] <= apart
+    return near | (joints[other] > 0) | (joints[one] == 0)
+
+
+def _on_axes(chain: Chain) -> Array | None:
+    """Return a point (n, 3) on each axis with all joints at zero [m]; None if a joint slides, also as a screw."""
+    linear, angular = chain.screws[:, :3], chain.screws[:, 3:]
+    rate = np.einsum("ni,ni->n", angular, angular)
+    if (
+        not len(rate)
+        or rate.min() == 0.0
+        or (np.abs(np.einsum("ni,ni->n", linear, angular)) > _NO_PITCH * rate).any()
+    ):
+        return None
+    points: Array = np.cross(angular, linear) / rate[:, None]
+    return points
 
 
 @lru_cache(maxsize=32)
@@ -132,7 +168,5 @@ def _model(chain: Chain) -> Any:
     return model
 
 
-_NOTHING = 1e-6
-"""Radius of the sphere that stands for a mesh in tiles, which is in no pair [m]."""
 _NO_PITCH = 1e-12
 """Pitch [m/rad] below which a screw only turns."""

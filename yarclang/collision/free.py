@@ -106,7 +106,8 @@ def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
     first, second = scene.pairs.first, scene.pairs.second
     one, other = np.where(joints[first] > 0, first, second), np.where(joints[first] > 0, second, first)
     near: NDArray[np.bool_] = away[other] - reach[one] <= apart
-    return near | (joints[other] > 0) | (joints[one] == 0)
+    kept: NDArray[np.bool_] = near | (joints[other] > 0) | (joints[one] == 0)
+    return kept
 
 
 def _on_axes(chain: Chain) -> Array | None:

@@ -24,9 +24,6 @@ _COMMANDS = {
         "view": "Show a program or a run in three dimensions.",
         "place": "Find where a fixture or a part could stand.",
     },
-    "Proving the compiler": {
-        "campaign": "Compile random programs, and judge them by an independent reading.",
-    },
     "Running": {
         "run": "Run a program on a controller, or simulated.",
         "exec": "Run a program without a terminal, events as JSON.",
@@ -60,6 +57,9 @@ _COMMANDS = {
         "lsp": "Check programs while they are typed, for editors.",
         "completion": "Print the shell's completion script.",
         "man": "Write the manual pages into a folder.",
+    },
+    "Proving the compiler": {
+        "campaign": "Compile random programs, and judge them by an independent reading.",
     },
 }
 """Summaries of the commands, in the sections of --help."""

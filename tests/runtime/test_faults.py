@@ -148,7 +148,7 @@ def test_a_program_whose_lines_are_all_in_is_held_too():
     since = world.now
     world.reachable = lambda now: now < since + AT
     ended = fails(world, job, "can't be reached again")
-    assert "heard nothing of this computer for 0.4 s" in ended.remedy
+    assert "received nothing from this computer for 0.4 s" in ended.remedy
     assert not world.moving
     assert np.abs(world.stands(job.robot) - to_counts(job.robot, job.end)).max() > 1000.0
     assert moved_along(world, job, plan, since) < 1.0

@@ -371,7 +371,7 @@ def test_a_host_that_stood_still_for_seconds(robot, tm):
     assert tuple(written(world)) == job.lines
     assert moved_along(world, job, plan, since + 0.5, step=0.03) < 1.0
     # whichever comes first
-    assert "heard nothing of this computer for 0.4 s" in world.words or "low water" in world.words
+    assert "received nothing from this computer for 0.4 s" in world.words or "low water" in world.words
     held = world.states[world.states.index(State.MOVE) :]
     assert held == [State.MOVE, State.HOLD, State.MOVE, State.STOP]
     assert any(isinstance(notice, Remark) and notice.warning for notice in world.told)
@@ -453,7 +453,7 @@ def test_many_stalls():
     world.stall_at = [(since + 1.0 + 2.5 * n, 1.5) for n in range(4)]
     assert run(world, job).well
     assert moved_along(world, job, plan, since) < 1.0
-    assert world.words.count("heard nothing of this computer") + world.words.count("low water:") >= 3
+    assert world.words.count("received nothing from this computer") + world.words.count("low water:") >= 3
 
 
 def test_a_person_who_holds_meanwhile_is_heard():

@@ -99,7 +99,7 @@ CHANGES = {one.__name__: one for one in (moved, moved, moved, exchanged, scaled,
 def try_program(name, seed, tried, changes=4):
     """Compile a random program; compare both verdicts about its text and about changed ones."""
     random = np.random.default_rng([name == "INDUSTRIAL6", seed])
-    program = drawn(IndependentArm(robot_of(name).folder), random, most=3)
+    program = drawn(IndependentArm.in_folder(robot_of(name).folder), random, most=3)
     found, _ = compiled(program.text, name)
     tried.counts["drawn"] += 1
     if found is None:

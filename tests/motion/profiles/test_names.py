@@ -11,8 +11,8 @@ KNOWN = {
     ("semantics/names/commands.py", "LSPB"),  # what a name without a suffix means
     ("motion/profile.py", "SCURVE"),  # the law of ways that are too short for their speed
 }
-SPOKEN_OF = ("findings/", "lint/rules/", "commands/builtin/", "motion/profiles/")
-"""Where programs stand as examples."""
+SPOKEN_OF = ("findings/", "lint/rules/", "commands/builtin/", "motion/profiles/", "campaign/", "independent/")
+"""Where programs stand as examples, or are drawn, and the independent reading, which knows what laws promise."""
 
 
 def named():

@@ -162,7 +162,7 @@ def test_who_resumes_what_is_held_is_held_again():
     world.do(lambda: world.say("&1R"), 3.0)
     world.order(Resume(), 6.0)
     assert world.perform(perform(world.operation, job)).well
-    assert any("the robot moves, though it is held" in text for text in said(world))
+    assert any("the robot moves during a hold" in text for text in said(world))
     assert moved_along(world, job, plan, since) < 1.0
     assert len([sent for sent in world.sent if sent.request == Ask("&1H")]) == 2
 

@@ -121,7 +121,7 @@ def _draw_bodies(axes: Any, drawn: list[tuple[Body, Array]]) -> None:
     seen = normal @ viewer > _FACING_AWAY
     shade = 0.62 + 0.38 * np.clip(normal[seen] @ _LIGHT, 0.0, 1.0)
     colours = np.clip(base[seen] * shade[:, None], 0.0, 1.0)
-    axes.add_collection3d(
+    axes.add_collection(
         Poly3DCollection(
             triangles[seen], facecolors=colours, edgecolors=colours, linewidths=0.35, zorder=2, gid="bodies"
         ),
@@ -133,11 +133,11 @@ def _draw_zone(axes: Any, zone: Body, triangles: Array) -> None:
     from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
     colour = _ZONES[zone.rule]
-    axes.add_collection3d(
+    axes.add_collection(
         Poly3DCollection(triangles, facecolors=(*colour, 0.10), linewidths=0.0, zorder=3), autolim=False
     )
     edges = _edges(zone.triangles)
-    axes.add_collection3d(
+    axes.add_collection(
         Line3DCollection(edges, colors=[(*colour, 0.8)], linewidths=0.8, zorder=3), autolim=False
     )
 

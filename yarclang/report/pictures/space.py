@@ -86,7 +86,7 @@ def draw_path(axes: Any, path: ToolPath, bars: tuple[Bar, ...], width: float) ->
             capstyle="round" if style == "-" else "butt",
             label=label,
         )
-        axes.add_collection3d(lines, autolim=False)
+        axes.add_collection(lines, autolim=False)  # matplotlib before 3.10 has no autolim in add_collection3d
 
 
 def dress(axes: Any, low: Array, high: Array, place: Place, title: str) -> None:

@@ -246,7 +246,8 @@ def _growing(
     # between its ends.
     rate = np.maximum(rate, 0.0) * SHARE
     way, both = 3.0 * np.diff(share) / d, rate[:-1] + rate[1:]
-    allowed = np.minimum(1.0, way * (1.0 - 1e-12) / np.maximum(both, 1e-300))
+    with np.errstate(over="ignore"):  # infinite where nothing is blended, which is more than 1
+        allowed = np.minimum(1.0, way * (1.0 - 1e-12) / np.maximum(both, 1e-300))
     rate *= np.minimum(np.append(allowed, 1.0), np.append(1.0, allowed))
     return {
         "pieces": pieces,

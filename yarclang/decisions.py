@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 
 from yarclang.frozen import frozen
@@ -179,6 +179,20 @@ class Searched:
 
 SHIFTS = ("X", "Y", "Z", "RZ")
 """Directions in which a frame is shifted at run time, and the axis about which it is turned."""
+
+
+def shift_in_words(values: Sequence[int], registers: Sequence[str]) -> str:
+    """Return a shift in words: `X 12.50 mm, RZ -3.00 deg`.
+
+    Args:
+        values: for each of `SHIFTS` the value of its register [0.01 mm or 0.01 deg].
+        registers: their names; empty for a direction without one.
+    """
+    return ", ".join(
+        f"{axis} {value / 100:.2f} {'deg' if axis == 'RZ' else 'mm'}"
+        for axis, value, register in zip(SHIFTS, values, registers, strict=True)
+        if register
+    )
 
 
 @frozen

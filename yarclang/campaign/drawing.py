@@ -23,7 +23,8 @@ BENT = {
     "INDUSTRIAL6": np.array([0, -5, -20, 10, 40, 0]),
     "TIAGO": np.array([100, 20, 0, 0, 0, 0, 0, 0]),
 }
-"""How far from HOME [deg, mm] arms have room around them: the wrist of one is straight there, the shoulder of the other is beside its column as long as that is low."""
+"""Positions near which programs are drawn for arms that lack room around HOME [deg, mm]: the wrist of one is straight there, and the
+shoulder of the other is beside its column as long as the column is low."""
 
 KINDS = (
     "joints",

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
+from yarclang.decisions import shift_in_words
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import Offset, Origin, Program, When
 from yarclang.motion.plan import MotionPlan
-from yarclang.pipeline.shifting import said, shifted_program
+from yarclang.pipeline.shifting import shifted_program
 from yarclang.pipeline.stages import Request
 from yarclang.progress import each
 
@@ -54,7 +55,9 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
         one.tried += 1
         made = shifted_program(plan, first, plan.motions[first].curve.points[0], values, asked)
         if isinstance(made, str):
-            one.faults.append(f"with {{{offset.name}}} shifted by {said(values, offset)}: {made}")
+            one.faults.append(
+                f"with {{{offset.name}}} shifted by {shift_in_words(values, offset.registers)}: {made}"
+            )
     for one in told.values():
         if one.faults:
             message = f"{len(one.faults)} of {one.tried} places in the box of this OFFSET can't be carried out; {one.faults[0]}"

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.cell.model import Parts, Present
-from yarclang.decisions import SHIFTS
 from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.handling.parts import shift
 from yarclang.handling.present import are_same, presently
@@ -115,15 +114,6 @@ def numbers_of(values: Sequence[int]) -> Array:
     """Return x y z [m] and roll pitch yaw [rad] (6,) of values of registers."""
     x, y, z, turn = values
     return constant(np.array([*(one * STEP_MM * MM for one in (x, y, z)), 0.0, 0.0, turn * STEP_DEG * DEG]))
-
-
-def said(values: Sequence[int], offset: Offset) -> str:
-    """Return a shift in words: `X 12.50 mm, RZ -3.00 deg`."""
-    return ", ".join(
-        f"{axis} {value * STEP_MM:.2f} {'deg' if axis == 'RZ' else 'mm'}"
-        for axis, value, register in zip(SHIFTS, values, offset.registers, strict=True)
-        if register
-    )
 
 
 def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tuple[Step, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from yarclang.decisions import SHIFTS, Shifted
+from yarclang.decisions import Shifted, shift_in_words
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import PROGRAM_UNKNOWN, Replan, Replanned, Script
 from yarclang.runtime.job import Job, Leg
@@ -38,7 +38,8 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
     offset = barrier.offset
     held.registers[offset.flag] = 0
     while True:
-        said = _in_words(offset, values := _values(offset, held))
+        values = _values(offset, held)
+        said = shift_in_words(values, offset.registers)
         since = operation.now
         answer = yield from _planned(job, place, joints, values)
         yield from held_meanwhile(operation, f"at {title(barrier)}")
@@ -108,15 +109,6 @@ def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:
         if name and not ranges[name][0] <= value <= ranges[name][1]:
             return f"{name} is {value}, and its range is {ranges[name][0]}..{ranges[name][1]}"
     return ""
-
-
-def _in_words(offset: Shifted, values: tuple[int, ...]) -> str:
-    """Return a shift in words: `X 12.50 mm, RZ -3.00 deg`."""
-    return ", ".join(
-        f"{axis} {value / 100:.2f} {'deg' if axis == 'RZ' else 'mm'}"
-        for axis, value, name in zip(SHIFTS, values, offset.registers, strict=True)
-        if name
-    )
 
 
 def _end_of_branch(legs: tuple[Leg, ...], place: int) -> int:

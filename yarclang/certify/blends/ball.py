@@ -1,9 +1,10 @@
 """Proof that a blend stays inside a ball round the programmed corner.
 
-A blend is proved in two parts. Between the points at which the programmed paths are left and joined, the
-executed motion stays in the ball; and so do those parts of both paths that it does not follow. For the
-distance from the corner, e(t) = p(q(t)) - c is at most its largest Bezier point plus d^4/384 M4, as along a
-path. Joints have their extremes in closed form.
+Two things are proved for each blend. First, the executed motion stays in the ball between the point at which
+it leaves the first path and the point at which it joins the second one. Second, the parts of both paths that
+it does not follow stay in the ball as well. The distance from the corner is |e| with e(t) = p(q(t)) - c. On
+a piece of duration d it is at most the largest Bezier point of e's Hermite cubic, plus d^4/384 M4 with a
+bound M4 of |e''''| (see `yarclang.certify.motion.bounds`). Joints have their extremes in closed form.
 
 The frame may turn in a blend. Its angle from the corner's orientation is at most the sum of two turns: that
 of the first motion from where its path is left to the corner, and that of the second motion from the corner
@@ -25,16 +26,16 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
-"""Pieces of a segment: first, and again if the first bound is not sufficient."""
+"""Number of pieces per segment: `_COARSE` first, `_FINE` if the first bound exceeds the ball."""
 _SAMPLES = 513
-"""Points of a path of the moving frame."""
+"""Number of points at which a path of the moving frame is sampled."""
 _STEPS = 16
 """Least number of cubics into which a part of a path in joint space is cut."""
 
 
 @frozen(eq=False)
 class Balls:
-    """B balls round the corners of moving frames.
+    """Balls round the corners of B moving frames.
 
     Attributes:
         flange_from_moving: (B, 4, 4) frames on the flange.
@@ -52,10 +53,12 @@ class Balls:
 def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[Array, Array]:
     """Bound the distances (B,) [m] and turns (B,) [rad] of moving frames from their corners, at any instant.
 
+    Where a bound exceeds the ball, a sharper one is computed with finer pieces.
+
     Args:
         cubics: N segments.
-        owner: (N,) ball of each segment, in order; every ball has some.
-        balls: the balls. If a bound exceeds the ball, a sharper one is computed.
+        owner: (N,) ball of each segment, in ascending order; every ball has at least one segment.
+        balls: the balls.
         robot: the arm.
     """
     position, angle = _away(cubics, owner, balls, robot, _COARSE)
@@ -71,7 +74,7 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """Bound distances and turns segment by segment; arguments as in `farthest`."""
+    """Bound distances (N,) [m] and turns (N,) [rad] segment by segment, with `pieces` pieces per segment."""
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
@@ -92,11 +95,11 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
 
 @frozen(eq=False)
 class Away:
-    """Part of a programmed path near a corner.
+    """Bounds of a part of a programmed path near a corner.
 
     Attributes:
         position: upper bound of the distance from the corner [m].
-        angle: turn from the corner's orientation [rad], at least.
+        angle: largest turn from the corner's orientation at the sampled points [rad].
     """
 
     position: float
@@ -137,7 +140,9 @@ def away_on_path(
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
-    """Return the part of a path in joint space between two shares as cubics over its parameter."""
+    """Return the part of a path in joint space between two shares `low` and `high` as cubics over its
+    parameter.
+    """
     end = spline.s[-1]
     inner = spline.s[(spline.s > low * end) & (spline.s < high * end)]
     s = np.unique(np.concatenate([np.linspace(low, high, _STEPS + 1) * end, inner]))

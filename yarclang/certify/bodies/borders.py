@@ -45,7 +45,7 @@ def extent(region: Region, directions: Array) -> Array:
 def directions_to(region: Region, points: Array) -> Array:
     """Return unit directions (3, P) from the nearest point of a region to points (3, P) in {B}.
 
-    For a point inside, the direction is that from the region's axis or center.
+    For a point inside, the direction leads from the region's axis or center to the point.
     """
     if isinstance(region, HalfSpace):
         return np.repeat(-region.normal[:, None], points.shape[1], axis=1)
@@ -62,9 +62,9 @@ def directions_to(region: Region, points: Array) -> Array:
 
 
 def _nearest(shape: Box | Sphere | Capsule | Cylinder, own: Array) -> Array:
-    """Return the points of a shape nearest to points (3, P) in the shape's own axes.
+    """Return the points of a shape nearest to points (3, P), all in the shape's own axes.
 
-    For a sphere or capsule, points of the center or the axis serve as well.
+    For a sphere or capsule these are points of its center or axis, which give the same direction.
     """
     if isinstance(shape, Box):
         half = shape.size[:, None] / 2.0

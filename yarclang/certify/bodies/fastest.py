@@ -47,7 +47,7 @@ class Fastest:
     Attributes:
         speed: (G,) upper bounds [m/s]; 0 if the body is never inside.
         segment: (G,) segment in which the body is fastest, -1 if it is never inside.
-        time: (G,) time of the largest speed after the start of the first segment [s].
+        time: (G,) middle of the fastest piece, after the start of the first segment [s].
     """
 
     speed: Array

@@ -1,9 +1,8 @@
-"""The judge's description of a robot, from the texts of robot.toml and URDF.
+"""The judge's description of a robot, read from the texts of robot.toml and the URDF.
 
-The judge has its own readers and conventions.
-
-The texts come with the robot (`Robot.written`) as they were first read, so that a later change of the files
-has no effect. A robot that was made without files is taken as it is, with the judge's own kinematics.
+The judge has its own readers and conventions. The texts come with the robot (`Robot.written`) as they were
+first read, so that a later change of the files has no effect. The numbers of a robot without files are
+used as they are, with the judge's own kinematics.
 """
 
 from __future__ import annotations
@@ -70,8 +69,8 @@ class _Tree:
 
     Attributes:
         above: for each link, the joint above it.
-        shapes: for each link, its collision shapes with their places in the link (4, 4); None as the shape of
-            a mesh.
+        shapes: for each link, its collision shapes with their places in the link (4, 4); None in place of a
+            mesh.
         efforts: effort limits of the joints that have one [N m or N].
     """
 
@@ -82,7 +81,7 @@ class _Tree:
 
 @frozen
 class Ends:
-    """Names of the links that are {B} and {FLANGE}."""
+    """Names of the links that define {B} and {FLANGE}."""
 
     base: str
     flange: str
@@ -144,7 +143,7 @@ def own_robot(robot: Robot) -> Robot:
 
 
 def _read_urdf(text: str) -> _Tree:
-    # Like other readers of URDF: no namespaces, and always UTF-8, whatever the text declares.
+    # Like other readers of URDF: ignore namespaces, and decode as UTF-8 even if the text declares otherwise.
     builder = ElementTree.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
@@ -196,7 +195,7 @@ def _origin(element: ElementTree.Element) -> Array:
 
 
 def _size(element: ElementTree.Element) -> Shape | None:
-    """Return the shape of a <collision> by its own numbers [m]; None for a mesh."""
+    """Return the shape of a <collision> [m]; None for a mesh."""
     for one in element.findall("geometry/*"):
         if one.tag == "box":
             return Box(_sealed(np.array(_numbers(one, "size", ()))))
@@ -244,7 +243,9 @@ def _link_shapes(
     moving: tuple[str, ...],
     pieces: Mapping[str, int],
 ) -> tuple[LinkShape, ...]:
-    """Compute places and sizes of the links' shapes again; a mesh itself is taken from the known shapes."""
+    """Compute the places and sizes of the links' shapes again. Only the content of meshes is taken from
+    `known`.
+    """
     count: dict[str, int] = {}
     found = []
     for one in known:
@@ -289,7 +290,7 @@ def _in_millimetres(entry: Mapping[str, Any]) -> Array:
 
 
 def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str, Array]) -> tuple[Tool, ...]:
-    """Compute the places of tools and their shapes, and their masses, again."""
+    """Compute again the places of tools and of their shapes, and their masses."""
     tables = {name.upper(): tool for name, tool in table.get("tools", {}).items()}
     bodies: dict[str, list[Array]] = {name: [] for name in tables}
     for body in table.get("bodies", ()):

@@ -12,7 +12,7 @@ from yarclang.robot.model import Array, Lines
 LEAST = 0.01
 """Least distance of the elbow from the shoulder and the flange [m]."""
 _EQUAL = 1.0 + 1e-9
-"""Distances within this ratio count as equal: the first axis is taken."""
+"""Ratio up to which distances count as equal; the first axis then wins."""
 
 
 def find_elbow(lines: Lines, flange: Array) -> tuple[int, Array] | None:

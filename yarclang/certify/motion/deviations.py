@@ -1,4 +1,4 @@
-"""Deviation of every command from its programmed path, with the proof for its kind of motion."""
+"""Deviation of every command from its programmed path, proved by the method for its kind of motion."""
 
 from __future__ import annotations
 
@@ -124,8 +124,8 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
             if place.size and begin == stop:
                 off, proofs.covered[row] = np.zeros_like(off), covered_by_balls(flows.free[row])
             elif flows.is_cut(row) or (off * weights).max() > 1.0:
-                # Control points next to a blend may be off a line that the motion itself keeps to: prove it
-                # as a spline.
+                # Control points next to a blend may be off a line that the motion itself follows: prove the
+                # motion as a spline.
                 bound = _along_spline(judged, layout, row, np.stack([starts.q[row], goals[i]]), proofs)
                 off, rest = bound.deviation, by_kind(bound.remainder, robot)
                 proofs.covered[row] = bound.covered

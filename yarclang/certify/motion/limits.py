@@ -47,7 +47,7 @@ NO_LOADS = Loads(None, 0)
 def check_limits(
     layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
 ) -> list[tuple[Loads, tuple[Excess, ...]]]:
-    """Return the loads of neighbouring commands, and the limits that they break.
+    """Return the loads of neighboring commands, and the limits that they break.
 
     Args:
         layout: the segments of the text.
@@ -73,7 +73,7 @@ def check_limits(
         "jerk": cubics.jerk_peaks() / limits.jerk,
         "motor_velocity": motors / robot.actuation.velocity,
     }
-    # The quotient is rounded once: go up by one number to get an upper bound.
+    # The quotient is rounded once: the next larger number is an upper bound.
     shares = {
         quantity: np.where(share > 0.0, np.nextafter(share, np.inf), 0.0)
         for quantity, share in shares.items()

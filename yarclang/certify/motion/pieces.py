@@ -103,7 +103,8 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
     """
     size = robot.chain.size
     low, high = cubics.position_range()
-    # Take the travel of each command by itself: its proof must not depend on which other commands there are.
+    # Compute the travel for each command by itself: a proof must not depend on which other commands there
+    # are.
     begins = np.flatnonzero(np.diff(command, prepend=-1))
     travel = np.zeros((len(flange_from_moving), size))
     farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)

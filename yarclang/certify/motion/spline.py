@@ -12,11 +12,11 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
-"""Pieces are short enough that the remainder of the proof is at most this share of the tolerance."""
+"""Share of the tolerance that the remainder of the proof may take; pieces are short enough for it."""
 MOST_PIECES = 16
-"""Most pieces of a segment."""
+"""Largest number of pieces of a segment."""
 SAME = 1e-9
-"""Neighbours closer than this [rad or m] are one way-point."""
+"""Distance [rad or m] below which neighbors count as one way-point."""
 
 
 @frozen(eq=False)
@@ -54,7 +54,9 @@ class NaturalSpline:
         return NaturalSpline(s, y, bend)
 
     def span(self, s: Array) -> NDArray[np.int64]:
-        """Return the span that contains `s`: the first before the start, the last after the end."""
+        """Return the span that contains each `s`; the first span also counts before the start, the last
+        after the end.
+        """
         return np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
 
     def at(self, s: Array) -> tuple[Array, Array]:
@@ -74,7 +76,7 @@ class NaturalSpline:
 
 
 def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
-    """Solve a symmetric tridiagonal system without pivoting, since its diagonal dominates.
+    """Solve a symmetric tridiagonal system; its dominant diagonal makes pivoting unnecessary.
 
     Args:
         beside: (m - 1,) entries beside the diagonal.
@@ -117,7 +119,8 @@ def spline_deviation(
 
     The error of each joint is e(t) = q(t) - y(s(t)), with s(t) piecewise cubic. As q'''' = 0 and y'''' = 0,
     |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|. Where s passes a way-point, e'''
-    jumps by s'^3 times the jump of y'''. The Hermite remainder (bounds.py) follows from both.
+    jumps by s'^3 times the jump of y'''. The Hermite remainder (see `yarclang.certify.motion.bounds`) follows
+    from both.
 
     Args:
         cubics: the segments of one command, all of one duration.
@@ -143,7 +146,7 @@ def spline_deviation(
 def _proved(
     cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None, free: tuple[bool, bool]
 ) -> SplineBound:
-    """Compute the bound with pieces short enough that the remainder hardly counts."""
+    """Compute the bound with pieces so short that the remainder is a small share of the tolerance."""
     pieces = 1 if len(cubics.h) >= 4 else 4  # third differences need four points
     while True:
         go_on()
@@ -156,7 +159,7 @@ def _proved(
 
 @frozen(eq=False)
 class _Weighed:
-    """A spline in joint coordinates of equal weight."""
+    """A spline in joint coordinates that are divided by their tolerances."""
 
     spline: NaturalSpline
     weights: Array

@@ -1,9 +1,9 @@
 """Deviation of all joints from a timetable at the same time.
 
-Between two rows the timetable defines a polynomial in time, and each segment of the text is one too. On each
-interval without a row or a knot inside, their difference is therefore a polynomial, which lies in the convex
-hull of its Bezier points: nothing is sampled. If the hull exceeds the allowed deviation, the interval is
-halved, which brings the hull nearer to the curve, unless the curve itself already exceeds it.
+The timetable defines a polynomial in time between two rows, and each segment of the text is a polynomial too.
+On an interval without a row or a knot inside, their difference is therefore a polynomial, and its Bezier
+points bound it; nothing is sampled. If the bound exceeds the allowed deviation, the interval is halved, which
+makes the bound sharper, unless the difference itself already exceeds the allowed deviation at an end.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from yarclang.robot.model import Array, Robot, Tolerance
 LATE = 1e-3
 """Largest difference between the durations of the text and of the timetable [s].
 
-All times are scaled by one factor.
+The judge scales all times of the timetable to the text's duration.
 """
 
 HALVINGS = 8

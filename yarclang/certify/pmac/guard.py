@@ -38,9 +38,8 @@ Fault = str
 def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     """Check that the guard leaves enough lines for the motion to come to rest on its path.
 
-    A hold slows the program to a stop within the robot's hold time, and uses half of this time of the
-    program. The PLC may be late by `LATE`. This much of the program must be ahead at any time while more
-    lines follow.
+    A hold slows the program to a stop within the robot's hold time, and consumes half of this time of the
+    program. The PLC may be late by `LATE`. As long as more lines follow, the sum of both must be ahead.
 
     Args:
         text: the text that was read.
@@ -59,7 +58,7 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
-    """Check the marks. The shortest segment takes `segment` [s]."""
+    """Check the marks for the shortest segment of the text, `segment` [s]."""
     controller = turbo_pmac(robot)
     needed = controller.hold_time / 2.0 + LATE
     if marks.low * segment < needed * (1.0 - _ROUNDING):

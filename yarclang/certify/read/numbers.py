@@ -1,7 +1,7 @@
 """Fast reading of the numbers in move lines, eight digits at a time.
 
 A number without its decimal point is an integer below 2^53. Dividing it by a power of ten is one operation on
-two exact floats, so the result is correctly rounded, as with any other correct reader.
+two exact floats, so the result is correctly rounded, and equal to that of any other correct reader.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
     last = marks[:, 1:].ravel()
     digits = last - marks[:, :-1].ravel() - 1
     decimals = np.zeros(len(digits), np.int64)
-    # Points come in the order of those numbers that have one.
+    # The points are in the order of the numbers that have one.
     decimals[ends - begins - negative > digits] = np.flatnonzero(points)
     decimals = np.where(decimals > 0, ends - decimals - 1, 0)
     windows = np.lib.stride_tricks.sliding_window_view(bare, 8)
@@ -99,7 +99,7 @@ def _integers(windows: NDArray[np.uint8], ends: NDArray[np.int64], digits: NDArr
 
 
 _ONES = np.uint64(0xFFFFFFFFFFFFFFFF)
-# Join neighbours: digits to pairs, pairs to fours, fours to eight digits.
+# Join neighbors: digits to pairs, pairs to fours, fours to eight digits.
 _PAIRS = (
     (np.uint64(10 * 2**8 + 1), np.uint64(8), np.uint64(0x00FF00FF00FF00FF)),
     (np.uint64(100 * 2**16 + 1), np.uint64(16), np.uint64(0x0000FFFF0000FFFF)),

@@ -1,10 +1,9 @@
 """Planes that keep bodies apart, for the small checker.
 
-They cover the longest stretches of a text on which one plane per pair is enough.
-
-The first stretch is the whole text. If no plane keeps a pair of bodies apart on a stretch, both halves are
-examined: it is divided first between commands, then between segments, then within a segment. The bounds are
-those of the checker (`yarclang.verify.apart`), in floating point and with a small reserve.
+The search uses stretches of a text that are as long as possible, with one plane for each pair of bodies. The
+first stretch is the whole text. If no plane keeps a pair apart on a stretch, the stretch is divided and both
+halves are examined: it is divided first between commands, then between segments, then within a segment. The
+bounds are those of the checker (`yarclang.verify.apart`), in floating point and with a small reserve.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from yarclang.verify.reader import PRINTED
 from yarclang.verify.room import Room
 
 _LEFT = 2e-6
-"""Reserve of a gap above its margin [m], more than the effects of rounding and of meshes' grid."""
+"""Reserve of a gap beyond its margin [m]: more than the effects of rounding and of the meshes' grid."""
 _SCALES = (100, 10_000, 10_000_000)
 """Sizes of the integers in normals; the smallest sufficient one is used."""
 
@@ -119,7 +118,9 @@ class _Search:
         self.failed: set[int] = set()
 
     def found(self) -> Planes:
-        """Halve stretches until a plane keeps each pair apart, or they are too short; return the planes."""
+        """Halve stretches until a plane keeps each pair apart, or until they are too short; return the
+        planes.
+        """
         begin, end, pair, margin = self.needed.stretches()
         while len(pair):
             go_on()
@@ -161,7 +162,16 @@ class _Search:
         return cut
 
     def _settled(self, begin: Rows, end: Rows, pair: Rows, margin: Array, *, bent: bool) -> NDArray[np.bool_]:
-        """Return True for pairs that a plane keeps apart on stretches, and store the planes."""
+        """Return True for pairs that a plane keeps apart on stretches, and store the planes.
+
+        Args:
+            begin: (K,) begins of the stretches, in parts of a segment.
+            end: (K,) ends of the stretches.
+            pair: (K,) pair of each stretch.
+            margin: (K,) distance that each pair must keep [m].
+            bent: True for the bound within one sequence, from both ends and the middle; False for the bound
+                over the ranges of the joints.
+        """
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -300,9 +310,8 @@ def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Ar
 
 
 def _reach(robot: Robot, item: Item, far: Array) -> Array:
-    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m].
-
-    The bound is that of the checker.
+    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m], as the checker
+    does.
     """
     steps = steps_of(robot.chain)
     is_turn = axes_of(robot.chain).turn == 1.0

@@ -57,7 +57,7 @@ class Coupling:
 
     @cached_property
     def joint_slack(self) -> Row:
-        """Resulting error of each joint's position [axis units]."""
+        """Error of each joint's position that results from `slack` [axis units]."""
         return [
             sum(
                 (abs(share) * slack for share, slack in zip(row, self.slack, strict=True) if share),

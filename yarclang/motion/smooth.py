@@ -1,10 +1,10 @@
 """Approximate joint positions along a line or an arc by one polynomial: a few places are solved, and all
-others follow from them.
+others are evaluated.
 
-Except at singularities, the joints of an arm are analytic functions of the place on such a path, so that
-their Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the
-last digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward kinematics checks the
-polynomial between the places; if it is inaccurate, there is none.
+Except at singularities, the joints of an arm are analytic functions of the place on such a path, so their
+Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the last
+digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward kinematics checks the
+polynomial between the places; an inaccurate polynomial is not used.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from yarclang.robot.kinematics.inverse import extent
 from yarclang.robot.kinematics.numeric import misses, pose_columns
 
 MANY = 64
-"""With fewer places on a path than this, each is solved."""
+"""Number of places on a path below which each place is solved."""
 
 _DEGREES = (15, 39)
 """The degrees that are tried."""
@@ -74,7 +74,7 @@ class Smooth:
 
 def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
     """Return the joint positions along paths of one arm and one moving frame as polynomials; None for a path
-    that has none.
+    without a polynomial.
     """
     found: list[Smooth | None] = [None] * len(paths)
     missing = [place for place, path in enumerate(paths) if isinstance(path.frame, Line | Arc)]
@@ -124,7 +124,7 @@ def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
     count = degree + 1
     places = (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2.0
     between = (1.0 - np.cos(np.pi * np.arange(count + 1) / count)) / 2.0
-    # discrete orthogonality of the Chebyshev polynomials at their roots
+    # Discrete orthogonality of the Chebyshev polynomials at their roots.
     to_coefficients = _chebyshev(places, count) * (2.0 / count)
     to_coefficients[0] /= 2.0
     return places, between, to_coefficients, _chebyshev(between, count).T @ to_coefficients

@@ -1,5 +1,5 @@
-"""Carry out a chain of motions without a stop in between: the length of each law, the overlaps, and the
-common segment time.
+"""Carry out a chain of motions without a stop: choose the length of each law, the overlaps, and the common
+segment time.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from yarclang.motion.limits import Grid
 from yarclang.robot.model import Chain
 
 _LONGEST = 0.02
-"""Longest segment of a chain, if the controller accepts segments that short [s]: an overlap is a whole number
-of segments.
+"""Longest segment of a chain [s]; an overlap is an integer number of segments.
+
+A controller that doesn't accept segments this short has a longer one.
 """
 
 _SHORTEST = 0.004
@@ -35,13 +36,13 @@ to more than the limits.
 """
 
 _FOR_FLOW = 1.1
-"""Factor by which a chain may take longer than the fastest one if it has fewer stops, since a blend is
-requested to flow.
+"""Factor by which a chain with fewer stops may take longer than the fastest chain: a blend is requested so
+that the motion flows.
 """
 
 _ABOUT = 1.005
-"""Factor up to which slower chains count as equal; then the one with longer segments, which comes first, is
-taken.
+"""Factor up to which slower chains count as equally fast. Of these the first one is taken, which has longer
+segments.
 """
 
 _EXACT = 1e-7
@@ -58,9 +59,9 @@ None.
 def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
     """Carry out a chain with the fewest stops, unless it is much slower than the fastest way.
 
-    Since each motion can be done by itself, so can the chain, if necessary with stops at corners. The least
-    duration of a method is known long before it is finished: one that takes longer than a finished chain is
-    given up.
+    Each motion can be done by itself, so the chain can be done too, if necessary with stops at corners. The
+    least duration of a method is known long before its result: a method that takes longer than a finished
+    chain is given up.
     """
     as_one = flowing(links, grid)
     if as_one is not None and len(links) > MANY:
@@ -93,12 +94,12 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
 
 
 def _quickest(found: Sequence[list[Piece]]) -> float:
-    """Return the shortest duration [s] of the chains whose only stop is the last."""
+    """Return the shortest duration [s] of the chains that stop only at their end."""
     return min((_duration(pieces) for pieces in found if _stops(pieces) == 1), default=math.inf)
 
 
 def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
-    """Return True if all motions have a given time or speed and meet it exactly, so that nothing better can
+    """Return True if all motions have a given time or speed and meet it exactly; no better chain can then
     be found.
     """
     return all(
@@ -111,7 +112,7 @@ def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
 class _Steady:
     """Maker of the chain at steady speed.
 
-    `_least` are the known lower bounds of its duration [s], by the longest segment allowed [s].
+    `_least` are the known lower bounds of the chain's duration [s], by the longest segment allowed [s].
     """
 
     chain: Chain
@@ -121,10 +122,10 @@ class _Steady:
     _least: dict[float, float] = field(default_factory=dict)
 
     def made(self, at_most: float) -> list[list[Piece]]:
-        """Return chains within the limits; one that isn't as requested only if it takes no longer than
-        `at_most` [s].
+        """Return chains within the limits.
 
-        Shorter segments are tried as well, since they leave more room for turns.
+        A chain that isn't as requested is included only if it takes no longer than `at_most` [s]. Shorter
+        segments are tried as well, since they leave more room for turns.
         """
         found: list[list[Piece]] = []
         grid, longest = self.grid, _LONGEST
@@ -165,7 +166,7 @@ def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten |
 
 
 def _segment(links: Sequence[Link], grid: Grid) -> float:
-    """Return a segment time of which all given durations are integer multiples, at least nearly."""
+    """Return a segment time of which all given durations are integer multiples, at least approximately."""
     longest = max(
         grid.smallest, min(grid.largest, _LONGEST, *(link.profile.longest_segment for link in links))
     )
@@ -185,9 +186,9 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
 
 def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
     """Return the number of segments from middle to middle of the overlaps for each motion with a given
-    duration, None for the others.
+    duration.
 
-    The result is None if a motion would have too few.
+    The entry of any other motion is None. The whole result is None if a motion would have too few segments.
     """
     middles: list[int | None] = []
     behind, counted = 0.0, 0
@@ -195,7 +196,7 @@ def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
         if link.duration is None:
             middles.append(None)
             continue
-        # round the sum, so that the whole chain is exact even where a seam can't be
+        # Round the sum, so that the whole chain is exact even if a seam can't be.
         behind += link.duration
         number = round(behind / segment) - counted
         counted += number

@@ -24,7 +24,9 @@ def _pure(u: Array) -> Array:
 
 
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return a blend of a third of the segments with all ramps for which it has room, the steepest first."""
+    """Return a blend of a third of the segments, with each length of its ramps that fits, the steepest
+    first.
+    """
     blend = max(FEWEST_IN_BLEND, round(segments / 3))
     ramps = np.arange(1, blend // 2 + 1)
     return np.stack((np.full_like(ramps, blend), ramps), axis=1)

@@ -44,7 +44,9 @@ def _lengths(most: int, least: int) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=512)
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return all blends and ramps, the longest first, which are nearest to the pure law."""
+    """Return all combinations of blend and ramp, the longest first, since these are nearest to the pure
+    law.
+    """
     blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
     forms = [
         np.stack((np.full_like(ramps, blend), ramps), axis=1)

@@ -1,4 +1,4 @@
-"""Define a law: speed over a path, and the time at which each place is passed."""
+"""Define a law: the speed along a path, and the time at which each place is passed."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ _STILL = 1e-12
 
 @frozen(eq=False)
 class Law:
-    """A law: at nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear in between; `t` (N,)
-    [s] are the times of the nodes.
+    """A law of motion along a path.
+
+    At nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear in between; `t` (N,) [s] are
+    the times of the nodes.
     """
 
     s: Array
@@ -31,7 +33,7 @@ class Law:
         Args:
             s: nodes (N,) [m].
             ceiling: (N,) [m/s].
-            acceleration: the largest between the nodes (N - 1,) [m/s^2].
+            acceleration: the largest acceleration between the nodes (N - 1,) [m/s^2].
             ends: the speeds at both ends, or less if these aren't possible [m/s].
         """
         gained = np.concatenate(([0.0], np.cumsum(2.0 * acceleration * np.diff(s))))
@@ -50,7 +52,7 @@ class Law:
         return float(self.t[-1])
 
     def places(self, times: Array) -> Array:
-        """Return the places (N,) [m] at times [s]; before and after the law, its ends."""
+        """Return the places (N,) [m] at times [s]; at times outside of the law, its first or last place."""
         k = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         passed = np.clip(times - self.t[k], 0.0, self.t[k + 1] - self.t[k])
         width = self.s[k + 1] - self.s[k]
@@ -65,11 +67,11 @@ class Law:
 
 @frozen(eq=False)
 class Pace:
-    """A law whose duration is a whole number of segments if it ends at a seam: outside of the seams'
-    surroundings it is stretched by less than a segment.
+    """A law between seams whose duration is an integer number of segments.
 
-    `seams` is True for ends that are seams, at which the speed continues. At `times` (M,) [s] this law is
-    where `law` by itself is at `passed` (M,) [s].
+    If it ends at a seam, the law is stretched by less than a segment, outside of the surroundings of the
+    seams. `seams` is True for ends that are seams, at which the speed continues. At `times` (M,) [s] this law
+    is where `law` by itself is at `passed` (M,) [s].
     """
 
     law: Law
@@ -82,9 +84,9 @@ class Pace:
         """Stretch a law.
 
         Args:
-            law: ends at rest, or at a seam.
+            law: a law that ends at rest, or at a seam.
             seams: True for ends that are seams.
-            around: how long the law stays unchanged at both ends [s].
+            around: durations at both ends in which the law stays unchanged [s].
             segment: the segment time [s].
         """
         duration = law.duration
@@ -100,7 +102,7 @@ class Pace:
         return float(self.times[-1])
 
     def by_law(self, times: Array) -> Array:
-        """Return the law's own times [s] at times (N,) [s]; before and after it, time continues at the same
+        """Return the law's own times [s] at times (N,) [s]; outside of the law, time continues at the same
         rate.
         """
         found: Array = np.interp(times, self.times, self.passed)

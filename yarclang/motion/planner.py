@@ -314,8 +314,8 @@ class _Planner:
         """Plan a motion with a cruise just below its ceiling.
 
         Returns:
-            The duration of the whole path at that speed [s], and the curve; None if the ceiling isn't the
-            limit that makes the motion slow.
+            The duration of the whole path at that speed [s], and the curve; None if the motion has no
+            ceiling, or no cruise at that speed is possible.
         """
         full = _full_below(step, path)
         if full is None or not load_profile(step.profile).has_cruise:

@@ -134,7 +134,7 @@ class Trials:
     def is_slow(self, segments: int, segment: float) -> bool:
         """Return True if segments of a given time [s] are far from every speed limit in any form of the law.
 
-        No slow zone may be near.
+        With slow zones, the result is False.
         """
         bounds, slope = self.bounds, self.path.slope
         if bounds.zones is not None:

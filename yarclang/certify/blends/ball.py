@@ -99,7 +99,8 @@ class Away:
 
     Attributes:
         position: upper bound of the distance from the corner [m].
-        angle: largest turn from the corner's orientation at the sampled points [rad].
+        angle: largest turn from the corner's orientation at sampled points, a lower bound of the real one
+            [rad].
     """
 
     position: float

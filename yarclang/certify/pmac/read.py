@@ -160,8 +160,7 @@ def _read_prog_start(cursor: Cursor, controller: TurboPmac) -> tuple[Start, Guar
             cursor.refuse(
                 f"is {shown(compare)} where the comparison of M{motor}61 with the start belongs", back=1
             )
-        # The text compares the register minus x: x is negative if a plus sign precedes it, or if it is in
-        # parentheses with a minus sign.
+        # The text compares the register minus x: x is -5 if written as `+5`, or as `-(-5)`.
         negative = (found[2] == "+") != bool(found[3])
         places.append(-float(found[4]) if negative else float(found[4]))
         widths.append(float(found[6]))

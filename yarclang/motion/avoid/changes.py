@@ -175,8 +175,8 @@ def _turned(pose: Array) -> Iterator[Change]:
 
 
 def _moved(pose: Array, origin: Origin) -> Iterator[Change]:
-    """Yield moves of a pose: first along the tool's z, backwards and forwards, then along the axes of the
-    line's frame if these differ.
+    """Yield moves of a pose: first along -z and z of the tool, then along those axes of the line's frame
+    that differ from them.
     """
     ways: list[tuple[str, Array]] = [("-z of the tool", -pose[:3, 2]), ("z of the tool", pose[:3, 2])]
     axes = _base(origin)[:3, :3]

@@ -170,7 +170,7 @@ def _apart(question: Question, data: Any, tries: int) -> Apart:
         vertex = data.getVertex(number)
         state = vertex.getState()
         trees[vertex.getTag()].append([state[joint] for joint in joints])
-    # If a side has no samples, its tree consists of its ends.
+    # Add the ends: on a side without samples they are in no tree.
     out, in_ = (
         np.concatenate((np.array(grown).reshape(-1, len(joints)), ends * question.reach))
         for grown, ends in ((trees[_FROM_START], question.starts), (trees[_FROM_GOAL], question.goals))
@@ -185,7 +185,7 @@ _FROM_START, _FROM_GOAL = 1, 2
 
 
 def _nearest(ends: Array, q: Array) -> Array:
-    """Return the joint position of `ends` (k, n) that is nearest to `q`, to the last bit."""
+    """Return the exact end of a way: the joint position of `ends` (k, n) that is nearest to `q` (n,)."""
     found: Array = ends[int(np.argmin(np.abs(ends - q).max(axis=1)))]
     return found
 

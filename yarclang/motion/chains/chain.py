@@ -99,8 +99,8 @@ def _quickest(found: Sequence[list[Piece]]) -> float:
 
 
 def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
-    """Return True if all motions have a given time or speed and meet it exactly; no better chain can then
-    be found.
+    """Return True if each motion has a given time, or reaches its requested speed: no better chain can
+    then be found.
     """
     return all(
         link.duration is not None or (link.full is not None and piece.kept > 1.0 - 1e-9)

@@ -208,7 +208,8 @@ def _of_frame(
 ) -> _Room | None:
     """Return the room of a corner of a moving frame, which stays within a distance of the corner.
 
-    The distance is limited to half of the shorter path in a long chain, and where the blend exceeds the half.
+    The distance is limited to half of the shorter path in a long chain, or if the blend may be smaller
+    (`or_less`).
     """
     if blend.length is None:
         findings.add(*messages.blend_without_unit("length", "of a moving frame", step.origin))

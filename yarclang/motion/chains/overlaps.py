@@ -196,7 +196,7 @@ class Overlaps:
         return True
 
     def _loosest(self, place: int) -> Bounds:
-        """Return the limits for an overlap of two motions: of the reserves of both, the smaller one."""
+        """Return the limits in the overlap of two motions: of each limit, the larger one of both motions."""
         one, other = (link.own_bounds for link in self.links[place : place + 2])
         return replace(
             one,

@@ -92,9 +92,9 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
 
 
 def _without_dips(speed: Array) -> Array:
-    """Return the speeds (N,) without drops that the claim need not contain.
+    """Return the speeds (N,), limited to a level that is kept.
 
-    Between two places with a speed, the value is limited to the least speed between them.
+    Between two places that reach the level, no speed is below it.
     """
     around = np.minimum(np.maximum.accumulate(speed), np.maximum.accumulate(speed[::-1])[::-1])
     least, dips = np.inf, np.inf

@@ -53,7 +53,8 @@ def place(scene: Scene, q: Array) -> Placed:
 
 
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
-    """Return lower bounds (R,) of the distances of pairs [m]: those of the spheres around their bodies.
+    """Return lower bounds (R,) of the distances of pairs [m]: the distances of the spheres around their
+    bodies.
 
     Args:
         placed: the arm.
@@ -71,8 +72,9 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
 
 @frozen(eq=False)
 class Relative:
-    """The second body of a pair relative to the first: rotation `turn` (R, 3, 3), and the vector between the
-    middles of the boxes `middle` (R, 3) [m].
+    """The second body of a pair, seen from the first.
+
+    `turn` (R, 3, 3) is its rotation, and `middle` (R, 3) the vector between the middles of the boxes [m].
     """
 
     turn: Array
@@ -84,7 +86,7 @@ class Relative:
 
 
 def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
-    """Compute the bodies of pairs relative to each other.
+    """Compute the second body of each pair relative to the first.
 
     Args:
         placed: the arm.
@@ -100,8 +102,9 @@ def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
 
 
 def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
-    """Return sharper lower bounds (R,) of the distances [m]: each rounded box against the axis-aligned box
-    around the other.
+    """Return sharper lower bounds (R,) of the distances [m].
+
+    They are the distances of one rounded box from the box around the other one that is parallel to its axes.
 
     Args:
         scene: bodies and pairs.
@@ -127,15 +130,15 @@ def _outside(gap: Array) -> Array:
 
 
 _TOUCHING = 1e-6
-"""Without penetration depths, coal returns a distance of up to this for bodies that overlap [m], not always
-zero.
+"""Distance [m] up to which coal's result may mean an overlap, which isn't always zero without penetration
+depths.
 """
 
 
 def distances(
     scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True, normal: Array | None = None
 ) -> Array:
-    """Compute the distances of pairs [m]; zero or less where the bodies overlap.
+    """Compute the distances of pairs [m]; zero or less for bodies that overlap.
 
     Args:
         scene: bodies and pairs.
@@ -143,7 +146,7 @@ def distances(
         seen: the bodies of each pair relative to each other.
         deep: True to return minus the depth of overlapping bodies, for meshes only roughly; False takes half
             the time.
-        normal: (R, 3) receives the directions, in the first body's axes, in which the second body is apart;
+        normal: (R, 3) receives unit directions from the first to the second body, in the first body's axes;
             or None.
 
     Returns:
@@ -161,7 +164,7 @@ def distances(
         - (seen.turn @ own[scene.pairs.second[pair]][:, :, None])[:, :, 0]
     )
     found = np.empty(len(pair))
-    # one call for each pair and position: coal has no batches
+    # coal has no batches: call it for each pair and position.
     pairs = zip(scene.pairs.first[pair].tolist(), scene.pairs.second[pair].tolist(), strict=True)
     for row, ((one, other), turn, shift) in enumerate(zip(pairs, seen.turn, origin, strict=True)):
         if isinstance(shapes[one], TiledMesh) or isinstance(shapes[other], TiledMesh):
@@ -176,7 +179,7 @@ def distances(
             normal[row] = answer.normal
     if not deep:
         found[np.abs(found) < _TOUCHING] = 0.0
-    # coal sees only the surface of a mesh: check if the other body is inside the closed ones
+    # coal sees only the surface of a mesh: check if the other body is inside a closed one.
     for one, other, inside in (
         (scene.pairs.first, scene.pairs.second, True),
         (scene.pairs.second, scene.pairs.first, False),
@@ -196,8 +199,9 @@ def distances(
 def _of_tiles(
     scene: Scene, bodies: tuple[int, int], seen: tuple[Array, Array], request: Any
 ) -> tuple[float, Array]:
-    """Compute the distance of two bodies [m], of which one is a large mesh, and the direction (3,) in the
-    first body's axes in which the second one is apart.
+    """Compute the distance of two bodies [m], one of which is a large mesh.
+
+    Also return the direction (3,) from the first to the second body, in the first body's axes.
 
     Args:
         scene: bodies and pairs.

@@ -179,6 +179,7 @@ def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
         # The start of the motions before a window must be known without the motions before them.
         if end is None or not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
             continue
+        # The largest hash wins: a choice by the goals themselves, not by their places in the text.
         chance = crc32(end.tobytes())
         if chance > best:
             best, found = chance, row

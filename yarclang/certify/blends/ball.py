@@ -62,6 +62,8 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
         robot: the arm.
     """
     position, angle = _away(cubics, owner, balls, robot, _COARSE)
+    # Cut only those segments finer whose rough bound exceeds the ball; both bounds are valid, so take the
+    # smaller.
     (rough,) = np.nonzero((position > balls.radius[owner]) | (angle > balls.angle[owner]))
     if len(rough):
         finer = _away(cubics.take(rough), owner[rough], balls, robot, _FINE)
@@ -85,6 +87,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     left, right = cut.left, cut.left + 1
     # Bezier hull of the distance and of the rotation difference, each with the Hermite remainder.
     position = hull(motion.p - corner[:, :3, 3], motion.velocity, left, right, cut.d)
+    # R' = [omega]x R, column by column. The turn is measured by the Frobenius norm of R - R_corner.
     spin = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     turn = (motion.rotation - corner[:, :3, :3]).reshape(-1, 9)
     chord = hull(turn, spin, left, right, cut.d) + rest * rotation[cut.segment]
@@ -128,15 +131,19 @@ def away_on_path(
     s = np.linspace(*part, count)
     owner = np.full(count, own)
     poses = paths.at(owner, s)
+    # The blend's frame is rigidly attached to the path's frame, at `offset`.
     p = poses.p + poses.rotation @ offset
     most = np.linalg.norm(p - corner[:3, 3], axis=1).max()
     bend = 0.0
     if count > 2:
         bounds = paths.bounds(owner[:1], np.array([part[0]]), np.array([part[1]]))
+        # |p''| of a point at the distance `far`: that of the origin, plus `far` times that of the rotation. A
+        # line without an offset is its own chord and needs no bound.
         bend = bounds.position[0, 1] + far * bounds.rotation[0, 1]
     step = (part[1] - part[0]) / (count - 1)
     rotation = poses.rotation @ moving_from_frame[:3, :3]
     turned = np.linalg.norm((rotation - corner[:3, :3]).reshape(count, -1), axis=1)
+    # A curve leaves its chord by at most step^2 / 8 of its second derivative.
     return Away(float(most + bend * step**2 / 8.0), float(angle_of_chord(turned).max()))
 
 
@@ -145,6 +152,7 @@ def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
     parameter.
     """
     end = spline.s[-1]
+    # Include the way-points, where the third derivative jumps, so that each piece is one cubic.
     inner = spline.s[(spline.s > low * end) & (spline.s < high * end)]
     s = np.unique(np.concatenate([np.linspace(low, high, _STEPS + 1) * end, inner]))
     s, step = s[:-1], np.diff(s)

@@ -166,6 +166,7 @@ def _of_frames(
     radius = np.array([_blend_of(layout, ball.corner).length or 0.0 for ball in balls])
     slack = [judged.tolerance_of(layout.places[ball.corner.first].motion) for ball in balls]
     turn = np.array([ball.left.angle + ball.joined.angle for ball in balls])
+    # The ball may be left by the tolerance: the paths themselves may be missed by this amount.
     together = Balls(
         np.array([ball.flange_from_moving for ball in balls]),
         np.array([ball.pose for ball in balls]),

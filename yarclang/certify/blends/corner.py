@@ -217,6 +217,8 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
     """
     for _ in range(_ROUNDS):
         here, jacobian = poses_and_jacobians(robot.chain, q[None], np.eye(4))
+        # Error of position, and of orientation as the sine of the angle times the axis (from the
+        # antisymmetric part).
         turn = here[0, :3, :3] @ flange[:3, :3].T
         vee = np.array([turn[1, 2] - turn[2, 1], turn[2, 0] - turn[0, 2], turn[0, 1] - turn[1, 0]]) / 2.0
         error = np.concatenate([flange[:3, 3] - here[0, :3, 3], vee])

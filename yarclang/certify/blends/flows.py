@@ -144,6 +144,7 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
         if segment < earliest:
             # Leave out segments that belong to the previous corner.
             segment, time = earliest, SHORTEST
+        # Both corners are passed in one segment: the second one must be passed after the first.
         if segment == earliest and np.isfinite(since[first]):
             time = max(time, float(since[first]) + SHORTEST)
         follow[first, 1], follow[second, 0] = segment + 1, segment
@@ -265,6 +266,8 @@ def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
             np.nan if speed.angle is None else speed.angle * kept,
         )
     around, held = np.full((count, 2), np.inf), np.zeros((count, 2), dtype=np.bool_)
+    # Each motion of a blend may have the higher of both speeds there. At a corner without a ball, the slower
+    # of both speeds is held up to the corner.
     cruise = top[:, 0] * share
     for corner in flows.corners:
         pair = [corner.first, corner.second]

@@ -52,6 +52,8 @@ class Corners:
             return square
         off = tool_poses(chain, x, self.flange_from_moving)[:, :3] - self.poses[own, :3]
         far_weight, turn_weight = self.weights[own].T ** 2
+        # The squared Frobenius norm of a rotation difference is 8 sin^2(angle / 2), about twice the squared
+        # angle.
         far, turn = _sum(off[:, :, 3] ** 2), _sum(_sum(off[:, :, :3] ** 2))
         found: Array = far * far_weight + turn * turn_weight / 2.0
         return found
@@ -68,6 +70,7 @@ class Corners:
         twist = (jacobians @ v[:, :, None])[:, :, 0]
         off = poses[:, :3] - self.poses[own, :3]
         spin = np.cross(twist[:, 3:, None], poses[:, :3, :3], axis=1)
+        # Half the derivative of a squared norm |off|^2 is off . off', here for position and rotation matrix.
         along, around = _sum(off[:, :, 3] * twist[:, :3]), _sum(_sum(off[:, :, :3] * spin))
         found: Array = along * far_weight + around * turn_weight / 2.0
         return found

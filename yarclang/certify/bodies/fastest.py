@@ -191,6 +191,7 @@ class _Search:
             arms = arms[0].take(rows), arms[1].take(rows)
             # A comparison with NaN is False, so a piece with NaN is never settled.
             bound = np.maximum(arms[0].speed(self.item), arms[1].speed(self.item))
+            # |p'| is convex along a chord of velocities, and p' leaves its chord by at most J d^2 / 8.
             bound = bound + self.third[segment] * (end - begin) ** 2 / 8.0
             rows = np.flatnonzero(~(bound <= self._known(segment)))
             segment, begin, end, bound = segment[rows], begin[rows], end[rows], bound[rows]
@@ -198,7 +199,10 @@ class _Search:
             half = (begin + end) / 2.0
             middle = self.all.at(self.item.joint, segment, half)
             out, inside = self._where(segment, end - begin, half, (arms[0], middle, arms[1]))
+            # A body that is inside in the middle of a piece has its speed there: it raises the known speed,
+            # which settles other pieces.
             self._learn(segment[inside], half[inside], middle.take(np.flatnonzero(inside)).speed(self.item))
+            # On a piece with a motion below `NEAR`, it is undecided if the body is inside: count its bound.
             short = ~out & ~(self.first[segment] * (end - begin) > NEAR)
             self._learn(segment[short], half[short], bound[short])
             rows = np.flatnonzero(~out & ~short & ~(bound <= self._known(segment)))
@@ -228,6 +232,8 @@ class _Search:
             sag = most * (long**2 / 8.0)[:, None] + NEAR_JOINT
             below = np.maximum(before, after) + sag < region.lower
             return np.asarray((below | (np.minimum(before, after) - sag > region.upper)).any(axis=1))
+        # A signed distance changes by at most V d on the piece, so it is nowhere less than half of the sum of
+        # both ends less V d.
         gaps = np.zeros(len(segment))
         for arm in arms:
             center = arm.point(self.item.middle)
@@ -264,6 +270,8 @@ class _Search:
 
         `toward` (3, P) are the normals of the planes.
         """
+        # The lowest value of d . p at both ends and in the middle, less the largest value in the region, is
+        # the gap.
         low = [arm.lowest(self.item, toward) for arm in arms]
         reach = extent(region, toward)
         seen = low[1] - reach
@@ -290,6 +298,8 @@ class _Search:
         motion = self.motion[segment]
         most = self.best.copy()
         np.maximum.at(most, motion, speed)
+        # Rows that reach the new maximum of their motion, if that is a new one; written as negations because
+        # of NaN.
         new = np.flatnonzero(~(speed < most[motion]) & ~(most[motion] <= self.best[motion]))
         self.segment[motion[new]] = segment[new]
         self.time[motion[new]] = self.all.starts[segment[new]] + time[new]

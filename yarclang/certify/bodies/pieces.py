@@ -100,9 +100,11 @@ def _fill(low: Array, high: Array, lower: Array, upper: Array) -> bool:
     if (low < lower).any() or (high > upper).any() or (low > high).any():
         return False
     for number in range(len(low) - 1):
+        # Two boxes overlap if they share an interval on all three axes.
         shared = np.minimum(high[number], high[number + 1 :]) - np.maximum(low[number], low[number + 1 :])
         if (shared > 0.0).all(axis=1).any():
             return False
+    # Cells in the box that don't overlap fill it if their volumes add up to that of the box.
     whole = float(np.prod(upper - lower))
     return abs(float(np.prod(high - low, axis=1).sum()) - whole) <= _ROUNDED * whole
 
@@ -121,6 +123,7 @@ def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> floa
 def _points(triangles: Array, low: Array, high: Array) -> Array:
     """Return the points (P, 3) of triangles' surfaces that can be extreme points of their part in a cell."""
     found = [triangles.reshape(-1, 3)]
+    # Points at which edges of triangles cross the planes of the cell's faces.
     for axis, at in product(range(3), (low, high)):
         for one, other in ((0, 1), (1, 2), (2, 0)):
             first, second = triangles[:, one], triangles[:, other]
@@ -128,6 +131,8 @@ def _points(triangles: Array, low: Array, high: Array) -> Array:
             cut = below * above < 0.0
             share = below[cut] / (below[cut] - above[cut])
             found.append(first[cut] + share[:, None] * (second[cut] - first[cut]))
+    # Points at which triangles meet the lines of the cell's edges; triangles parallel to a line are left out,
+    # since their edges are covered above.
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     for axis in range(3):
         side, top = (axis + 1) % 3, (axis + 2) % 3
@@ -156,6 +161,8 @@ def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
             for one, other in ((1, 2), (2, 0), (0, 1))
         ]
     )
+    # In the projection along the axis, the point is inside if it is on the same side of all three edges. The
+    # same areas are the barycentric coordinates of the point.
     hit = (turns >= 0.0).all(axis=0) | (turns <= 0.0).all(axis=0)
     weights = turns[:, hit] / turns[:, hit].sum(axis=0)
     points: Array = np.einsum("it,tix->tx", weights, triangles[hit])
@@ -169,6 +176,7 @@ def _is_filled(triangles: Array, point: Array) -> bool:
     A triangle's solid angle is 2 atan2(volume, rest) (Van Oosterom and Strackee 1983).
     """
     a, b, c = (triangles[:, number] - point for number in range(3))
+    # tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
     one, other, third = (np.sqrt((arm * arm).sum(axis=1)) for arm in (a, b, c))
     volume = (a * np.cross(b, c)).sum(axis=1)
     rest = one * other * third + (a * b).sum(axis=1) * third

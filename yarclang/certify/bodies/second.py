@@ -73,6 +73,8 @@ def refuted(
         reported = np.full((count, len(pairs.first)), -np.inf)
         for motion, rows in enumerate(own):
             reported[motion, rows] = pairs.margin[rows]
+    # A pair is reported to keep its margin; the nearest pair of each kind is reported to keep its least
+    # distance.
     decided, kind = np.nonzero((found.nearest[:, :2] >= 0) & (found.least[:, :2] < KNOWN))
     deciding = decided, found.nearest[decided, kind]
     reported[deciding] = np.maximum(reported[deciding], found.least[decided, kind])
@@ -93,6 +95,7 @@ class _Second:
         self.first, self.second = np.where(turned, other, one), np.where(turned, one, other)
         bodies = np.unique(np.concatenate([one[asked], other[asked]])).tolist()
         self.items = {body: room_of(scene.bodies[body]) for body in bodies}
+        # Largest |q| of each joint: at the start of a segment, plus its travel within the segment.
         far = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
         self.lengths, self.reach = np.zeros((2, len(one), scene.chain.size))
         for pair in asked.tolist():
@@ -105,6 +108,7 @@ class _Second:
         course = self.course
         begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
         way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
+        # Begin with equal pieces on which no joint moves by more than about `STEP`.
         count = np.maximum(1, np.ceil(way / STEP)).astype(np.int64)
         motion = np.repeat(np.arange(len(spans)), count)
         number = np.arange(len(motion)) - np.repeat(np.cumsum(count) - count, count)
@@ -160,6 +164,8 @@ class _Second:
             arms = [seen(placed, *joints, pieces) for placed in (ends[0], middle, ends[1])]
             sag = self._bend(one, *(peak[pieces] for peak in peaks)) * (end - begin)[pieces] ** 2 / 32.0
             settled, distance = self._settled(one, arms, way[rows], sag, least[rows])
+            # coal's distance in the middle is really there: if it is below the reported one, the first proof
+            # is refuted.
             wrong = distance < least[rows] - EQUAL
             for row in np.flatnonzero(wrong).tolist():
                 key = int(motion[at[rows[row]]]), one
@@ -179,6 +185,7 @@ class _Second:
             if slide:
                 bend = bend + slide * (2.0 * w * speed[:, joint] + strength[:, joint])
             w, a = w + turn * speed[:, joint], a + turn * strength[:, joint]
+            # Step from this axis to the next, turned by all joints up to this one: |u''| <= W^2 + A.
             bend = bend + self.lengths[pair, joint] * (w**2 + a)
         return bend
 
@@ -206,8 +213,10 @@ class _Second:
         self, one: Item, other: Item, arms: list[Joints], toward: Array, way: Array, sag: Array, least: Array
     ) -> NDArray[np.bool_]:
         still = Joints(np.eye(3)[:, :, None], np.zeros((3, 1)), np.zeros((3, 1)), np.zeros((3, 1)))
+        # The farthest point of the first body along the normal; the first body rests in its own frame.
         reach = -still.lowest(one, -toward)
         begin, middle, end = (arm.lowest(other, toward) - reach for arm in arms)
+        # The second and the third bound of the module's text; the sharper one counts.
         proved = np.maximum(np.minimum(np.minimum(begin, end), middle) - sag, middle - way)
         return np.asarray(proved >= least - EQUAL)
 
@@ -222,6 +231,7 @@ def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
         pieces: the instants.
     """
     base, arm = placed[one][:, :, pieces], placed[other][:, :, pieces]
+    # Relative placement: B' A for the rotations, B' (a - b) for the translations.
     turn = np.einsum("kip,kjp->ijp", base[:, :3], arm[:, :3])
     shift = np.einsum("kip,kp->ip", base[:, :3], arm[:, 3] - base[:, 3])
     nothing = np.zeros_like(shift)
@@ -293,6 +303,7 @@ def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
     for joint in range(item.joint - 1, -1, -1):
         if lines.turn[joint]:
             axis, on_axis = lines.axes[joint], lines.points[joint]
+            # Foot of the perpendicular from the last point to this axis.
             foot = on_axis + axis * float(axis @ (here - on_axis))
             found[joint] = rest + float(np.sqrt(((here - foot) ** 2).sum()))
             here, rest = foot, 0.0

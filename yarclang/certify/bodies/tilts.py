@@ -102,11 +102,15 @@ def tilted(motions: Motions, tilt: Tilt) -> Tilted:
         own, long = motion[segment - first], end - begin
         # A comparison with NaN is False, so a piece with NaN is never settled.
         worst = np.maximum(before, after)
+        # u . up is nowhere below the smaller cosine of both ends by more than d^2 / 8 of its second
+        # derivative.
         chord = np.cos(worst) - bend[segment] * long**2 / 8.0
         bound = np.minimum(
             (before + after + speed[segment] * long) / 2.0, np.arccos(np.clip(chord, -1.0, 1.0))
         )
         exceeds |= ~(seen <= tilt.limit + SLACK / 2.0)
+        # A bound is good enough at the limit, or if it is hardly larger than the largest sample, or far below
+        # the limit.
         enough = np.minimum(
             tilt.limit + SLACK, np.maximum(seen[own] * (1.0 + SHARP) + SLACK, tilt.limit * KNOWN)
         )

@@ -127,6 +127,7 @@ def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: 
     beyond = coarse.share.max(axis=1) > seen[motion] + REMAINDER
     if not beyond.any():
         return coarse
+    # The bound falls with the square of the number of parts.
     wanted = np.ceil(np.sqrt((whole / (REMAINDER * dynamics.effort)).max(axis=1)))
     close = np.zeros(len(cubics.h), dtype=np.bool_)
     close[coarse.row[beyond]] = True
@@ -162,6 +163,7 @@ def _looked_at(
     bound = (whole / (parts**2)[:, None])[row]
     bound[offsets[ends + 1] - 1] = 0.0
     size = np.abs(torque)
+    # Between two instants the torque is at most the larger of both, plus the bound.
     there = size + bound
     there[:-1] = np.maximum(there[:-1], np.where(bound[:-1] > 0.0, size[1:] + bound[:-1], 0.0))
     return _Samples(row, time, q, torque, bound, there / dynamics.effort, offsets[starts])
@@ -221,6 +223,7 @@ def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) 
 
     On the same path with s times the duration, all torques except gravity's are s^2 times smaller.
     """
+    # Solve |moving| / s^2 + gravity + bound <= effort for s, at the worst instant.
     moving = torque - holding
     against = np.where(moving >= 0.0, holding, -holding)  # gravity in the direction of the other torques
     with np.errstate(divide="ignore", invalid="ignore"):

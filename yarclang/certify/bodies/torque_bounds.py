@@ -58,6 +58,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
         for joint in range(body + 1):
             # The axis of a joint is turned only by the joints before it.
             before = _Rates(*(one[joint - 1] if joint else nothing for one in turning), *([nothing] * 3))
+            # Leibniz' rule for z . F of a sliding joint, and for z . (r x F) + z . N of a turning joint.
             axis = before.grown(1.0)[:3]
             if prismatic[joint]:
                 bend = _product(axis, force)
@@ -95,6 +96,7 @@ class _Rates:
 
         They bound the vector's derivatives as multiples of its length.
         """
+        # Relative to the vector's length, a slide acts like a turn by its distance over this length.
         scale = 1.0 / np.maximum(length, 1e-9)  # lengths of slides are at least LEAST_LENGTH
         w, a, j = (
             turn + scale * slide
@@ -134,6 +136,7 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
         3.0 * first * j + 3.0 * second * a + third * w,
     ]
     return (
+        # Leibniz' rule for the derivatives of the product of inertia tensor and angular velocity.
         tensor[1] * spin[0] + tensor[0] * spin[1],
         tensor[2] * spin[0] + 2.0 * tensor[1] * spin[1] + tensor[0] * spin[2],
         tensor[3] * spin[0] + 3.0 * tensor[2] * spin[1] + 3.0 * tensor[1] * spin[2] + tensor[0] * spin[3],

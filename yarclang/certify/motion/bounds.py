@@ -187,6 +187,7 @@ class Cubics:
         h = self.h[:, None]
         end = self.v + h * (self.a + h * self.j / 2.0)
         peak = np.maximum(np.abs(self.v), np.abs(end))
+        # The acceleration changes its sign, so the velocity has its vertex v - a^2 / 2j inside.
         inside = self.a * (self.a + h * self.j) < 0.0  # the vertex is inside, and the jerk is not zero
         peak[inside] = np.maximum(
             peak[inside], np.abs(self.v[inside] - self.a[inside] ** 2 / (2.0 * self.j[inside]))

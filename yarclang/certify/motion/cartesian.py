@@ -189,9 +189,11 @@ def _followed(
     count = len(stretch.first)
     position, angle, rest, angle_rest = (np.zeros(count) for _ in range(4))
     covered = np.tile([0.0, 1.0], (count, 1))
+    # A motion whose path is covered by its blends follows no part of it; the balls then cover fixed shares.
     nothing = stretch.follow[:, 0] >= stretch.follow[:, 1]
     covered[nothing] = covered_by_balls(stretch.free[nothing])[:, None]
     if nothing.any() or stretch.free.any():
+        # Only pieces outside of blends are compared with the path.
         rows = cut.segment >= stretch.follow[cut.command, 0]
         rows &= cut.segment < stretch.follow[cut.command, 1]
         cut, motion = _only(cut, motion, rows)
@@ -260,6 +262,8 @@ def _bounds(
     ends = np.append(begins[1:], len(d)) - 1
     there = cut.command[begins]
     free = stretch.free[there]
+    # A motion with a free end joins or leaves the path at the s of its first or last point. Otherwise it must
+    # cover the path up to its end.
     covered = np.clip(np.stack([bezier_s[begins, 0], bezier_s[ends, 3]], axis=1), 0.0, 1.0)
     covered = np.where(free, covered, [0.0, 1.0])
     group = np.repeat(np.arange(len(begins)), ends - begins + 1)
@@ -312,6 +316,7 @@ def _bounds_of(
     )
     e, e_rate, turn, turn_rate = _errors(frames, path, s_rate)
     go_on()
+    # By the hull property, s stays between its least and largest Bezier point on a piece.
     low, high = bezier_s.min(axis=1), bezier_s.max(axis=1)
     steep = paths.bounds(command, low, high)
     go_on()
@@ -322,6 +327,7 @@ def _bounds_of(
         most = np.minimum(high + behind, np.maximum(high, 1.0))
         lifted = paths.bounds(command, least, most)
     go_on()
+    # Remainders of the Hermite interpolation: the path's part and the arm's part.
     rest, chord_rest = _remainders(bezier_s, d, steep)
     rest = rest + HERMITE * d**4 * arm.origin[segment]
     chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[segment]
@@ -340,6 +346,7 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
     rate.
     """
     e = motion.p - path.p
+    # Chain rule: d/dt P(s(t)) = s' P'(s), and R' = [omega]x R.
     e_rate = motion.velocity - s_rate[:, None] * path.along
     turn = motion.rotation - path.rotation
     turn_rate = np.cross(motion.angular[:, :, None], motion.rotation, axis=1)
@@ -375,6 +382,7 @@ def _claimed(control: Array, begins: int, cut: Pieces, h: Array) -> tuple[Array,
         cut: the pieces.
         h: durations of the segments [s].
     """
+    # Each point between pieces is at the share u of segment k; the last point ends its segment.
     k = np.append(cut.segment, cut.segment[-1]) - begins
     start = np.append(np.flatnonzero(np.diff(cut.segment, prepend=-1)), len(cut.segment))
     size = np.diff(start)

@@ -132,6 +132,7 @@ def _stretch(
     cubics = flows.cut(cubics, numbers, first, first + sizes)
     count = len(moving)
     own = np.arange(count)
+    # Bounds of the path's first derivatives tell a motion of the origin from a pure turn.
     steep = paths.bounds(own, np.zeros(count), np.ones(count))
     reach, turned = steep.position[:, 0], steep.rotation[:, 0]
     turns = reach < STILL

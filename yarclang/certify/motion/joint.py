@@ -76,6 +76,7 @@ def straight_deviations(
         np.maximum.accumulate(s[begin:stop], out=s[begin:stop])
     residual = np.abs(control - start[owner] - s[:, None] * (lines.goal - start)[owner])
     covered = np.tile([0.0, 1.0], (len(first), 1))
+    # The motion joins and leaves the line at its first and last knot.
     joined, left = np.flatnonzero(free[:, 0]), np.flatnonzero(free[:, 1])
     covered[joined, 0] = _knot(s, first[joined])
     covered[left, 1] = _knot(s, last[left] - 2)

@@ -26,6 +26,7 @@ def axis_and_angle(rotation: Array) -> tuple[Array, Array]:
     """Return the axes (C, 3) and angles (C,) in [0, pi] of rotations (C, 3, 3); without a turn, the axis
     is zero.
     """
+    # sin(angle) times the axis, from the antisymmetric part; trace = 1 + 2 cos(angle).
     vee = (
         np.stack(
             [

@@ -123,6 +123,7 @@ class PoseSpline:
         q, rate = y[:, 3:], slope[:, 3:]
         n = np.einsum("ni,ni->n", q, q)[:, None, None]
         rotation = _matrix(q, q) / n
+        # Quotient rule for R = M(Q) / n, with M' = 2 M(Q, Q') and n' = 2 Q . Q'.
         n_rate = 2.0 * np.einsum("ni,ni->n", q, rate)[:, None, None]
         spin = (2.0 * _matrix(q, rate) - rotation * n_rate) / n
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
@@ -149,14 +150,17 @@ class PoseSpline:
         each = count // (len(self.spline.s) - 1)
         u = np.stack([low, high]) * self.total
         span = self.spline.span(u)
+        # The cells that contain `low` and `high`.
         share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
         cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
         # Include the neighboring cells as well: the floor of a rounded quotient may be off by one.
         first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
         most = _range_max(self.cells, first, last)
         before, behind = _margins(self.spline)
+        # Scale from u to s: the k-th derivative gets the factor u_total^k.
         beyond = (u[0] < -before) | (u[1] > self.total + behind)
         most = np.where(beyond[:, None, None], np.inf, most) * self.total ** np.arange(1.0, 5.0)[:, None]
+        # Sum of the jumps at the way-points between `low` and `high`, from the table of sums.
         knot = (
             np.searchsorted(self.spline.s, u[0], side="left"),
             np.searchsorted(self.spline.s, u[1], side="right"),
@@ -173,6 +177,7 @@ class PoseSpline:
         share: Array | None = None,
     ) -> tuple[Array, Array]:
         """Choose s by least squares of position and rotation errors, each divided by its tolerance."""
+        # A rotation difference has a norm of about sqrt 2 times its angle.
         weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle[0]))])
         y, rate = (np.empty((len(motion.p), 12)) for _ in range(2))
         y[:, :3], y[:, 3:] = motion.p, motion.rotation.reshape(-1, 9)
@@ -228,6 +233,7 @@ def _quaternions(rotations: Array) -> Array:
     """
     r = rotations
     k = np.empty((len(r), 4, 4))
+    # The matrix K = [S - trace I, z; z', trace], with S = R + R' and z the vector of R's antisymmetric part.
     k[:, :3, :3] = r + r.transpose(0, 2, 1)
     k[:, :3, :3] -= np.trace(r, axis1=1, axis2=2)[:, None, None] * np.eye(3)
     vee = np.stack(
@@ -254,6 +260,7 @@ def _matrix(a: Array, b: Array) -> Array:
     """
     v, w = a[..., :3], a[..., 3]
     x, y = b[..., :3], b[..., 3]
+    # R(q) |q|^2 = 2 v v' + (w^2 - |v|^2) I + 2 w [v]x, made bilinear in two quaternions.
     outer = v[..., :, None] * x[..., None, :]
     inner = w * y - np.einsum("...i,...i->...", v, x)
     cross = w[..., None] * x + y[..., None] * v
@@ -316,6 +323,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
         for k in range(4):
             n[i + k] += np.einsum("ni,ni->n", q[i], q[k])
             matrices[i + k] += _matrix(q[i], q[k])
+    # A polynomial is between its least and its largest Bernstein coefficient.
     n_min = _bernstein(n[..., None])[..., 0].min(axis=0)
     n_top = [np.abs(_bernstein(_derivative(n[..., None], k))).max(axis=(0, 2)) for k in range(5)]
     m = matrices.reshape(7, -1, 9)

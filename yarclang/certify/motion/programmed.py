@@ -228,6 +228,8 @@ class Lines:
         norm = (np.linalg.norm(self.way, axis=1) / position) ** 2 + (turns.theta / angle) ** 2
         norm[norm == 0.0] = np.inf  # the frame does not move: s = 0
         offset = motion.p - self.origin[owner]
+        # Projection onto the line in a space with one more coordinate, the turn; both are in units of their
+        # tolerance.
         strength = turns.theta[owner] / angle[owner] ** 2
         s = np.einsum("ni,ni->n", offset, pull[owner]) + turns.turned(motion.rotation, owner) * strength
         rate = np.einsum("ni,ni->n", motion.velocity, pull[owner])

@@ -49,6 +49,8 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
     """
     from scipy.linalg import solveh_banded
 
+    # Normal equations of Gauss-Newton: y' y' on the diagonal, plus the matrix of squared third differences,
+    # which has three more bands.
     stiffness = (_STIFFNESS * pace) ** 2
     bands = _third_differences(len(guess)) * stiffness
     s = guess
@@ -61,6 +63,8 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
             pull[part] = ((y[part] - at) * slope).sum(axis=1)
         s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
     go_on()
+    # s' by least squares of the velocities; where y' vanishes, the stiffness leads to the difference
+    # quotient.
     about = np.gradient(s, np.concatenate([[0.0], np.cumsum(d)]))
     s_rate = np.empty(len(s))
     for part in _parts(len(s)):
@@ -126,6 +130,8 @@ def guess_by_length(
     lengths = table_of_lengths(curve, s)
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(y, axis=0), axis=1))])
     first, last = 0.0, lengths[-1]
+    # A motion that joins the curve late begins at the nearest place in the first half; one that leaves it
+    # early ends at the nearest place in the second half.
     half = int(np.searchsorted(s, end / 2.0))
     if free[0]:
         first = lengths[np.argmin(np.linalg.norm(curve.at(s[:half])[0] - y[0], axis=1))]

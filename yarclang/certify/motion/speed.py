@@ -92,6 +92,7 @@ def finer_for_speed(
     cruise = wanted.cruise[command]
     bound = np.where(wanted.turns[command], rotation / np.sqrt(2.0), origin)
     with np.errstate(divide="ignore", invalid="ignore"):
+        # The remainder of a velocity falls with the third power of the number of pieces.
         need = h * np.cbrt(HERMITE_RATE * bound / (SHARP * cruise))
     need = np.where(np.isfinite(need), np.ceil(need), 1.0)
     finer: Rows = np.maximum(pieces, np.minimum(need, MOST_PIECES).astype(np.int64))
@@ -170,6 +171,7 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
     largest[command[begins]] = segment_max(high, begins)
     ends = np.append(begins[1:], len(command))
     cruise, top = wanted.cruise[command], wanted.top[command]
+    # Outside of blends the motion's own limit applies, in a blend that of the faster motion.
     before, behind = segment < follow[command, 0], segment >= follow[command, 1]
     allowed = np.where(before, wanted.around[command, 0], np.where(behind, wanted.around[command, 1], top))
     inside = ~before & ~behind

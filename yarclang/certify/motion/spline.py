@@ -154,6 +154,7 @@ def _proved(
         need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
         if not need > 1.0 or pieces == MOST_PIECES:
             return bound
+        # The remainder falls with the fourth power of the number of pieces.
         pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * min(need, 1e6) ** 0.25))))
 
 
@@ -245,6 +246,8 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
     sharp = np.maximum(np.abs(third[low]), np.abs(third[high]))
     jump = np.zeros_like(bend)
     (several,) = np.nonzero(high > low)
+    # Sums of the jumps up to each way-point; a difference of two is the sum over the way-points inside a
+    # piece.
     jumps = np.concatenate([np.zeros((1, third.shape[1])), np.cumsum(np.abs(np.diff(third, axis=0)), axis=0)])
     jump[several] = jumps[high[several]] - jumps[low[several]]
     for row in several:  # few pieces contain a way-point
@@ -253,6 +256,7 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
         sharp[row] = np.maximum(sharp[row], np.abs(third[low[row] : high[row] + 1]).max(axis=0))
     # A cubic passes a place once, or at most three times if it turns back.
     jump *= np.where((ds.min(axis=1) < 0.0) & (ds.max(axis=1) > 0.0), 3.0, 1.0)[:, None]
+    # Faa di Bruno's formula for y(s(t)) with y'''' = s'''' = 0.
     change: Array = 6.0 * s1 * s1 * s2 * sharp + (3.0 * s2 * s2 + 4.0 * s1 * s3) * bend
     rest: Array = HERMITE * d[:, None] ** 4 * change + JUMP * d[:, None] ** 3 * s1**3 * jump
     return rest
@@ -266,6 +270,7 @@ def _steepest(spline: NaturalSpline, beyond: float) -> Array:
     chord = np.diff(spline.s)[:, None]
     b0, b1 = spline.bend[:-1], spline.bend[1:]
     slope = np.diff(spline.y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    # Bezier points of the parabola y': both ends and the intersection of the end tangents.
     middle = slope + chord * b0 / 2.0
     end = slope + chord * (b0 + b1) / 2.0
     inside = np.abs(np.stack([slope, middle, end])).max(axis=(0, 1))

@@ -116,6 +116,7 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
     knots = np.concatenate(([0.0], np.cumsum(cubics.h)))
     rows = way.times * (knots[-1] / way.times[-1])
     rows[-1] = knots[-1]
+    # Intervals without a knot or a row inside: both motions are single polynomials there.
     times = np.unique(np.concatenate((knots, rows)))
     begin, end = times[:-1], times[1:]
     middle = (begin + end) / 2.0
@@ -192,6 +193,7 @@ def _part(bezier: Array, begin: Array, end: Array) -> Array:
 def _elevated(bezier: Array) -> Array:
     """Return the Bezier points (N, d + 2, n) of the same polynomials, with the degree raised by one."""
     degree = bezier.shape[1]
+    # Degree elevation: the new inner points are convex combinations of neighbors.
     share = (np.arange(1, degree) / degree)[:, None]
     inner = bezier[:, :-1] * share + bezier[:, 1:] * (1.0 - share)
     return np.concatenate((bezier[:, :1], inner, bezier[:, -1:]), axis=1)

@@ -120,6 +120,7 @@ def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str
         share = own.ends[0] if own.ends[0] is not None else own.ends[1]
         return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
     cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
+    # Projection of the joints onto the line, in units of their tolerances.
     square = float(way @ way)
     if square > 0.0:
         s, rate = ((cut.q - start) * weights) @ way / square, (cut.rate * weights) @ way / square
@@ -212,6 +213,8 @@ def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float
     j = cubics.jerk_peaks().max(axis=1) / steepest
     bend = (np.abs(spline.bend) * weights).max()
     third = (np.abs(np.diff(spline.bend, axis=0)) / np.diff(spline.s)[:, None] * weights).max()
+    # Faa di Bruno's formula, with s', s'' and s''' estimated from the joints' rates over the slope of the
+    # path.
     fourth = 6.0 * w * w * a * third + (3.0 * a * a + 4.0 * w * j) * bend
     return float((HERMITE * cubics.h**4 * fourth + cubics.h**3 * w**3 * third / 96.0).max())
 

@@ -152,6 +152,7 @@ def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial
     Large numbers are determined only roughly. From some number on, all numbers must have a trial, so that
     bisection applies.
     """
+    # Grow the number until one works, then bisect between it and the last one that doesn't.
     size, before, found = least, least - 1, None
     while size <= most and (found := tried(size)) is None:
         if size == most:

@@ -102,6 +102,7 @@ def _values(
         u: (N, 1) the elapsed share of the segment, from 0 to 1.
         segment: duration of the segments [s].
     """
+    # Basis functions of the uniform cubic B-spline at the share u of a segment, and their derivatives.
     f0, f1, f2, f3 = (points[k + i] for i in range(4))
     w = 1.0 - u
     x = (

@@ -62,6 +62,8 @@ def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
     )
     top = least = float(speeds.max())
     for _ in range(_DIPS):
+        # A dip between two instants that reach the speed lowers the sustained speed, which may be reached
+        # earlier and later then: repeat.
         (reached,) = np.nonzero(speeds >= least * (1.0 - _REACHED))
         lowest = float(speeds[reached[0] : reached[-1] + 1].min())
         if lowest >= least * (1.0 - KEPT):

@@ -119,6 +119,8 @@ class Bounds:
 def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> Demand:
     shares = np.abs(differences) / limit
     at, row = divmod(int(np.argmax(shares)), shares.shape[1])
+    # A difference of order k over h^k is the derivative: the least h is the k-th root of difference over
+    # limit.
     return Demand(kind, float(shares[at, row] ** (1.0 / order)), row, at)
 
 

@@ -27,6 +27,8 @@ class NaturalSpline:
         if len(values) > 2:
             width = np.diff(knots)
             slope = np.diff(values, axis=0) / width[:, None]
+            # Continuity of the first derivative: w m + 2 (w + w') m' + w' m'' = 6 (slope' - slope) at each
+            # inner knot, with m = 0 at both ends.
             bends[1:-1] = solve_tridiagonal(
                 2.0 * (width[:-1] + width[1:]), width[1:-1], 6.0 * np.diff(slope, axis=0)
             )

@@ -74,5 +74,6 @@ def turned(rotation: Array, axis: Array, angles: Array) -> Array:
     """
     turn = skew(axis)
     angle = angles[..., None, None]
+    # Rodrigues' formula: I + sin(angle) K + (1 - cos(angle)) K^2.
     result: Array = (np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)) @ rotation
     return result

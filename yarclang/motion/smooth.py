@@ -67,6 +67,7 @@ class Smooth:
         Returns:
             Upper bounds of the distance [m] and of the angle [rad].
         """
+        # A joint that is off by an angle moves the frame by at most its lever times the angle.
         off = np.abs(q - self.at(s))
         turn = off @ (1.0 - self.is_sliding)
         return float((self.lever * turn + off @ self.is_sliding).max()), float(turn.max())
@@ -122,6 +123,7 @@ def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
         matrix from values to values at the second places.
     """
     count = degree + 1
+    # Roots of the Chebyshev polynomial of degree `count`, and its extremes, which are between the roots.
     places = (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2.0
     between = (1.0 - np.cos(np.pi * np.arange(count + 1) / count)) / 2.0
     # Discrete orthogonality of the Chebyshev polynomials at their roots.
@@ -135,6 +137,7 @@ def _chebyshev(s: Array, count: int) -> Array:
     x = 1.0 - 2.0 * s
     polynomials = np.empty((count, len(s)))
     polynomials[0], polynomials[1] = 1.0, x
+    # Recurrence T(n + 1) = 2 x T(n) - T(n - 1).
     twice = 2.0 * x
     for number in range(2, count):
         np.multiply(twice, polynomials[number - 1], out=polynomials[number])

@@ -192,6 +192,7 @@ def shortest_stretch(
         else:
             fails = tried
         if not isinstance(found, Curve) and math.isinf(works):
+            # Until a stretch works, follow the estimate; then bisect, in ratios.
             nearest = tried * max(_needed(found), FINE)
         elif works <= fails * FINE:
             break
@@ -340,6 +341,8 @@ def _least_squares(knots: Array, weight: float) -> Array:
     inner = slice(1, -1)
     positions = knots[inner] - knot_values(points)[inner]
     bends = np.diff(knots, 2, axis=0) - np.diff(points, 2, axis=0)[inner]
+    # Normal equations A'A + weight B'B: A has the rows (1, 4, 1) / 6 of positions at knots, B the rows (1,
+    # -2, 1) of second differences. Each product has the five diagonals of `rows`.
     right = (positions[:-2] + 4.0 * positions[1:-1] + positions[2:]) / 6.0
     right += weight * np.diff(bends, 2, axis=0)
     unknowns = len(right)

@@ -31,6 +31,7 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
         ramp: segments in which the acceleration rises.
     """
     knot = np.arange(segments + 1)
+    # A trapezoid of acceleration for speeding up, and its mirror image for slowing down.
     rise = np.clip(np.minimum(knot, blend - knot) / ramp, 0.0, 1.0)
     acceleration = rise - rise[::-1]
     # The second difference of the control values is the acceleration at the knots.
@@ -52,6 +53,7 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
         cruise: the segments that the path takes at full speed.
         ramp: segments in which the acceleration rises, at most half of the blend.
     """
+    # The pulse has the sum 1, so the law gains the speed of one path per `cruise` segments.
     rise = _pulse(segments, segments - cruise, ramp)
     return _of_accelerations((rise - rise[::-1]) / cruise)
 
@@ -113,6 +115,7 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
     one = np.clip(np.minimum(knot, ramp.width - knot) / max(1, min(ramp.rise, ramp.width // 2)), 0.0, 1.0)
     one /= one.sum()
     pushes = np.zeros(segments + 1)
+    # A mixture of two ramps at neighboring knots has its middle between theirs.
     pushes[whole : whole + ramp.width + 1] += (1.0 - later) * one
     if later > _ROUNDING:
         pushes[whole + 1 : whole + ramp.width + 2] += later * one

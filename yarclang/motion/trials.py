@@ -206,6 +206,8 @@ class Trials:
             slope, bounds = self.path.slope, self.bounds
             limits = (bounds.velocity, bounds.acceleration, bounds.jerk)
             self._rates = np.array([(slope / limit).max() for limit in limits])
+        # A derivative of order k scales with 1 / h^k, so the needed segment time is the k-th root of its
+        # share.
         needed: Array = ((strain * self._rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
@@ -218,6 +220,8 @@ class Trials:
         gets = self.law.strain(segments or trial.segments, forms)
         velocity, motors, acceleration, jerk, *zones = (demand.segment for demand in trial.demands)
         asked = np.array([max(velocity, motors, *zones), acceleration, jerk])
+        # The demands of velocity, acceleration and jerk grow with the law's peaks; segment times with their
+        # roots.
         needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
@@ -271,6 +275,7 @@ def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
     best = _made([(*one, _form(row)) for one, row in zip(wanted, likely, strict=True)])
     improving = [place for place, each in enumerate(forms) if len(each) > 1]
     for _ in range(3):
+        # Improve each estimate by the demands of the trial just made, up to three times.
         nearer = [
             forms[place][int(np.argmin(wanted[place][0]._foreseen(best[place], forms[place])))]
             for place in improving

@@ -118,6 +118,7 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
     for _ in range(round(FARTHEST / STEP)):
         go_on()
         poses[going, :3, 3] += STEP * way[going]
+        # Continue the joints' last step as the guess for the next one.
         guess = np.clip(here[going] + before[going], limits.lower, limits.upper)
         moved = fit(chain, poses[going], guess, lower=limits.lower, upper=limits.upper, rounds=8)
         good = moved.total < reached_within(chain)

@@ -62,6 +62,7 @@ def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Arr
         size = float(slopes @ slopes)
         if size < 1e-9:
             return None
+        # Newton step along the gradient of the worst angle, in joint coordinates scaled by `reach`.
         q = q - slopes * ((worst + 1e-4) / size) / reach
     return None
 
@@ -166,6 +167,8 @@ def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: E
         sample = in_.points[0] if tries == 1 else pull(low + random.random(len(low)) * (high - low))
         if sample is None:
             continue
+        # RRT-Connect: grow one tree towards the sample, and the other one towards its new tip; then swap
+        # roles.
         one, other = (out, in_) if tries % 2 else (in_, out)
         near = one.nearest(sample, space.reach)
         at = one.grow(near, space.walk(one.points[near], sample))

@@ -86,6 +86,8 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
     middle, radius = _reach(room.robot.chain, room.robot.limits, item)
     turn, origin = region.base_from_shape[:3, :3], region.base_from_shape[:3, 3]
     half = region.shape.size / 2.0
+    # Axes of the box in which the ball of the item's point is inside of the box's faces: the point can't pass
+    # the box sideways in these directions.
     covered = np.abs((middle - origin) @ turn) + radius < half
     posed = Arm.at(room.scene, np.stack([start, goal])).of(item)
     sides = (posed.point(item.points[0]) - origin) @ turn

@@ -114,6 +114,8 @@ class Between:
             before = self.before
             first = Ramp(phase, before.width, before.rise) if before else Ramp(0.0, blend, rise)
             if self.behind is None:
+                # From the middle of the first ramp to the middle of the last one, the motion covers the whole
+                # path at its cruise.
                 segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
                 if self.middle is not None:
                     segments = self.middle + into // 2
@@ -121,6 +123,8 @@ class Between:
                     yield _Timed(to_rest(segments, first, cruise, rise), into, 0, 0.0)
                 continue
             turn = self.behind
+            # The last ramp is the overlap with the next motion. It begins at the phase `last.start - knot`
+            # after a knot, which the next motion's first ramp takes over.
             last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
             knot = int(last.start + 1e-9)
             if last.start < 0.0 or knot < into:
@@ -144,6 +148,8 @@ class Between:
                 yield length, share
 
     def _lengths(self, cruise: float) -> list[int]:
+        # The joints gain their cruise speed, slope / (cruise h), within `blend` segments: the acceleration
+        # needs at least slope / (cruise a h^2) of them.
         rate = (self.link.path.slope / cruise / self.link.own_bounds.acceleration).max() / self.segment**2
         least = max(FEWEST_IN_BLEND, int(rate))
         most = max(least + 2, int(2.0 * cruise))

@@ -104,6 +104,7 @@ def superpose(
     points = np.tile(parts[0].path.start, (total + 3, 1))
     for part, begin in zip(parts, starts, strict=True):
         own = part.trial.points
+        # Add each motion's displacement from its start; after its end, it stays at its full displacement.
         points[begin : begin + len(own)] += own - part.path.start
         points[begin + len(own) :] += part.path.end - part.path.start
     for number, (corner, overlap) in enumerate(zip(corners, overlaps, strict=True)):
@@ -173,6 +174,7 @@ def _correct(
     low, high = max(begin + 1 - _FADE, 1), min(begin + overlap + _FADE, len(points) - 3)
     miss = np.zeros((high - low, points.shape[1]))
     inside = slice(begin + 1 - low, begin + overlap - low)
+    # The miss is zero at the knots around the overlap.
     miss[inside] = wanted - knot_values(points[begin + 1 : begin + overlap + 2])
     # Compute the change of control points that corrects the misses at the knots near the overlap.
     points[low + 1 : high + 1] += solve_tridiagonal(
@@ -207,6 +209,7 @@ def _poses_of_both(
     middle = second.frame.poses(np.zeros(1))[0]
     poses = other.copy()
     poses[:, :3, 3] += one[:, :3, 3] - middle[:3, 3]
+    # Turn of motion 1 up to now, followed by the turn of motion 2 from the corner on, R2 Rc' R1.
     poses[:, :3, :3] = other[:, :3, :3] @ middle[:3, :3].T @ one[:, :3, :3]
     seeds = first.followed.at(done) + second.followed.at(begun) - corner.point
     return follow(chain, poses @ np.linalg.inv(first.flange_from_moving), seeds)[0]

@@ -77,6 +77,7 @@ def _first_out(back: Array, far: Array) -> float:
     if not len(out):
         return 0.5
     k = int(out[0])
+    # Interpolate linearly between the last place inside and the first one outside.
     share = (_INSIDE - far[k - 1]) / (far[k] - far[k - 1])
     return float(back[k - 1] + (back[k] - back[k - 1]) * share)
 
@@ -240,6 +241,7 @@ def widest(serves: Callable[[int], bool], most: int) -> int:
     """
     if most < 2:
         return 0
+    # Count in pairs of segments, since an overlap is even.
     widths = np.unique(np.round(np.geomspace(1, most // 2, _WIDTHS)).astype(int))[::-1].tolist()
     place = next((place for place, pairs in enumerate(widths) if serves(2 * pairs)), None)
     if place is None:

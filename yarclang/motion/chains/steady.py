@@ -129,7 +129,12 @@ class _Maker:
                 return Beaten(least)
             turns = [self._turn(place, cruises) for place in range(count - 1)]
             slow = {
-                place + side: _SLOWER for place, turn in enumerate(turns) if turn is None for side in (0, 1)
+                # First, both motions at a corner without room are slowed down; then motions that break their
+                # own limits; then motions at corners that break a limit or a speed.
+                place + side: _SLOWER
+                for place, turn in enumerate(turns)
+                if turn is None
+                for side in (0, 1)
             }
             taken = [turn for turn in turns if turn is not None]
             parts: list[Part] = []
@@ -159,6 +164,7 @@ class _Maker:
 
         The corner is then passed without a change of this share.
         """
+        # One pass forwards and one backwards carry the slowest share through a run of tangent corners.
         for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
             for place in order:
                 corner, pair = self.links[place].corner, self.links[place : place + 2]
@@ -256,6 +262,7 @@ class _Maker:
             return link.full / self.segment
         if middle is not None:
             blend = round(outer * middle)
+            # A ramp of `blend` segments from rest covers as much path as half of them at full speed.
             return middle - blend / 2.0 * sum(self._is_outer(place))
         bounds, slope = link.own_bounds, link.path.slope
         motors = np.abs(bounds.counts) @ slope / bounds.motor_velocity
@@ -271,12 +278,17 @@ class _Maker:
         """
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
+        # In its ramp a motion covers as much path as in half of the overlap at full speed; this part must be
+        # in the ball.
         overlap = 2 * int(min(one * before, other * behind) + 1e-9)
         # If ramps begin between two knots, the overlap must have room for both shifted copies.
         width = overlap - (0 if self.on_knots else 1)
         if width < FEWEST_IN_BLEND:
             return None
         bounds = self.links[place].own_bounds, self.links[place + 1].own_bounds
+        # The joints' velocities change from one motion's to the other's, over h. A change over `width`
+        # segments, with a share for the rise of the acceleration, has the peaks change / ((1 - share) width
+        # h^2) and change / ((1 - share) share width^2 h^3).
         change = np.abs(self.slopes[place][1] / one - self.slopes[place + 1][0] / other)
         h = self.segment
         acceleration = np.maximum(bounds[0].acceleration, bounds[1].acceleration)

@@ -45,6 +45,8 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
     velocity = robot.limits.velocity
 
     def cost(q: Array) -> Array:
+        # Cost of a posture: closeness to a singularity plus closeness to bodies and zones, each from 0 to
+        # about 1.
         smallest = smallest_singular_values(robot.chain, q, path.flange_from_moving)
         total: Array = _SINGULAR * np.maximum(1.0 - smallest / _CLEAR, 0.0)
         return total + np.maximum(1.0 - room.clearances(q, _WANTED) / _WANTED, 0.0)

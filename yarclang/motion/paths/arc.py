@@ -101,5 +101,6 @@ def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc
     normal = across / np.linalg.norm(across)
     spoke = -middle
     to_end = b - middle
+    # The normal is that of start, via and end, so the sweep passes the via point, and is between 0 and 2 pi.
     sweep = float(np.arctan2(normal @ np.cross(spoke, to_end), spoke @ to_end)) % (2.0 * np.pi)
     return Arc(base_from_start, base_from_end, start + middle, normal, sweep, *turn)

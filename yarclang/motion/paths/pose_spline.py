@@ -213,6 +213,7 @@ class AtConstantSpeed:
     def tangents(self, s: Array) -> Array:
         """Return the derivatives with respect to the share of the length (N, 6)."""
         slopes = self.spline.tangents(self.spline.at_length(s))
+        # Chain rule: ds / dshare = length / |p'(s)|.
         along: Array = slopes * (self.length / np.linalg.norm(slopes[:, :3], axis=1))[:, None]
         return along
 
@@ -251,6 +252,7 @@ def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
         quaternions: (N, 4) unit quaternions.
     """
     apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
+    # Unit quaternions are apart by 2 sin(angle / 4), since they turn by half the angle.
     angles: Array = 4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))
     chords: Array = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), TURN_CHORD * angles)
     return angles, chords
@@ -260,7 +262,7 @@ def unit_quaternions(rotations: Array) -> Array:
     """Return unit quaternions x y z w (N, 4) of `rotations` (N, 3, 3), with either sign."""
     r = rotations
     trace = np.trace(r, axis1=1, axis2=2)
-    # The rows are four times the products of one component with all components: divide the row with the
+    # The rows are four times the products of one component with all components: normalize the row with the
     # largest component, for accuracy.
     table = np.empty((len(r), 4, 4))
     for i in range(3):

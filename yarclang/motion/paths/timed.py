@@ -130,6 +130,8 @@ def _clamped(times: Array, q: Array) -> Array:
     """
     velocities = np.zeros_like(q)
     if len(q) > 2:
+        # Continuity of the acceleration, with the velocities as unknowns: v / w + 2 (1 / w + 1 / w') v' + v''
+        # / w' = 3 (rise / w^2 + rise' / w'^2).
         inverse = 1.0 / np.diff(times)
         pull = 3.0 * np.diff(q, axis=0) * inverse[:, None] ** 2
         velocities[1:-1] = solve_tridiagonal(
@@ -144,6 +146,7 @@ def _hermite(width: Array, q: Array, v: Array, a: Array | None) -> Array:
     """
     rise = (q[1:] - q[:-1]) / width
     if a is None:
+        # Cubic Hermite interpolation in powers of the time.
         bend = (3.0 * rise - 2.0 * v[:-1] - v[1:]) / width
         twist = (v[:-1] + v[1:] - 2.0 * rise) / width**2
         return np.stack((q[:-1], v[:-1], bend, twist), axis=1)

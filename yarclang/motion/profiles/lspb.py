@@ -18,6 +18,7 @@ from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_stra
 
 def _pure(u: Array) -> Array:
     u = np.clip(u, 0.0, 1.0)
+    # Parabolas in the outer thirds, a line at 1.5 times the mean speed in between.
     middle = 1.5 * u - 0.25
     s: Array = np.where(u < 1 / 3, 2.25 * u**2, np.where(u > 2 / 3, 1.0 - 2.25 * (1.0 - u) ** 2, middle))
     return s

@@ -24,6 +24,8 @@ progression.
 def _pure(u: Array) -> Array:
     """Return the law with ramps and blends as long as possible: full jerk throughout and no cruise."""
     u = np.clip(u, 0.0, 1.0)
+    # Full jerk up and down in quarters of the time: 32 jerk units, s = 32 u^3 / 6 in the first quarter. The
+    # second half is point-symmetric to the first.
     half = np.minimum(u, 1.0 - u)
     rising = np.where(half < 0.25, 16.0 / 3.0 * half**3, 1.0 / 12.0 + _second_quarter(half - 0.25))
     s: Array = np.where(u < 0.5, rising, 1.0 - rising)

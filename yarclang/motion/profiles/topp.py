@@ -110,12 +110,15 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
         t = np.clip(u, 0.0, 1.0) * duration
         piece = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
         along = t - times[piece]
+        # Constant acceleration on a piece: v t + a t^2 / 2.
         push = (speed[piece + 1] - speed[piece]) / (times[piece + 1] - times[piece])
         reached = gone[piece] + along * (speed[piece] + 0.5 * push * along)
         s: Array = np.clip(share_at(np.clip(reached, 0.0, 1.0)), 0.0, 1.0)
         return s
 
     def control(segments: int, form: Form) -> Array:  # noqa: ARG001
+        # The samples are the control values themselves: the law is stretched over n - 2 segments, and three
+        # equal values at each end make the spline rest.
         samples = pure(np.arange(segments - 1) / (segments - 2))
         samples[0], samples[-1] = 0.0, 1.0
         return np.concatenate((np.zeros(2), samples, np.ones(2)))
@@ -194,6 +197,7 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     reached = np.isfinite(speed[1:]) & (speed[1:] + speed[:-1] > 0.0)
     if not reached.all():
         return NoLaw(float(scaled.s[int(np.argmin(reached))]))
+    # Constant acceleration between places: the mean speed is that of both ends.
     steps = 2.0 * np.diff(scaled.gone) / (speed[1:] + speed[:-1])
     times = np.concatenate(([0.0], np.cumsum(steps))) * scaled.time
     return _Passed(times, speed / scaled.time, scaled.gone, scaled.s)
@@ -219,6 +223,7 @@ def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
     s = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
     q = path.joints(s)
     way = np.abs(np.diff(q, axis=0)).sum(axis=0)
+    # Lower bounds of the order of the duration, from the joints' travel at their limits.
     time = max(float(np.sqrt((way / bounds.acceleration).max())), float((way / bounds.velocity).max()))
     if time < _NO_TIME:
         return None

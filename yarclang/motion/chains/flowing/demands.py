@@ -198,6 +198,8 @@ class Demands:
         step = lengths[own] / number[own] * units
         p, q = _looked_at(way, np.append(own, len(lengths) - 1), np.append(inner, 1.0))
         slope, ahead = np.diff(q, axis=0) / step[:, None], np.diff(p, axis=0) / step[:, None]
+        # The joints' slopes are constant between nodes and jump at the nodes: spread over the steps on both
+        # sides, a jump is the bend q'' over the path. At the speed v it costs the acceleration q'' v^2.
         jump = np.abs(np.diff(slope, axis=0))
         turn, spin = np.linalg.norm(np.diff(ahead, axis=0), axis=1), np.zeros(len(step) - 1)
         bend = np.maximum(jump / (0.5 * (step[1:] + step[:-1]))[:, None], _NOTHING)
@@ -315,6 +317,8 @@ def _slow_enough(room: Array, time: float, square: float, acceleration: Array) -
         square: factor of the acceleration in this distance [s^2].
         acceleration: (K,) the largest acceleration [m/s^2].
     """
+    # The distance is time * v + square * a: give the acceleration at most half of the room, and the speed the
+    # rest.
     gentle = np.minimum(acceleration, 0.5 * room / square)
     return (room - square * gentle) / time, gentle
 
@@ -437,6 +441,7 @@ def _rates(rotations: Array, others: Array, steps: Array) -> Array:
     vector = (turn - turn.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2.0
     size = np.linalg.norm(vector, axis=1)
     angle = angle_between(others, rotations)
+    # `vector` is the sine of the angle times the axis: scale it to the angle.
     scale = np.where(size > _NOTHING, angle / np.maximum(size, _NOTHING), 1.0)
     found: Array = vector * scale[:, None] / steps
     return found

@@ -36,6 +36,9 @@ class Law:
             acceleration: the largest acceleration between the nodes (N - 1,) [m/s^2].
             ends: the speeds at both ends, or less if these aren't possible [m/s].
         """
+        # v^2 grows by at most 2 a ds. With the sum `gained`, the largest v^2 reachable from the left is
+        # gained + min(ceiling^2
+        # - gained) over all nodes up to this one; the same from the right.
         gained = np.concatenate(([0.0], np.cumsum(2.0 * acceleration * np.diff(s))))
         square = ceiling**2
         square[0], square[-1] = ends[0] ** 2, ends[1] ** 2
@@ -43,6 +46,7 @@ class Law:
         left = gained[-1] - gained
         square = left + np.minimum.accumulate((square - left)[::-1])[::-1]
         v = np.sqrt(np.maximum(square, 0.0))
+        # The acceleration is constant between nodes, so the mean speed is that of both ends.
         t = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / np.maximum(v[1:] + v[:-1], _STILL))))
         return Law(s, v, t)
 
@@ -90,6 +94,7 @@ class Pace:
             segment: the segment time [s].
         """
         duration = law.duration
+        # Times are stretched linearly between the surroundings of both ends, which keep their pace.
         whole = segment * np.ceil(duration / segment - 1e-6) if seams[1] else duration
         begin, end = around[0] if seams[0] else 0.0, around[1] if seams[1] else 0.0
         times = np.array([0.0, begin, max(whole - end, begin), whole])

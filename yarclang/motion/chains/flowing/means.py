@@ -44,6 +44,7 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
     Beyond a seam they continue for `smoothing.around` segments.
     """
     h, (one, other) = smoothing.segment, smoothing.widths
+    # Two successive means over `one` and `other` samples involve one + other - 1 samples.
     support = one + other - 2
     cut = (support + 1) // 2
     beyond, pad = smoothing.around, support + 4
@@ -62,10 +63,12 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
     p, turns, mean_places = (
         _mean(_mean(values, one), other) for values in (p, steadied(turns), places[:, None])
     )
+    # The mean of neighboring quaternions, normalized, is their mean orientation for small turns.
     turns /= np.linalg.norm(turns, axis=1)[:, None]
     q, miss = joints(way, p, matrices(turns), way.seeds(own, share)[cut : cut + len(p)], way.paths[0])
     if miss.max() > _REACHED:
         return None
+    # A spline with control values f has f + f'' h^2 / 6 at its knots: subtract this difference.
     q, s = _sharpened(q), _sharpened(mean_places)[:, 0]
     # The curve rests at an end: it has three equal control points there.
     if not pace.seams[0]:

@@ -102,6 +102,8 @@ def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, round
     low, high = _extremes(law.v, begin, end)
     flat = low >= high * (1.0 - _FLAT)
     speed = np.where(flat, _rounded(low, 10), _rounded(_SLOWER * low, 3))
+    # Prefer corners at constant speed, then corners where the path is kept. A pseudorandom number that
+    # depends only on the corner's place decides a tie.
     good = 4.0 * flat + 2.0 * ~rounds + 1.0 + _scattered(way.start[1:])
     good[(low < _EVEN * high) | (speed < _SLOWEST)] = 0.0
     return _Corners(good, speed, time)

@@ -104,6 +104,7 @@ def tried(
         time: the interval in which excesses count [s].
     """
     passed = sampled.begin + sampled.passing(way.begins[1:-1], segment)
+    # A motion ends at the knot nearest to the time at which its corner is passed.
     inner = np.round((passed - sampled.begin) / segment).astype(np.int64)
     ends = np.concatenate(([0], inner, [len(sampled.points) - 3]))
     if (np.diff(ends)[own] < 1).any():
@@ -316,6 +317,8 @@ class _Look:
         velocity, spin = twist[:, :3], twist[:, 3:]
         miss = p - poses[:, :3, 3]
         square = np.maximum(np.einsum("ni,ni->n", velocity, velocity), _NOTHING)
+        # Move along the velocity to the instant nearest to the corner, by at most a segment, and turn the
+        # frame by the same time.
         late = np.clip(np.einsum("ni,ni->n", miss, velocity) / square, -h, h)[:, None]
         turned = poses[:, :3, :3] + late[:, :, None] * np.cross(spin[:, :, None], poses[:, :3, :3], axis=1)
         distance = np.linalg.norm(miss - late * velocity, axis=1)

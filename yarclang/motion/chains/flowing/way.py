@@ -142,6 +142,7 @@ class Way:
 
     def seeds(self, own: Numbers, share: Array) -> Array:
         """Return joint positions (N, n) [rad or m] near those along the path."""
+        # Interpolate linearly between the ends; on motions with much joint motion, use the followed joints.
         q = self.ends[own] + share[:, None] * (self.ends[own + 1] - self.ends[own])
         for rows in self._rows(own, self.is_bent):
             q[rows] = self.paths[own[rows[0]]].followed.at(share[rows])

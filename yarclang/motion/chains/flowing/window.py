@@ -215,6 +215,7 @@ class _Maker:
         law, times = pace.law, pace.by_law(excess.times)
         allowed = np.full(len(law.s), np.inf)
         begin, end = _nodes(law, times, self.smoothing.segment)
+        # A speed is proportional to the law's speed, so the factor is known exactly.
         speeds = np.maximum(_BEYOND * law.speeds(times) / excess.shares, _SLOWEST)
         for at in np.argsort(-speeds).tolist():
             allowed[begin[at] : end[at]] = np.minimum(allowed[begin[at] : end[at]], speeds[at])
@@ -231,6 +232,7 @@ class _Maker:
         own = demands.corners[(demands.corners > nodes.start) & (demands.corners < nodes.stop - 1)]
         if not len(own) or not len(excess.times):
             return factors, excess
+        # The less room a corner has, the sharper it is.
         weight = 1.0 / np.maximum(demands.room()[own - 1], _NOTHING)
         reach, times = (self.smoothing.reach + 1) * self.smoothing.segment, pace.by_law(excess.times)
         passed = law.t[own - nodes.start]

@@ -60,6 +60,7 @@ class Course:
         Between two times, a joint moves by at most the difference of its bounds.
         """
         row, t = self._segment(time)
+        # Within a segment the bound grows at the segment's largest speed.
         share = t / (self.begins[row + 1] - self.begins[row])
         way: Array = self.way[row] + share[:, None] * (self.way[row + 1] - self.way[row])
         return way

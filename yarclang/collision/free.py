@@ -100,8 +100,10 @@ def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
     if points is None:
         return np.ones(len(scene.pairs.first), dtype=np.bool_)
     joints, carrier = boxes.joint, np.maximum(boxes.joint - 1, 0)
+    # Longest distance from the point on the first axis to the body, along the points on the axes.
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     reach = way[carrier] + np.linalg.norm(boxes.middle - points[carrier], axis=1) + boxes.bound
+    # Distance of that point from the rounded box of a body that stands still.
     seen = np.einsum("bij,bi->bj", boxes.rotation, points[0] - boxes.middle)
     away = np.linalg.norm(np.maximum(np.abs(seen) - boxes.half, 0.0), axis=1) - boxes.radius
     first, second = scene.pairs.first, scene.pairs.second

@@ -404,6 +404,7 @@ def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
 def _has_even_edges(count: int, faces: NDArray[np.int64]) -> bool:
     """Return True if triangles (T, 3) of `count` different corners enclose a volume."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    # Number the edges by their two corners; in a closed mesh each number occurs an even number of times.
     in_order = np.sort(edges[:, 0] * count + edges[:, 1])
     ends = np.flatnonzero(np.concatenate(([True], in_order[1:] != in_order[:-1], [True])))
     return bool((np.diff(ends) % 2 == 0).all())
@@ -418,6 +419,7 @@ def encloses(triangles: Array, point: Array) -> bool:
     arms = triangles - point
     length = np.linalg.norm(arms, axis=2)
     a, b, c = arms[:, 0], arms[:, 1], arms[:, 2]
+    # tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
     volume = np.einsum("ti,ti->t", a, np.cross(b, c))
     rest = length.prod(axis=1)
     for (one, other), far in (((a, b), 2), ((b, c), 0), ((c, a), 1)):

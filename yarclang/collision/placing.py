@@ -42,6 +42,7 @@ def place(scene: Scene, q: Array) -> Placed:
         if joint == 0:
             middle[body] = scene.boxes.middle[body][:, None]
             continue
+        # Samples are the last dimension: R p, as p times the rows of R.
         np.matmul(scene.boxes.middle[body], pose[joint, :, :3], out=middle[body])
         middle[body] += pose[joint, :, 3]
     return Placed(
@@ -114,6 +115,9 @@ def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     reach = np.abs(seen.turn)
     first, second = scene.boxes.half[one], scene.boxes.half[other]
+    # |R| h is half the extent of a turned box along the other box's axes. Beyond both half extents there is a
+    # gap on that axis, and the gaps of three axes are components of a lower bound of the distance. Do the
+    # same with both boxes exchanged.
     gap = np.abs(seen.middle) - first - (reach @ second[:, :, None])[:, :, 0]
     back = np.abs((seen.middle[:, None, :] @ seen.turn)[:, 0]) - second - (first[:, None, :] @ reach)[:, 0]
     gaps: Array = (
@@ -189,6 +193,7 @@ def distances(
         for row in np.flatnonzero(scene.boxes.closed[one[pair]] & (found > 0.0)).tolist():
             turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
+            # Both bodies don't touch, so one point decides if the whole body is inside of the closed mesh.
             inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
             assert skin.skin is not None  # it is closed
             if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):

@@ -53,6 +53,7 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
     Returns:
         (R,) [m].
     """
+    # Distance of the middles along the normal, less what both bodies reach towards each other.
     along = np.einsum("ri,ri->r", seen.middle, normal)
     turned = -(normal[:, None, :] @ seen.turn)[:, 0]
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
@@ -153,6 +154,7 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
         now = plane_gap(scene, pair, seen, along)
         more = now > gap
         best[more], gap[more] = along[more], now[more]
+        # The point nearest to the origin on the segment from `at` to the new support point.
         step = _difference(scene, pair, seen, along) - at
         square = np.einsum("ri,ri->r", step, step)
         share = np.clip(-np.einsum("ri,ri->r", at, step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
@@ -178,6 +180,7 @@ def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
     Points are relative to the middle of the body's box, in the body's own axes.
     """
     points: Array = (
+        # Farthest point of a Minkowski sum: the sum of the farthest points of box, ball and disc.
         np.copysign(scene.boxes.core[body], direction) + scene.boxes.radius[body][:, None] * direction
     )
     flat = np.hypot(direction[:, 0], direction[:, 1])

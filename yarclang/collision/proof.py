@@ -148,6 +148,7 @@ class _Pairs:
 def _first_pieces(course: Course, spans: Rows) -> _Pieces:
     begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
     way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
+    # Begin with equal pieces on which no joint moves by more than about `FIRST`.
     count = np.maximum(np.ceil(way / FIRST), 1.0).astype(np.int64)
     motion = np.repeat(np.arange(len(spans)), count)
     number = np.arange(len(motion)) - np.repeat(np.cumsum(count) - count, count)
@@ -186,9 +187,11 @@ class _Search:
         at = piece - base
         gone = [self.course.gone(time) for time in (begin, middle, end)]
         placed = place(scene, self.course.at(middle))
+        # The farther of both halves bounds the motion from the middle.
         moves = travel(placed, np.maximum(gone[1] - gone[0], gone[2] - gone[1]))
         apart = moves[scene.boxes.joint[scene.pairs.first[pair]], scene.pairs.second[pair], at]
         motion = pieces.motion[piece]
+        # From cheap to exact: spheres first, then boxes, then coal for the pairs that are still open.
         rows = _Pairs(at, pair, motion, self.kinds[pair], apart, apart, sphere_gaps(placed, at, pair))
         rows = rows.take(np.flatnonzero(~self.hit[motion, pair]))
         rows = self._open(rows)
@@ -226,6 +229,7 @@ class _Search:
         begin, end = (times[piece] for times in ends)
         middle = placed.take(piece)
         speed, strength = self.course.peaks(begin, end)
+        # Between the middle and an end, the gap of the plane is at most A (d/2)^2 / 8 below its chord.
         sharpest = accelerations(middle, speed, strength, speed * ((end - begin) / 2.0)[:, None])
         at = np.searchsorted(piece, part.piece)
         first, second = self.scene.pairs.first[part.pair], self.scene.pairs.second[part.pair]
@@ -247,6 +251,8 @@ class _Search:
         """Return the rows that their gaps don't settle; record the bounds of the other rows."""
         surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
+        # A pair is settled if it keeps its margin, and if it is far enough not to change the least distance
+        # by more than the allowed error.
         done = (surely >= self.scene.pairs.margin[rows.pair]) & (surely >= wanted)
         np.minimum.at(self.least, (rows.motion[done], rows.kind[done]), surely[done])
         return np.flatnonzero(~done)

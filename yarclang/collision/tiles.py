@@ -70,6 +70,8 @@ class TiledMesh:
         import coal
 
         center, radius = around
+        # Distance of the sphere around the other shape from the box of each tile: a lower bound for all its
+        # triangles.
         outside = np.maximum(np.maximum(self._low - center, center - self._high), 0.0)
         bound = np.sqrt(np.einsum("ti,ti->t", outside, outside)) - radius - _ROUNDED
         best, normal = np.inf, np.zeros(3)
@@ -104,6 +106,7 @@ def _places(points: Array) -> NDArray[np.int64]:
     place = np.zeros(len(points), dtype=np.int64)
     for bit in range(_BITS):
         for axis in range(3):
+            # Interleave the bits of the three coordinates.
             place |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
     return place
 

@@ -27,6 +27,7 @@ def travel(placed: Placed, change: Array) -> Array:
     arms = arm_lengths(placed)
     steps = np.zeros((len(arms) + 1, *arms.shape[1:]))
     np.multiply(arms, change.T[:, None, :], out=steps[:-1])
+    # Row k is the sum over the joints from k on: joints before k move both bodies alike.
     against: Array = np.cumsum(steps[::-1], axis=0)[::-1]
     return against
 
@@ -49,6 +50,7 @@ def arm_lengths(placed: Placed) -> Array:
         rate = float(np.linalg.norm(angular))
         axis = turn @ (angular / rate)
         point = turn @ (np.cross(angular, linear) / rate**2) + shift
+        # Distance of the body's middle from the axis, |arm x axis|, plus the radius of its sphere.
         arm = placed.middle[moved] - point
         away = np.cross(arm, axis)
         radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.boxes.bound[moved, None]

@@ -27,8 +27,10 @@ def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
     """
     faces = faces_of(region)
     if faces is not None:
+        # Least distance of the farthest point from any face.
         flat: Array = (faces.offsets[:, None] - posed.support(item, faces.normals)).min(axis=0)
         return flat
+    # A convex function, such as the signed distance, is largest at a corner of the item's hull.
     points = posed.points(item.rim)
     round_: Array = -outside(region, points).max(axis=1) - item.radius
     return round_

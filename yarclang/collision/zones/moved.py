@@ -59,6 +59,7 @@ class Posed:
         at = np.matmul(item.points, self.turn) + self.shift[:, None]
         velocity = _cross(self.angular[:, None], at) + self.linear[:, None]
         fastest: Array = np.sqrt(np.einsum("ivp,ivp->vp", velocity, velocity).max(axis=0))
+        # A point of the disc or ball moves with its center, plus the turn times its distance from the center.
         turning: Array = (item.disc + item.radius) * np.sqrt(
             np.einsum("ip,ip->p", self.angular, self.angular)
         )
@@ -170,6 +171,8 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
     for joint in range(item.joint):
         if slide[joint]:
             s, v, u = (values[:, joint] * slide[joint] for values in (w, a, j))
+            # A slide is a vector of constant length 1 times its distance, turned by the joints before it:
+            # Leibniz' rule.
             first = first + s
             second = second + 2.0 * sum_w * s + v
             third = third + 3.0 * (sum_w**2 + sum_a) * s + 3.0 * sum_w * v + u
@@ -197,6 +200,7 @@ def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Ar
         joint turns (n,) and slides (n,) per unit.
     """
     lines = lines_of(chain)
+    # Largest |q| of each joint: at the start of a segment, plus its travel within the segment.
     way = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
     point, length = item.middle, item.bound
     reach = np.zeros(chain.size)
@@ -261,6 +265,7 @@ class Ends:
     def __init__(self, scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> None:
         begin, rate = joints(course, pieces.segment, pieces.begin)
         end, last = joints(course, pieces.segment, pieces.end)
+        # Ends that are not the next segment's begin are computed separately, such as the last one.
         off = (np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1)
         off |= (np.abs(last[:-1] - rate[1:]) > _SAME).any(axis=1)
         jumps = np.append(np.flatnonzero(off), len(end) - 1)

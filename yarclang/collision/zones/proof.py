@@ -152,6 +152,7 @@ class _Search:
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
         assert not isinstance(region, JointWindow | Tilt)
+        # An item that is inside at both ends by more than the deviation from the chord is inside in between.
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
         before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)
@@ -167,6 +168,8 @@ class _Search:
         seen = np.full(len(least), np.inf)
         open_ = least < max(KNOWN, watch.zone.margin)
         if posture is not None:
+            # With the required posture, an item may be in the zone: only pieces that leave the posture must
+            # stay outside.
             kept_there = (room_on(posture, pieces, self.course)[0] >= -WINDOW_SLACK).all(axis=1)
             least[kept_there] = np.inf
             open_ &= ~kept_there
@@ -194,6 +197,8 @@ class _Search:
         nearer = order[seen[order] < self.best[motion[order]]]
         self.best[motion[nearer]], self.nearest[motion[nearer]] = seen[nearer], number
         self.when[motion[nearer]] = self.course.begins[segment[nearer]] + when[nearer]
+        # A piece is settled if it keeps the margin, and can't change the least distance by more than the
+        # allowed error.
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[motion] - COARSE)
         done = (least >= margin - SLACK) & (least >= wanted)
         np.minimum.at(self.least, motion[done], least[done])
@@ -210,6 +215,8 @@ class _Search:
             if watch.zone.rule == "allowed":
                 surely = least.min(axis=1)
             else:
+                # Out of the window means that at least one joint is outside, by the largest distance of any
+                # joint.
                 surely, seen = -most.min(axis=1), -seen
             self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
             open_ = (surely < -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]

@@ -136,6 +136,7 @@ def _beyond(beyond: Array) -> Array:
     """Return the signed distance from a region, given the signed distances beyond its perpendicular walls
     (..., K).
     """
+    # Outside: the length of the positive components. Inside: the distance from the nearest wall.
     far = _length(np.maximum(beyond, 0.0))
     signed: Array = np.where(far > 0.0, far, beyond.max(axis=-1))
     return signed

@@ -160,6 +160,7 @@ class _Search:
         bound = (
             np.maximum(*(arm.speed(self.item) for arm in ends)) + self.bounds.third[segment] * long**2 / 8.0
         )
+        # Only pieces that may exceed the best known speed by more than the accuracy are examined.
         quick = bound > self.best[self.motion[segment]] * (1.0 + self.sharp)
         (rows,) = np.nonzero(quick & ~self._surely_outside(pieces, ends))
         if not len(rows):

@@ -155,6 +155,7 @@ def room_of(body: Body) -> Item:
     rim = points
     if disc:
         turns = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+        # A polygon around a circle of radius 1 has corners at the distance 1 / cos(pi / sides).
         polygon = np.stack([np.cos(turns), np.sin(turns), np.zeros(_SIDES)], axis=1)
         rim = (points[:, None] + polygon * (disc / np.cos(np.pi / _SIDES))).reshape(-1, 3)
     turn, shift = placed[:3, :3], placed[:3, 3]

@@ -124,7 +124,7 @@ def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
     begins = [leg[0] for leg in legs]
     for one in text.searches:
         first, last = ends[one.step]
-        # Legs are in the order of their lines, so the legs of a motion are neighbors.
+        # Legs are in the order of their lines, so the legs of a motion are neighbours.
         streamed = legs[bisect_right(begins, first) - 1 : bisect_right(begins, last)]
         if len(streamed) != 1 or not all(first <= line <= last for line in streamed[0]):
             yield one.step, f"a motion that {one.name} ends is streamed together with others"

@@ -53,7 +53,7 @@ WINDOW = 128
 AROUND = 3
 """Rows on either side of a window that take part in its proofs.
 
-Three rows are needed: a motion is cut where it meets its neighbor, the neighbor is cut where it meets the
+Three rows are needed: a motion is cut where it meets its neighbour, the neighbour is cut where it meets the
 next motion, and that motion begins where the motion before it ends.
 """
 
@@ -286,7 +286,7 @@ def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
         for row in rows:
             one = layout.places[row]
             places.append(replace(one, first=one.first + shift, last=one.last + shift))
-        # The neighbor that a cut row flows out of, or into, is not in this layout.
+        # The neighbour that a cut row flows out of, or into, is not in this layout.
         if rows.start < window.own.start:
             places[-len(rows)] = replace(places[-len(rows)], before=None)
         if rows.stop > window.own.stop:

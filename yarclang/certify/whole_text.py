@@ -304,7 +304,7 @@ class Judge:
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
         """Return True if a jerk beyond its limit is in a part of the motion that has a jerk limit.
 
-        A motion without a jerk limit has none anywhere, and its blends with neighbors have none either.
+        A motion without a jerk limit has none anywhere, and its blends with neighbours have none either.
         """
         if place.any_jerk:
             return False

@@ -16,7 +16,7 @@ class Course:
 
     `x`, `v` and `a` are position, velocity and acceleration at the start of each segment, `j` is its jerk,
     (N, n) each [rad or m, s]. `begins` (N + 1,) are the times between the segments [s]. `way` (N + 1, n) is
-    an upper bound of the distance that each joint has traveled up to these times, back and forth. `speed`
+    an upper bound of the distance that each joint has travelled up to these times, back and forth. `speed`
     and `strength` (N, n) are the largest |velocity| and |acceleration| on each segment.
     """
 
@@ -55,7 +55,7 @@ class Course:
         return positions
 
     def gone(self, time: Array) -> Array:
-        """Return upper bounds (P, n) of the distance that each joint has traveled up to times (P,) [s].
+        """Return upper bounds (P, n) of the distance that each joint has travelled up to times (P,) [s].
 
         Between two times, a joint moves by at most the difference of its bounds.
         """

@@ -335,7 +335,7 @@ With 1000 planes the body exceeds the hull by less than 1 % of its size, with 10
 def _with_hull(model: Any, corners: Array) -> Any:
     """Return a model with a hull: its own, or that of a body around it.
 
-    The second is used if a corner, such as the tip of a fine cone, has more neighbors than coal can count.
+    The second is used if a corner, such as the tip of a fine cone, has more neighbours than coal can count.
     """
     for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:

@@ -46,7 +46,7 @@ def contact(scene: Scene, course: Course, span: tuple[int, int], meeting: Meetin
     # coal's distance at one place may differ by rounding from call to call.
     (near,) = np.nonzero(apart < max(limit, float(apart.min()) + SLACK))
     ends = []
-    # Bisect between the first and the last sample that is too near and their neighbors.
+    # Bisect between the first and the last sample that is too near and their neighbours.
     for here, beside in ((int(near[0]), int(near[0]) - 1), (int(near[-1]), int(near[-1]) + 1)):
         inside, outside = float(times[here]), float(times[min(max(beside, 0), len(times) - 1)])
         for _ in range(20 if 0 <= beside < len(times) else 0):

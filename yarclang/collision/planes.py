@@ -163,9 +163,10 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
 
 
 def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> Array:
-    """Return the support points (R, 3) of the second body minus the first, against directions (R, 3).
+    """Return the points (R, 3) of the Minkowski difference, second body minus first, that are farthest
+    against directions.
 
-    All vectors are in the first body's axes.
+    The directions (R, 3) and the points are in the first body's axes.
     """
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
     own = (direction[:, None, :] @ seen.turn)[:, 0]

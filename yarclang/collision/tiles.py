@@ -22,7 +22,7 @@ _ROUNDED = 1e-9
 
 
 class TiledMesh:
-    """The triangles of a mesh, divided into tiles of neighbors.
+    """The triangles of a mesh, divided into tiles of neighbours.
 
     The distance to another shape is that of all triangles. Tiles are examined in the order of the distances
     of their boxes, until no other box is nearer than the least distance found. A tile's tree is built when
@@ -34,7 +34,7 @@ class TiledMesh:
 
         Args:
             corners: (V, 3) [m].
-            faces: (T, 3) the corners of each triangle, in an order that keeps neighbors together
+            faces: (T, 3) the corners of each triangle, in an order that keeps neighbours together
                 (`in_order`).
         """
         self.corners, self.faces = corners, faces
@@ -93,14 +93,14 @@ class TiledMesh:
 
 
 def in_order(corners: Array, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return triangles (T, 3) of corners (V, 3) in an order that keeps neighbors together."""
+    """Return triangles (T, 3) of corners (V, 3) in an order that keeps neighbours together."""
     middles = (corners[faces[:, 0]] + corners[faces[:, 1]] + corners[faces[:, 2]]) / 3.0
     ordered: NDArray[np.int64] = faces[np.argsort(_places(middles), kind="stable")]
     return ordered
 
 
 def _places(points: Array) -> NDArray[np.int64]:
-    """Return the places of points (T, 3) on a curve that keeps neighbors together (Morton's)."""
+    """Return the places of points (T, 3) on a curve that keeps neighbours together (Morton's)."""
     low, spread = points.min(axis=0), max(float(np.ptp(points, axis=0).max()), 1e-30)
     cells = ((points - low) / spread * ((1 << _BITS) - 1)).astype(np.int64)
     place = np.zeros(len(points), dtype=np.int64)

@@ -57,7 +57,7 @@ class PlannedMotion:
 
     `profile` is empty for a motion along a timetable. `waypoints` (k, n) [rad or m] are the joint positions
     chosen for its way-points, without the start. `curve` goes from rest to rest; if the motion flows into its
-    neighbors, it goes from the middle of one overlap to the middle of the next. `overlap` is the number of
+    neighbours, it goes from the middle of one overlap to the middle of the next. `overlap` is the number of
     segments of the overlap at its end, 0 if both paths are kept, None if it ends at rest. `law` are the
     control values of the share of the path over the motion's own time from rest to rest, which is half an
     overlap longer on either side. `kept` is the share of the requested speed that is reached. `least` is the

@@ -464,10 +464,10 @@ def _full_below(step: Motion, path: Path) -> float | None:
 
 
 ENOUGH_LINKED = 12
-"""Number of motions in chains up to which chains are planned, in a program with errors.
+"""Number of motions in chains after which no more chains are planned, in a program with errors.
 
-Beyond it, only findings about stops at corners and missed times are lost; planning a long chain takes
-seconds.
+Planning a long chain takes seconds. Without it, only findings about stops at corners and missed times are
+lost.
 """
 
 NO_WAY = 1e-9

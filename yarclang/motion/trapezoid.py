@@ -91,8 +91,8 @@ def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
 
 
 def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
-    """Return the control values (n + 3,) of a law that speeds up in a ramp, and slows down until the last of
-    the segments.
+    """Return the control values (n + 3,) of a law that speeds up in a ramp, and comes to rest at the end of
+    its last segment.
 
     Args:
         segments: n.
@@ -115,7 +115,7 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
     one = np.clip(np.minimum(knot, ramp.width - knot) / max(1, min(ramp.rise, ramp.width // 2)), 0.0, 1.0)
     one /= one.sum()
     pushes = np.zeros(segments + 1)
-    # A mixture of two ramps at neighboring knots has its middle between theirs.
+    # A mixture of two ramps at neighbouring knots has its middle between theirs.
     pushes[whole : whole + ramp.width + 1] += (1.0 - later) * one
     if later > _ROUNDING:
         pushes[whole + 1 : whole + ramp.width + 2] += later * one

@@ -242,7 +242,7 @@ class Asked:
         share: (P,) share of `top` below which the speed must not fall after `top` has been reached.
         around: (P, 2) largest speed in the blend before, and in the blend after [m/s].
         held: (P, 2) True if the motion must have its speed already at its start, and still at its end: there
-            it flows through a corner without a ball, and its neighbor is not slower.
+            it flows through a corner without a ball, and its neighbour is not slower.
     """
 
     top: Array

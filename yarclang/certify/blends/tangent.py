@@ -102,7 +102,7 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
     first = begins * _LOOKS
     nearest = _first_least(far, first)
     # The squared distance falls before the corner and grows after it: search for the zero of its rate between
-    # the neighbors of the nearest examined point.
+    # the neighbours of the nearest examined point.
     low, high = np.maximum(nearest - 1, first), np.minimum(nearest + 1, first + sizes * _LOOKS - 1)
     last, own = sizes - 1, np.arange(len(begins))
 

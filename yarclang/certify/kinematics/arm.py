@@ -160,8 +160,9 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
         flange_from_tool: (4, 4) frame on the flange.
 
     Returns:
-        base_from_tool (P, 4, 4), and the Jacobians (P, 6, n): for each joint the velocity of the frame's
-        origin [m] above its angular velocity [rad], per unit of joint velocity, in the axes of {B}.
+        base_from_tool (P, 4, 4), and the Jacobians (P, 6, n). A column is the velocity of the frame's origin
+        [m], followed by its angular velocity [rad], both per unit of the joint's velocity and in the axes of
+        {B}.
     """
     lines = _steps(chain).lines
     simple = bool((lines.turn == 1.0).all() and not lines.slide.any())

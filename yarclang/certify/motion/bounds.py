@@ -32,7 +32,7 @@ UNIT = 2.0**-53
 class Fuzz:
     """Upper bounds of the rounding errors of segments' peaks, in units of `UNIT`.
 
-    A segment has four control points of size M at most, whose neighbors differ by S at most. Numbers of a
+    A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers of a
     text are known to 3 M (decimal number, unit, product). The third difference has 8 such errors, plus
     roundings of the steps by 4 + 4 + 4 S and a relative one of 12. With h known to 2, the jerk is off by less
     than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns. In the same way, the

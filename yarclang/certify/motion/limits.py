@@ -47,7 +47,7 @@ NO_LOADS = Loads(None, 0)
 def check_limits(
     layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
 ) -> list[tuple[Loads, tuple[Excess, ...]]]:
-    """Return the loads of neighboring commands, and the limits that they break.
+    """Return the loads of neighbouring commands, and the limits that they break.
 
     Args:
         layout: the segments of the text.

@@ -1,6 +1,6 @@
 """Curves of the moving frame through poses.
 
-Position and quaternion are natural cubic splines; the quaternion is then normalized.
+Position and quaternion are natural cubic splines; the quaternion is then normalised.
 
 The rotation is R = M(Q) / n with n = |Q|^2, where M and n are polynomials of degree 6 on a span. Let M_k and
 N_k bound their derivatives, and n >= n_min. Leibniz' rule for R n = M then bounds the derivatives of R one
@@ -35,11 +35,11 @@ The more way-points there are, the shorter and straighter are the spans.
 _CELLS_AT_ONCE = 1_024
 """Cells that are bounded in one step, so that their polynomials stay in the processor's cache."""
 SAME = 1e-6
-"""Length [m] of a chord up to which neighboring poses count as one."""
+"""Length [m] of a chord up to which neighbouring poses count as one."""
 STILL = 1e-9
 """Distance [m] below which the origin of a frame counts as standing still."""
 HALF_TURN = np.pi - 1e-9
-"""Turn [rad] between neighbors above which there is no unique short way between them."""
+"""Turn [rad] between neighbours above which there is no unique short way between them."""
 
 
 @frozen(eq=False)
@@ -78,7 +78,7 @@ class PoseSpline:
             free: True if the curve is joined after its start, and if it is left before its end.
         """
         q = _aligned(_quaternions(poses[:, :3, :3]))
-        # The angle between neighboring quaternions is half the turn between them. The tangent of half that
+        # The angle between neighbouring quaternions is half the turn between them. The tangent of half that
         # angle is |a - b| / |a + b|. The parameter u grows by sqrt(distance^2 + (TURN_CHORD angle)^2).
         apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
         turn = 4.0 * np.arctan2(*apart)
@@ -153,7 +153,7 @@ class PoseSpline:
         # The cells that contain `low` and `high`.
         share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
         cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
-        # Include the neighboring cells as well: the floor of a rounded quotient may be off by one.
+        # Include the neighbouring cells as well: the floor of a rounded quotient may be off by one.
         first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
         most = _range_max(self.cells, first, last)
         before, behind = _margins(self.spline)

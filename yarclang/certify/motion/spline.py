@@ -16,7 +16,7 @@ REMAINDER_SHARE = 0.02
 MOST_PIECES = 16
 """Largest number of pieces of a segment."""
 SAME = 1e-9
-"""Distance [rad or m] below which neighbors count as one way-point."""
+"""Distance [rad or m] below which neighbours count as one way-point."""
 
 
 @frozen(eq=False)

@@ -193,7 +193,7 @@ def _part(bezier: Array, begin: Array, end: Array) -> Array:
 def _elevated(bezier: Array) -> Array:
     """Return the Bezier points (N, d + 2, n) of the same polynomials, with the degree raised by one."""
     degree = bezier.shape[1]
-    # Degree elevation: the new inner points are convex combinations of neighbors.
+    # Degree elevation: the new inner points are convex combinations of neighbours.
     share = (np.arange(1, degree) / degree)[:, None]
     inner = bezier[:, :-1] * share + bezier[:, 1:] * (1.0 - share)
     return np.concatenate((bezier[:, :1], inner, bezier[:, -1:]), axis=1)

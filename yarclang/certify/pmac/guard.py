@@ -39,7 +39,8 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     """Check that the guard leaves enough lines for the motion to come to rest on its path.
 
     A hold slows the program to a stop within the robot's hold time, and consumes half of this time of the
-    program. The PLC may be late by `LATE`. As long as more lines follow, the sum of both must be ahead.
+    program. The PLC may be late by `LATE`. As long as more lines follow, the lines in the buffer must last
+    for the sum of both times.
 
     Args:
         text: the text that was read.

@@ -349,7 +349,7 @@ def _with_places(
 
 
 def _with_neighbours(places: list[Place]) -> list[Place]:
-    """Return the places with the jerk limits of their neighbors filled in."""
+    """Return the places with the jerk limits of their neighbours filled in."""
     if not any(place.any_jerk for place in places):
         return places
     moving = [(row, place) for row, place in enumerate(places) if place.size]
@@ -382,13 +382,13 @@ def moving_at_ends(layout: Layout) -> list[Place]:
 
 
 def chunks(places: list[Place]) -> Iterator[list[Place]]:
-    """Yield groups of neighboring commands with up to about `CHUNK` segments."""
+    """Yield groups of neighbouring commands with up to about `CHUNK` segments."""
     for rows in row_chunks(list(enumerate(places))):
         yield [place for _, place in rows]
 
 
 def row_chunks(rows: list[tuple[int, Place]]) -> Iterator[list[tuple[int, Place]]]:
-    """Yield groups of numbered neighboring commands with up to about `CHUNK` segments."""
+    """Yield groups of numbered neighbouring commands with up to about `CHUNK` segments."""
     chunk: list[tuple[int, Place]] = []
     size = 0
     go_on(0, len(rows))

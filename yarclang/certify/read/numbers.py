@@ -99,7 +99,7 @@ def _integers(windows: NDArray[np.uint8], ends: NDArray[np.int64], digits: NDArr
 
 
 _ONES = np.uint64(0xFFFFFFFFFFFFFFFF)
-# Join neighbors: digits to pairs, pairs to fours, fours to eight digits.
+# Join neighbours: digits to pairs, pairs to fours, fours to eight digits.
 _PAIRS = (
     (np.uint64(10 * 2**8 + 1), np.uint64(8), np.uint64(0x00FF00FF00FF00FF)),
     (np.uint64(100 * 2**16 + 1), np.uint64(16), np.uint64(0x0000FFFF0000FFFF)),

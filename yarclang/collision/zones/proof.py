@@ -64,7 +64,8 @@ class Kept:
 
 
 def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequence[Watch]) -> Kept:
-    """Prove that zones to stay in or out of are respected, and the postures that are required in them.
+    """Prove that watched items stay in their zones, or out of them, and that required postures are kept in
+    zones.
 
     Args:
         scene: the bodies of robot and cell.

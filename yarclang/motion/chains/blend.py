@@ -141,13 +141,13 @@ def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> 
 
 
 def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return the places (N, 3) [m] of the frame that two paths lead, relative to their corner.
+    """Return the places (N, 3) [m] of a frame that is led along two paths at once, relative to their corner.
 
     Args:
         first: the first path.
         second: the second path.
-        done: (N,) the done share of the first.
-        begun: (N,) the done share of the second.
+        done: (N,) share of the first path that is done.
+        begun: (N,) share of the second path that is done.
     """
     assert isinstance(first, CartesianPath)
     assert isinstance(second, CartesianPath)

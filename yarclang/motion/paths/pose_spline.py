@@ -49,7 +49,7 @@ class PoseSpline:
     """A curve of poses: two natural cubic splines over the chord parameter, from 0 to 1.
 
     `positions` (d = 3) are in m, `turns` (d = 4) are quaternions (x y z w). Interpolated quaternions still
-    have to be normalized.
+    have to be normalised.
     """
 
     positions: NaturalSpline
@@ -221,7 +221,7 @@ class AtConstantSpeed:
 def through_poses(poses: Array) -> PoseSpline | int | None:
     """Return the curve through `poses` (w, 4, 4); None if all are equal.
 
-    Equal neighbors count as one pose. If two neighbors differ by half a revolution, there is no short way
+    Equal neighbours count as one pose. If two neighbours differ by half a revolution, there is no short way
     between them, and the number of the later one is returned.
     """
     quaternions = unit_quaternions(poses[:, :3, :3])
@@ -245,7 +245,7 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
 
 
 def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
-    """Return the turns [rad] between neighboring poses, and their chords [m], (N - 1,) each.
+    """Return the turns [rad] between neighbouring poses, and their chords [m], (N - 1,) each.
 
     Args:
         positions: (N, 3) positions [m].
@@ -262,7 +262,7 @@ def unit_quaternions(rotations: Array) -> Array:
     """Return unit quaternions x y z w (N, 4) of `rotations` (N, 3, 3), with either sign."""
     r = rotations
     trace = np.trace(r, axis1=1, axis2=2)
-    # The rows are four times the products of one component with all components: normalize the row with the
+    # The rows are four times the products of one component with all components: normalise the row with the
     # largest component, for accuracy.
     table = np.empty((len(r), 4, 4))
     for i in range(3):

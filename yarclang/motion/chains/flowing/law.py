@@ -36,9 +36,9 @@ class Law:
             acceleration: the largest acceleration between the nodes (N - 1,) [m/s^2].
             ends: the speeds at both ends, or less if these aren't possible [m/s].
         """
-        # v^2 grows by at most 2 a ds. With the sum `gained`, the largest v^2 reachable from the left is
-        # gained + min(ceiling^2
-        # - gained) over all nodes up to this one; the same from the right.
+        # v^2 grows by at most 2 a ds, summed up in `gained`. The largest v^2 that can be reached from the
+        # left is `gained` plus the least value of ceiling^2 - gained up to the node. The other direction is
+        # analogous.
         gained = np.concatenate(([0.0], np.cumsum(2.0 * acceleration * np.diff(s))))
         square = ceiling**2
         square[0], square[-1] = ends[0] ** 2, ends[1] ** 2

@@ -63,7 +63,7 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
     p, turns, mean_places = (
         _mean(_mean(values, one), other) for values in (p, steadied(turns), places[:, None])
     )
-    # The mean of neighboring quaternions, normalized, is their mean orientation for small turns.
+    # The mean of neighbouring quaternions, normalised, is their mean orientation for small turns.
     turns /= np.linalg.norm(turns, axis=1)[:, None]
     q, miss = joints(way, p, matrices(turns), way.seeds(own, share)[cut : cut + len(p)], way.paths[0])
     if miss.max() > _REACHED:

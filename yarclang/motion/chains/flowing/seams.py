@@ -78,7 +78,7 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
 
 
 def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
-    """Return the windows, with each failed window merged with `reach` neighbors on either side."""
+    """Return the windows, with each failed window merged with `reach` neighbours on either side."""
     together = np.zeros(len(cut) - 1, dtype=np.bool_)
     for place in np.flatnonzero(failed).tolist():
         together[max(0, place - reach) : place + reach] = True

@@ -199,6 +199,7 @@ def _told(text: ControllerText) -> Iterator[Deed]:
         match item:
             case Run():
                 puts = list(item.puts)
+                # Assign the outputs of a sequence to the motions after which they are set.
                 while entry is not None and (entry.first or 0) <= int(item.lines[-1]):
                     yield ("move", entry.step)
                     following = next(moving, None)
@@ -348,6 +349,7 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
                     yield None, f"line {item.line} decides by what wasn't read before it"
             before = item if isinstance(item, Barred) else None
         if isinstance(item, Barred) and item.kind == "when" and item.decided is not None:
+            # The inputs read at each open WHEN, innermost last.
             known = read[-1] if item.again and read else {one.variable for one in inputs_of(item.decided)}
             read.append(known)
         elif isinstance(item, Barred) and item.kind == "end" and read:

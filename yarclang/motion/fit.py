@@ -118,6 +118,7 @@ def fit(
     fitted = fitter.in_time(duration)
     if not isinstance(fitted, TooFast):
         return fitted
+    # The given time is too short: find the shortest one, so that the finding can propose it.
     fastest = fitter.shortest()
     if isinstance(fastest, NotHeld):
         return fastest
@@ -216,6 +217,7 @@ class _Fitter:
                 fewest = segments = better
                 continue
             refusal = refusal or refusal_of(trial, demand, segment)
+            # Far from keeping the limit: a few segments more won't help.
             if demand.segment > (1.25 if segments > 2 * MOST_MORE else 1.6) * segment:
                 break
             segments += 1
@@ -288,6 +290,8 @@ class _Fitter:
             if better is None:
                 return curve_of(best, self.quick.not_below(best.demand.segment)), best
             shortest = best.segments * max(best.demand.segment, self.quick.smallest)
+            # Holding the path would need segments shorter than the controller's smallest, or a much longer
+            # motion.
             if better * self.quick.smallest > 2.0 * shortest:
                 return NotHeld(*self.trials.deviation(best), self.quick.smallest)
             segments = better

@@ -188,6 +188,8 @@ class Router:
         goal, near = step.end, self._near(chosen)
         if not isinstance(goal, PoseGoal) or near is None:
             return
+        # Backtracking: route all steps from `chosen` on again with another solution, until one gets past the
+        # broken step. Without success, the first result is restored.
         for q in Solver(self.robot, self.done[chosen].cell).others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
@@ -295,6 +297,8 @@ class Router:
         self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
     ) -> _Done:
         """Route one motion from `q` (n,)."""
+        # A joint motion to a free pose becomes the new choice to vary; other targets in joint space fix the
+        # position.
         choice, taken = before.choice, self._choices.get(number)
         if not step.leads_frame and not isinstance(step.end, JointDelta):
             choice = number if is_free(step.end) else None

@@ -32,6 +32,7 @@ def find_elbow(lines: Lines, flange: Array) -> tuple[int, Array] | None:
     found, most = None, LEAST
     for joint in turning[1:]:
         elbow = _foot(lines, joint, shoulder)
+        # The elbow is on the axis whose distance from the nearer one of shoulder and flange is largest.
         nearer = min(_length(elbow - shoulder), _length(_foot(lines, joint, flange) - flange))
         if nearer > most * _EQUAL:
             found, most = (joint, elbow), nearer

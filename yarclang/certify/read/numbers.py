@@ -63,6 +63,8 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
     marks = _marks(raw, axes)
     begins, ends = marks[:, :-1].ravel() + 1, marks[:, 1:].ravel()
     negative = raw[begins] == _MINUS
+    # Without points and minus signs, each number is an integer between two letters; the zeros in front allow
+    # windows of eight bytes before the first number.
     bare = np.concatenate((np.zeros(16, np.uint8), raw[~points & (raw != _MINUS)]))
     marks = _marks(bare, axes)
     last = marks[:, 1:].ravel()
@@ -75,6 +77,7 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
     if digits.max() > _DIGITS:
         return _read_few(raw.tobytes().decode("ascii"), axes)
     whole = _integers(windows, last, np.minimum(digits, 8))
+    # Numbers of more than eight digits are read in two parts.
     long = np.flatnonzero(digits > 8)
     whole[long] += 1e8 * _integers(windows, last[long] - 8, digits[long] - 8)
     whole /= _POWERS[decimals]

@@ -29,6 +29,8 @@ def duration(curve: NaturalSpline, limits: Limits) -> float:
     The estimate is that of a law of motion that is a polynomial of degree 5.
     """
     u = np.linspace(0.0, 1.0, _PLACES)[:, None]
+    # First and second derivative of s(u) = u^3 (10 - 15 u + 6 u^2). By the chain rule, q' = y' s' and q'' =
+    # y'' s'^2 + y' s''; a duration T divides them by T and T^2.
     rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
     s = (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))[:, 0]
     slope = curve.slope_at(s)
@@ -128,6 +130,7 @@ def _by_halves(count: int) -> Array:
     Each one is as far as possible from all before it.
     """
     places = np.arange(count + 1)
+    # Odd multiples of a power of two, for falling powers: the middle, the quarters, the eighths, and so on.
     stride = 1 << int(np.ceil(np.log2(count + 1)))
     found = []
     while stride:

@@ -128,6 +128,7 @@ def find_way(
     between = _straight(room, start, goal)
     if between is None:
         return straight
+    # Cheap answers before any search: an obstruction at an end, or a zone that separates the ends.
     at_start, at_goal = room.obstruction(start), room.obstruction(goal)
     if at_start is not None or at_goal is not None:
         return NoWay(at_start, at_goal)

@@ -68,12 +68,14 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
         return as_one
     inside = find_inside(chain, links)
     steady_ones = None if len(links) > MANY else _Steady(chain, links, grid, inside)
+    # If all motions have a time or a speed, a steady chain that meets them can't be beaten: try it first.
     if steady_ones and all(link.duration is not None or link.full is not None for link in links):
         asked = steady_ones.made(0.0)
         if asked and _is_as_asked(links, asked[-1]):
             return asked[-1]
     flows = [] if as_one is None else [as_one]
     apart_ones = list[list[Piece]]()
+    # Separate laws: with less of the limits, each law is slower, but laws may overlap more.
     for share in _SHARES:
         quickest = _quickest(flows + apart_ones)
         way = partial(apart, chain, links, share, inside, (quickest, quickest / _FOR_FLOW))
@@ -85,6 +87,8 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
         found = steady_ones.made(_ABOUT * _quickest(found)) + found
     if not found:
         return [link.as_alone for link in links]
+    # Of the chains that are not much slower than the fastest, take those with the fewest stops, then the
+    # fastest of these.
     fastest = min(_duration(pieces) for pieces in found)
     quick = [pieces for pieces in found if _duration(pieces) <= _FOR_FLOW * fastest]
     fewest = min(_stops(pieces) for pieces in quick)
@@ -177,6 +181,8 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
     least = max(FEWEST_SEGMENTS, math.ceil(shortest / longest - 1e-9))
     most = max(least, math.floor(shortest / grid.smallest))
     numbers = np.arange(least, most + 1)
+    # Divide the shortest given duration by 1, 2, 3, ... segments, and measure by how much the other durations
+    # miss a whole number of these segments.
     counts = given[None] * (numbers / shortest)[:, None]
     miss = (np.abs(counts - np.round(counts)) * (shortest / numbers)[:, None]).max(axis=1)
     exact = miss < _EXACT

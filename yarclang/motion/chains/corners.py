@@ -130,6 +130,7 @@ def _corner(
     step = steps[number]
     assert isinstance(step, Motion)
     assert step.blend is not None
+    # Outputs between two motions don't interrupt a blend.
     behind = number + 1
     while behind < len(steps) and isinstance(steps[behind], SetOutput):
         behind += 1
@@ -249,6 +250,7 @@ def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector
         findings.add(*messages.not_tangent(None, step.origin))
         return None
     ahead, behind = _direction(first, 1.0), _direction(second, 0.0)
+    # Angle between the directions, and difference of the turns per distance.
     bend = float(np.arccos(np.clip(ahead[0] @ behind[0], -1.0, 1.0)))
     twist = float(np.linalg.norm(ahead[1] - behind[1]))
     is_within = frame is not None and step.tolerance is not None

@@ -108,6 +108,8 @@ class WaysAhead:
         begin = tool_poses(chain, stands[None], tool)
         wanted = [goal.base_from_moving for goal in goals]
         ends = np.concatenate((begin, wanted)) @ flange_from_moving
+        # All branches of all goals at once; the branch that the robot is on at the start is kept for the
+        # whole run.
         corners = closed_form(arm, ends, stands[:, None])
         branch = _standing(corners.q[:, :, 0].T, stands)
         if branch is None or corners.singular.any():
@@ -120,6 +122,8 @@ class WaysAhead:
         is_short = is_chain and all(way.length < _SHORT and way.angle < _LITTLE for way in ways)
         s = np.linspace(0.0, 1.0, _FEW if is_short else SAMPLES)
         skeleton = _poses_along(ways, s) @ flange_from_moving
+        # A path is plain if the branch is followed without a jump or a singularity. Keep the paths before the
+        # first one that isn't.
         q, is_plain = plain_strands(arm, skeleton, s, starts[: len(ways)], branch)
         is_plain &= (np.abs(beyond(self.robot.limits, q)) <= EDGE).all(axis=(1, 2))
         s.setflags(write=False)
@@ -175,6 +179,7 @@ def _unwound(ends: Array, stands: Array) -> Array:
     Each is on the full turns nearest to its predecessor.
     """
     starts = np.concatenate((stands[None], ends))
+    # Remove full turns between consecutive ends, all at once, then check the result end by end.
     starts[1:] -= TURN * np.cumsum(np.round((ends - np.concatenate((starts[:1], ends[:-1]))) / TURN), axis=0)
     near = next_to(ends, starts[:-1])[0]
     off = np.flatnonzero((near != starts[1:]).any(axis=1))

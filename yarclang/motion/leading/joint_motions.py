@@ -100,6 +100,7 @@ def spline_motion(
         if len(alike) >= _FEWEST_TOGETHER:
             go_on()
             found = solver.chosen_in_turn(alike, near, step)
+            # Solve more way-points together as long as none needs a decision.
             together = min(2 * together, _MOST_TOGETHER) if len(found) == len(alike) else _FEWEST_TOGETHER
             if len(found):
                 waypoints += list(found)

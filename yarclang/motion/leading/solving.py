@@ -103,6 +103,8 @@ class Solver:
         if chain.size <= 6:
             return None
         flange = flange_at(goal)
+        # The flange rests while the redundant arm moves through the solutions that are connected to the
+        # seeds.
         seeds = blocked[:_SEEDS]
         if np.abs(beyond(limits, near)).max() <= EDGE and reaches(chain, flange, near):
             # Include the robot's present position.

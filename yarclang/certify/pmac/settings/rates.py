@@ -91,12 +91,14 @@ class _Group:
 
     def worst(self, joint: int, rates: _Rates) -> Fraction:
         """Return the largest rate of one joint [axis units/s or /s^2] for any directions of the motors."""
+        # The worst case is that all motors push the joint in one direction.
         shares = self.coupling.inverse[joint]
         return sum((abs(shares[row] * rate) for row, rate in rates.items() if shares[row]), Fraction(0))
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
     """Return the largest rates in proportion to the gears that exceed no limit of a joint or motor."""
+    # Scale the gears up until the first joint reaches its limit.
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}
     return (

@@ -65,8 +65,8 @@ def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) 
 
     Row k is relative to a body that only the first k joints move. The second derivative of a point with
     respect to two joints is a double cross product with their axes. Its length is at most the point's
-    distance from that one of both axes that is nearer to the point in the chain. The sum over the joints k is
-    r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the turning joints j between. If one of the joints
+    distance from one of the axes, the one that is nearer to the point in the chain. The sum over the joints k
+    is r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the turning joints j between. If one of the joints
     slides, the derivative is at most 1; it is zero if both slide.
 
     Args:

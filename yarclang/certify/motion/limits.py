@@ -26,7 +26,7 @@ POSITION_UNITS = 1e-9
 
 @frozen
 class Excess:
-    """A limit that one command breaks, at the place where it does so most.
+    """The worst place at which one command breaks a limit.
 
     Attributes:
         quantity: the limited quantity.

@@ -208,7 +208,7 @@ def _halves(bezier: Array) -> tuple[Array, Array]:
 def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
     """Return the tolerance of a timed motion for prismatic and for revolute joints.
 
-    Each is the largest of its `within` values.
+    Each is the largest `within` value of the joints of this kind.
     """
     position, angle = by_kind(motion.within, robot)
     default = robot.tolerance

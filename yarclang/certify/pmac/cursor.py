@@ -22,7 +22,9 @@ _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 """Number in a move line. The quantifiers are possessive: nothing is matched twice, so the time is linear."""
 
 _PIECE, _MOST, _MARK = 1000, 50_000, "777"
-"""Least and most characters of a cached piece of move lines, and the digits in its last line."""
+"""Least and largest number of characters of a cached piece of move lines, and the digits that mark its
+last line.
+"""
 
 
 class Cursor(Lines):

@@ -70,7 +70,7 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
         )
     if marks.full <= marks.low:
         yield f"I17={marks.full}: the buffer would count as full and as low at once, since I16={marks.low}"
-    # Words of a move line: one for each axis, and two more.
+    # Each value of a move line takes one word; two more are reserved for each line.
     capacity = marks.words // (len(controller.axes) + 2)
     if marks.full + AHEAD > capacity:
         yield f"I17={marks.full}: the buffer of {marks.words} words holds {capacity} lines, so that it would never count as full"

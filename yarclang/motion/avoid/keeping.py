@@ -25,7 +25,9 @@ from yarclang.progress import go_on
 _STEP = 0.1
 """Length of a step of a branch before it is pulled back [m, of bodies]."""
 _INSIDE = 0.7
-"""Share of the angle within which projected joint positions are, so that the pieces between them fit."""
+"""Share of the angle to which joint positions are pulled back, so that straight pieces between them stay
+within the angle.
+"""
 _ROUNDS = 12
 """Steps of Newton's method to pull a joint position back."""
 _MOST_STEPS = 60

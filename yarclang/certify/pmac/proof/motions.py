@@ -38,7 +38,7 @@ class Motions:
 
     Attributes:
         told: the description of each motion in the proof, by its step.
-        proofs: the data that make a motion checkable, by its step as a text.
+        proofs: the data that make a motion checkable, by its step, written as a string.
     """
 
     def __init__(self, judged: Judged, layout: Layout, firsts: Mapping[int, int]) -> None:

@@ -42,7 +42,7 @@ class Needed:
         items: the bodies, in the order of the proof.
         pairs: the pairs of bodies.
         needs: for each pair, the stretches (begin, end, margin [m]) on which it must stay apart.
-        speeds: (K,) speed that each pair may have otherwise [m/s].
+        speeds: (K,) speed up to which a body need not stay out of a slow zone [m/s]; 0 for other pairs.
     """
 
     items: list[Item]

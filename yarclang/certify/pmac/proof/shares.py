@@ -41,7 +41,7 @@ class Own:
 
     Attributes:
         cubics: the segments, without parts beyond a corner.
-        ends: shares of the path at both ends; None if the path is joined, or left, elsewhere.
+        ends: shares of the path at both ends; None at an end where the path is joined, or left, elsewhere.
         told: the places at which the path is joined and left, if not at the motion's ends.
     """
 

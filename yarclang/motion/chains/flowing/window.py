@@ -87,7 +87,10 @@ class Made:
 
 @frozen(eq=False)
 class Failed:
-    """A window without a result; `seams` is True for ends at which it might succeed without a seam."""
+    """A window without a result.
+
+    `seams` is True for ends without whose seam there might be a result.
+    """
 
     seams: tuple[bool, bool]
 

@@ -173,6 +173,7 @@ def _passed(
     start [s].
     """
     robot, tolerance = judged.robot, judged.tolerance
+    # Corners of the same moving frame are computed together.
     groups: dict[bytes, tuple[Array | None, list[Corner]]] = {}
     for corner in corners:
         motions = layout.places[corner.first].motion, layout.places[corner.second].motion
@@ -260,6 +261,7 @@ def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
         if speed is None or isinstance(place.motion, IN_JOINTS):
             continue
         kept = judged.share_of(place.step)
+        # The speed must reach `kept` of the programmed one, and never fall below `least` of it after that.
         share[row] = judged.least_of(place.step) / kept
         top[row] = (
             np.nan if speed.length is None else speed.length * kept,

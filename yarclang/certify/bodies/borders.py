@@ -29,6 +29,8 @@ def extent(region: Region, directions: Array) -> Array:
         # The half-space n . p >= offset is bounded in the direction -n only.
         return np.where(-(region.normal @ directions) >= _ALONG, -region.offset, np.inf)
     placed, shape = region.base_from_shape, region.shape
+    # Support function of the shape: the support of its center plus that of the shape around it, in its own
+    # axes.
     at_center: Array = np.asarray(placed[:3, 3] @ directions)
     own = placed[:3, :3].T @ directions
     if isinstance(shape, Box):
@@ -53,6 +55,7 @@ def directions_to(region: Region, points: Array) -> Array:
     own = placed[:3, :3].T @ (points - placed[:3, 3:4])
     away = own - _nearest(shape, own)
     length = np.sqrt((away**2).sum(axis=0))
+    # A point inside is its own nearest point: use the direction from the axis or center instead.
     inside = length < _NO_LENGTH
     away[:, inside], length[inside] = own[:, inside], np.sqrt((own[:, inside] ** 2).sum(axis=0))
     nowhere = length < _NO_LENGTH

@@ -115,6 +115,8 @@ def own_robot(robot: Robot) -> Robot:
         moving = [joint for joint in _between(tree, base, flange) if joint.kind in _MOVING]
         if tuple(joint.name for joint in moving) != robot.joint_names:
             raise ContradictionError("the joints between base and flange are others")
+        # All transforms are with the joints at zero: from the root of the URDF to the base, and from there to
+        # each joint.
         base_from_root = inverse(_place(tree, base)[0])
         screws = np.array([_screw(base_from_root @ _place(tree, joint.child)[0], joint) for joint in moving])
         chain = Chain(_sealed(screws), _sealed(base_from_root @ _place(tree, flange)[0]), KINEMATICS)
@@ -233,6 +235,7 @@ def _screw(base_from_joint: Array, joint: _Joint) -> Array:
     axis = base_from_joint[:3, :3] @ joint.axis
     if joint.kind == "prismatic":
         return np.concatenate([axis, np.zeros(3)])
+    # Screw of a turn about an axis through p: linear part p x axis (Lynch and Park, ch. 3.3).
     return np.concatenate([np.cross(base_from_joint[:3, 3], axis), axis])
 
 
@@ -275,6 +278,7 @@ def _frames(table: Mapping[str, Any]) -> dict[str, Array]:
         while above not in placed:
             if above in waiting:
                 raise ContradictionError(f"the frame {above} is given in itself")
+            # Follow the parents up to a known frame, and then place the frames on the way back.
             waiting[above] = None
             above = tables[above].get("parent", _FLANGE).upper()
         for one in reversed(waiting):
@@ -307,6 +311,7 @@ def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str,
         )
         turned = frame[:3, :3]
         center = turned @ (np.array(own.get("center_of_mass", (0.0, 0.0, 0.0))) * _MILLIMETRE) + frame[:3, 3]
+        # robot.toml gives center of mass and inertia in the tool's frame; turn both into the flange's axes.
         xx, yy, zz, xy, xz, yz = own.get("inertia", (0.0,) * 6)
         inertia = turned @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turned.T
         own_tool = replace(

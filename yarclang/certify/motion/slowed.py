@@ -89,6 +89,7 @@ def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]
     first, last = 0, len(stretch)
     if max(shares) <= TOLD:
         return first, last
+    # A ramp consists of motions without blends whose speeds grow towards the cruise.
     while shares[first] <= TOLD and stretch[first].behind == 0 and shares[first + 1] >= shares[first]:
         first += 1
     while shares[last - 1] <= TOLD and stretch[last - 1].before == 0 and shares[last - 2] >= shares[last - 1]:

@@ -166,6 +166,7 @@ class MotionPlan:
         v, a = np.zeros_like(q), np.zeros_like(q)
         if not self.motions:
             return q, v, a
+        # The last motion that has begun at each time; outside of motions the robot rests at an end.
         number = np.searchsorted(self.begins, times, side="right") - 1
         number = np.clip(number, 0, len(self.motions) - 1)
         return self.sampler.sample(number, times - self.begins[number])

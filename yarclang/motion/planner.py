@@ -93,6 +93,7 @@ def plan_in_part(
         robot, steps, program.start, program.cell, settings.memory, program.cells, settings.searches
     )
     planner = _Planner(robot, settings, bounds_of(robot))
+    # First pass: the paths of all motions.
     for number in range(end):
         tell("planning", number // 2, end)
         router.advance()
@@ -100,6 +101,7 @@ def plan_in_part(
     links: dict[int, Link] = {}
     ways: dict[int, Path | FrameWay] = {}
     flows = False
+    # Second pass: each motion by itself, except in long chains, which can be planned as one path.
     motions_of = [
         (step, done.route.path) if isinstance(step, Motion) and done.route is not None else None
         for step, done in zip(steps, router.done, strict=True)
@@ -131,6 +133,7 @@ def plan_in_part(
             found[number] += _known_without_a_way(step)
         if isinstance(step, Motion):
             flows = step.blend is not None
+    # Third pass: the chains.
     motions: list[PlannedMotion] = []
     has_gaps = any(isinstance(step, Gap) for step in steps)
     if not (has_gaps or any(map(has_errors, found))):
@@ -267,6 +270,8 @@ class _Planner:
         full: float | None = None
         grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | NoLaw | CruiseBroken
+        # Try in turn: a cruise just below the ceiling, a programmed speed, and a programmed or the shortest
+        # time.
         cruise = self._below_ceiling(step, path, bounds, tolerance)
         if cruise is not None:
             full, fitted = cruise

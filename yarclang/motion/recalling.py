@@ -51,6 +51,7 @@ def told_before(
     before = len(findings.found)
     value = make()
     told = findings.found[before:]
+    # Keep a result only if its findings don't depend on other lines.
     if all(_is_of_command(one, origin) for one in told) and not (told and may_look_around):
         found = tuple(replace(one, source=None) for one in told)  # no text is kept
         memory.keep(key, (value, found, line, _spelling(origin) if found else None))

@@ -103,6 +103,7 @@ def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array
         fitted = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper, rounds=_ROUNDS)
         q = fitted.q.reshape(len(base_from_flange), _STARTS, -1)
         reached = (fitted.total < reached_within(chain)).reshape(-1, _STARTS)
+    # Of each solution, take the full turns nearest to `near` within the limits.
     q = nearest_turn(chain, limits, q, near)
     inside = reached & (np.abs(beyond(limits, q)).max(axis=-1) <= EDGE)
     q = np.clip(q, limits.lower, limits.upper)

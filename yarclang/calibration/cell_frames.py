@@ -43,7 +43,7 @@ class CellWithFrame:
     Attributes:
         text: the whole file.
         what: description of the change.
-        findings: of the cell's reader.
+        findings: findings of the cell's reader.
     """
 
     text: str

@@ -60,9 +60,9 @@ class Program:
     """A drawn program, and what became of it.
 
     Attributes:
-        seed: of the program.
+        seed: seed of the program.
         robot: its name or path.
-        text: of the program.
+        text: text of the program.
         refused: code of the first error of a program that doesn't compile; empty if it compiles.
         faults: what is wrong, as sentences.
         worst: the largest shares of what is allowed, by name, as `independent.judging.Judgement`.

@@ -14,7 +14,7 @@ class Find(NamedTuple):
     """A program with which something is wrong.
 
     Attributes:
-        seed: of the program.
+        seed: seed of the program.
         robot: its name or path.
         faults: what is wrong, as sentences.
     """

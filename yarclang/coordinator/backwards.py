@@ -95,8 +95,8 @@ def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
     searched for may be in the way. The plan also has shifted motions without their shift.
 
     Args:
-        motions: that were carried out, in order. A search that was stopped on its line is no obstacle, since
-            its own line leads back.
+        motions: motions that were carried out, in order. A search that was stopped on its line is no
+            obstacle, since its own line leads back.
     """
     known, is_away = 0, False
     for number, one in enumerate(motions):

@@ -31,8 +31,8 @@ class Ground:
     """Settings of a coordinator.
 
     Attributes:
-        host: of the controller.
-        port: of the controller.
+        host: host of the controller.
+        port: port of the controller.
         folder: where modules, cells and yarc.toml are looked for.
         name: name that `yarc status` shows while nothing is in progress.
         tm: longest segment time of planned motions [ms]; None: the robot's.

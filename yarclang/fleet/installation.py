@@ -22,7 +22,7 @@ class Installation(NamedTuple):
     """An installation.
 
     Attributes:
-        version: of yarclang.
+        version: version of yarclang.
         content: digest of the files of the package and its library.
         others: names and versions of the other libraries, in order.
         python: version of Python, and the kinds of processor and system.

@@ -65,7 +65,7 @@ class Task:
     Attributes:
         program: the program's file.
         folder: its folder.
-        options: of the command line.
+        options: options of the command line.
         frame: name of the frame, in upper case.
         cell: the cell's file, if the frame is declared there; otherwise None.
         place: path of the cell's file.
@@ -124,7 +124,7 @@ class Placing:
         grid: the candidates of the coarse grid, in order.
         others: the candidates of the search that followed.
         best: the best candidate that compiles; None if there is none.
-        numbers: of the grid, the shifts along each axis.
+        numbers: numbers of the grid, the shifts along each axis.
     """
 
     grid: tuple[Candidate, ...]

@@ -54,7 +54,7 @@ class Scheduler:
 
     Args:
         work: as for `spreading.workers`.
-        address: of the scheduler.
+        address: address of the scheduler.
         files: as for `spreading.workers`.
 
     Raises:

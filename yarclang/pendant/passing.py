@@ -176,7 +176,7 @@ class Passing:
     """Filter for the messages between a page and its analyst.
 
     Args:
-        folder: of the project.
+        folder: folder of the project.
         inside: returns the path of a file of the project, or raises `Trouble`.
     """
 

@@ -39,9 +39,9 @@ class RobotFile:
 
     Attributes:
         file: its path in the project, or the absolute path.
-        folder: that holds it.
+        folder: folder that holds it.
         text: its content.
-        sha256: of the file.
+        sha256: SHA-256 of the file.
         outside: why it can't be changed here; empty if it can.
         remedy: what to do in that case.
     """
@@ -187,7 +187,7 @@ def torques_of(
         robot: the running robot.
         other: the robot with the payload, as its changed file describes it.
         here: (n,) present joint positions [rad or m]; None if unknown.
-        plan: of a program; None to examine no program.
+        plan: plan of a program; None to examine no program.
     """
     now, then = robot.dynamics, other.dynamics
     if now is None or then is None or robot.joint_names != other.joint_names:
@@ -241,7 +241,7 @@ def proposed(
         project: the project's folder, whose files can be changed.
         payload: as entered.
         here: (n,) present joint positions [rad or m]; None if unknown.
-        plan: of a program; None to examine no program.
+        plan: plan of a program; None to examine no program.
 
     Raises:
         Trouble: robot.toml can't be read, or can't be changed in this way.

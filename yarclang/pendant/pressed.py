@@ -19,7 +19,7 @@ class Pressed:
     """Converter of presses for one robot.
 
     Args:
-        robot: that is jogged.
+        robot: robot that is jogged.
     """
 
     def __init__(self, robot: Robot) -> None:

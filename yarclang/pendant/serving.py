@@ -60,11 +60,11 @@ async def served(
     """Serve a pendant as long as the context lasts.
 
     Args:
-        robot: of the pendant.
+        robot: robot of the pendant.
         attach: makes clients of its coordinator.
-        folder: of the project.
+        folder: folder of the project.
         database: the file of users, sessions and audit trail.
-        place: at which to listen.
+        place: place at which to listen.
         logs: folder or file for logs of motions; None if unknown.
         life: of this process; None if it can't be ended from the pendant.
 

@@ -38,11 +38,11 @@ class _CellFile:
     """A cell as it was read.
 
     Attributes:
-        path: of its file; None without a cell.
-        stamp: of the file's version.
+        path: path of its file; None without a cell.
+        stamp: stamp of the file's version.
         cell: the cell; None if there is none.
         trouble: why there is no cell.
-        comments: of inputs and outputs, by table and name.
+        comments: comments of inputs and outputs, by table and name.
     """
 
     path: str | None
@@ -210,8 +210,8 @@ def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFi
     """Return the content of a cell's file, which is read again only after a change. Call it in a thread.
 
     Args:
-        path: of the file; None without a cell.
-        robot: of the cell, for its joint values.
+        path: path of the file; None without a cell.
+        robot: robot of the cell, for its joint values.
         before: the content that was read last.
     """
     if path is None:

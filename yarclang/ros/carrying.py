@@ -58,7 +58,7 @@ class Carrying:
         """Carry out actions in order.
 
         Args:
-            actions: of the motion link.
+            actions: actions of the motion link.
             send: sends answers to the client.
         """
         for action in actions:

@@ -44,7 +44,7 @@ def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
 
     Args:
         robot: whose joints are meant, in the order of robot.toml.
-        goal: as it was received.
+        goal: goal as received.
         stands: (n,) commanded position of the robot [rad or m].
 
     Returns:
@@ -66,7 +66,7 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
     """Return the program of a timetable.
 
     Args:
-        robot: that runs the program.
+        robot: robot that runs the program.
         positions: (k, n) with k >= 1 [rad or m].
         times: (k,) since the start [s], increasing.
     """

@@ -46,7 +46,7 @@ class Goal:
     """A trajectory that was received.
 
     Attributes:
-        number: of the goal on its link, from 1.
+        number: number of the goal on its link, from 1.
         points: its way-points in order. The duration of the first one has no meaning.
         downloaded: True if its end was marked; False if it was streamed.
     """
@@ -109,7 +109,7 @@ class _Incoming:
     """A goal whose points are being received.
 
     Attributes:
-        number: of the goal.
+        number: number of the goal.
         downloaded: True for a download, False for a stream.
         points: received so far.
         due: time at which it is complete, or is given up [s]; None if no more points are expected.
@@ -275,7 +275,7 @@ class MotionLink:
         """Handle the end of planning.
 
         Args:
-            goal: of `Plan`. A goal that has got another point since is a different one.
+            goal: goal of `Plan`. A goal that has got another point since is a different one.
             refusal: why the goal can't be run; None if it can.
 
         Returns:
@@ -293,7 +293,7 @@ class MotionLink:
         """Handle the end of a motion that `Move` has begun, with the robot at rest.
 
         Args:
-            number: of the goal.
+            number: number of the goal.
             refusal: why the robot isn't at the goal's end; None if it is.
 
         Returns:

@@ -373,7 +373,7 @@ async def served(
         attach: makes clients of its coordinator.
         place: address to listen on.
         say: prints a line on the terminal.
-        order: of the bytes in all messages.
+        order: order of the bytes in all messages.
         hold_on_disconnect: True to hold the robot if the motion client disconnects.
 
     Yields:

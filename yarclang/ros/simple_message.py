@@ -229,7 +229,7 @@ def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
 
     Args:
         message: its real numbers are rounded to single precision.
-        order: of the bytes.
+        order: order of the bytes.
 
     Raises:
         OverflowError: a real number is too large for single precision.
@@ -245,7 +245,7 @@ class Decoder:
     """Decoder of a stream of bytes, however it is split. Keeps less than one frame and the last input.
 
     Args:
-        order: of the bytes.
+        order: order of the bytes.
     """
 
     def __init__(self, order: ByteOrder = ByteOrder.LITTLE) -> None:

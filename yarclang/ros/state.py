@@ -25,7 +25,7 @@ class Feedback:
 
     Args:
         robot: the robot.
-        name: of the client that runs goals.
+        name: name of the client that runs goals.
         status: the first one from the coordinator.
     """
 

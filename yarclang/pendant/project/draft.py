@@ -22,7 +22,7 @@ class Draft:
     """A file that is being written, in its final folder.
 
     Args:
-        place: of the finished file; its folder stays open as long as the draft.
+        place: place of the finished file; its folder stays open as long as the draft.
 
     Attributes:
         size: written so far [bytes].

@@ -55,8 +55,9 @@ class ProjectFolder:
     """The files of a project. All functions wait for the disk: call them in a thread.
 
     Args:
-        folder: of the project.
-        database: of the pendant. It and the files beside it are inaccessible, and the trash is beside it.
+        folder: folder of the project.
+        database: database of the pendant. It and the files beside it are inaccessible, and the trash is
+            beside it.
         robots: folders of robots.
 
     Attributes:
@@ -268,7 +269,7 @@ class ProjectFolder:
         """Copy a file to an unused path.
 
         Args:
-            name: of the file.
+            name: name of the file.
             to: of the copy.
             check: called with the copy before it gets its name.
 
@@ -417,7 +418,7 @@ class Changed(Trouble):
     """Raised if a file differs from the version that the caller knows.
 
     Attributes:
-        sha256: of the present version; empty if there is no file.
+        sha256: SHA-256 of the present version; empty if there is no file.
     """
 
     def __init__(self, name: str, sha256: str) -> None:

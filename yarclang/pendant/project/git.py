@@ -33,7 +33,7 @@ class Commit:
     """A commit.
 
     Attributes:
-        hash: of the commit.
+        hash: hash of the commit.
         who: its author.
         when: its time (UTC).
         subject: its first line.
@@ -72,7 +72,7 @@ class Git:
     """The repository of a project's folder. Only one thread at a time may call it.
 
     Args:
-        folder: of the project.
+        folder: folder of the project.
     """
 
     def __init__(self, folder: ProjectFolder) -> None:

@@ -33,7 +33,7 @@ class Guarded:
     """Guard of a project's descriptions, by whatever name they are reached. Its functions wait for the disk.
 
     Args:
-        places: of the project.
+        places: places of the project.
         folders: of robots. All files in them are guarded, unless the project's own folder is one of them.
     """
 

@@ -22,7 +22,7 @@ def measured(folder: int, name: str) -> int:
 
     Args:
         folder: an open folder.
-        name: of the file or folder in it.
+        name: name of the file or folder in it.
 
     Raises:
         Trouble: it holds too many files, or a pipe or a device.
@@ -61,7 +61,7 @@ def carried(folder: int, name: str, to: int, new: str) -> None:
 
     Args:
         folder: an open folder.
-        name: of the original in it.
+        name: name of the original in it.
         to: another open folder.
         new: unused name for the copy in it.
 

@@ -15,7 +15,7 @@ def check_room(disk: os.statvfs_result, size: int, what: str) -> None:
 
     Args:
         disk: its state from the operating system.
-        size: that is needed [bytes].
+        size: size that is needed [bytes].
         what: subject and verb for the message: "the backup has".
 
     Raises:

@@ -101,8 +101,8 @@ class Trash:
     """The trash. Only one thread at a time may change it.
 
     Args:
-        folder: of the trash; created with the first file.
-        places: of the project.
+        folder: folder of the trash; created with the first file.
+        places: places of the project.
     """
 
     def __init__(self, folder: Path, places: Places) -> None:

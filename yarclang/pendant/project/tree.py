@@ -50,8 +50,8 @@ class Walk:
     """A walk through a folder.
 
     Attributes:
-        places: of the folder.
-        suffixes: of the wanted files, in lower case; empty for all files and folders.
+        places: places of the folder.
+        suffixes: suffixes of the wanted files, in lower case; empty for all files and folders.
         cut: True if there are more files than were read.
     """
 

@@ -40,7 +40,7 @@ class LogFolders:
     Args:
         project: the project's folder.
         logs: folder or file for logs of motions; None if unknown.
-        database: of the pendant, which is inaccessible.
+        database: database of the pendant, which is inaccessible.
     """
 
     def __init__(self, project: ProjectFolder, logs: Path | None, database: Path) -> None:

@@ -26,7 +26,7 @@ class Listing:
     """The list of logs. Its function waits for the disk: call it in a thread.
 
     Args:
-        folders: of the logs.
+        folders: folders of the logs.
         wall: the time of day [s].
     """
 

@@ -45,7 +45,7 @@ def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
     """Describe a stage.
 
     Args:
-        stage: of the robot at rest, or of a program, with the times at which it has its parts.
+        stage: stage of the robot at rest, or of a program, with the times at which it has its parts.
         before: the previous scene, whose meshes are reused.
     """
     kept, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))

@@ -30,7 +30,7 @@ def stage_of_loaded(robot: Robot, loaded: Loaded) -> Stage:
     """Return the stage of a program before it is run, with the times of the coordinator's `course`.
 
     Args:
-        robot: that runs the program.
+        robot: robot that runs the program.
         loaded: the program.
     """
     plan = loaded.plan or loaded.text_plan

@@ -64,9 +64,9 @@ class ProgramScenes:
         """Keep the order that loaded a program.
 
         Args:
-            session: that has loaded it.
-            number: of the program.
-            order: with the paths of its files.
+            session: session that has loaded it.
+            number: number of the program.
+            order: order with the paths of its files.
         """
         if self._seats.taken(session) is None:  # the session has ended meanwhile
             return
@@ -89,8 +89,8 @@ class ProgramScenes:
         """Return the scene of a program in its cell.
 
         Args:
-            session: that has loaded it.
-            number: of the program.
+            session: session that has loaded it.
+            number: number of the program.
 
         Raises:
             Trouble: the session has no such program, or its files can't be read again.
@@ -119,8 +119,8 @@ class ProgramScenes:
         """Return a program that a session has loaded.
 
         Args:
-            session: that has loaded it.
-            number: of the program.
+            session: session that has loaded it.
+            number: number of the program.
 
         Raises:
             Trouble: the session has no such program, or its files can't be read again.
@@ -152,8 +152,8 @@ def _again(robot: Robot, order: orders.Load, course: ProgramCourse, cell: str | 
     """Compile again a program that a coordinator in another process has loaded.
 
     Args:
-        robot: that runs it.
-        order: by which it was loaded.
+        robot: robot that runs it.
+        order: order by which it was loaded.
         course: from the coordinator.
         cell: path of the coordinator's cell.
 

@@ -71,7 +71,7 @@ def application(service: Service, names: frozenset[str] = frozenset()) -> App:
 
     Args:
         service: the pendant.
-        names: of the server, in addition to this machine's names for itself.
+        names: names of the server, in addition to this machine's names for itself.
     """
     text = json.dumps(document(ROUTES)).encode()
     analysts = Analysts(service.robot, service.files.folder.root, service.files.folder.path)

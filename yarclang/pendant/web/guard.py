@@ -44,7 +44,7 @@ class Guard:
 
     Args:
         app: answers the other requests.
-        names: of the server, in addition to this machine's names for itself and the address of the
+        names: names of the server, in addition to this machine's names for itself and the address of the
             connection.
     """
 

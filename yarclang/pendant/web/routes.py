@@ -24,12 +24,12 @@ class Route:
 
     Attributes:
         method: GET, POST, PUT or DELETE.
-        path: with parameters in braces; `{path:path}` takes the rest, including slashes.
+        path: path with parameters in braces; `{path:path}` takes the rest, including slashes.
         serve: answers a request, or raises `Trouble`.
         summary: description, as a verb phrase.
         body: message of the request; None without one.
         answer: message of the answer; None if it is no JSON.
-        role: that is needed; empty if no login is needed.
+        role: required role; empty if no login is needed.
         most: longest body of a request [bytes].
     """
 

@@ -46,7 +46,7 @@ class Service:
         seats: the sessions' clients of the coordinator.
         watched: the robot's present state.
         gate: checks and carries out orders.
-        files: of the project, with the rights to change them.
+        files: files of the project, with the rights to change them.
         scenery: the robot in three dimensions.
         program_scenes: loaded programs in their cells.
         calibrations: running calibrations of all sessions.
@@ -54,13 +54,13 @@ class Service:
         signals: inputs and outputs.
         workspace: zones, obstacles and limits.
         checks: of programs with a draft.
-        alarms: of the robot and the pendant.
+        alarms: alarms of the robot and the pendant.
         log_folders: folders of run logs.
         runs: list of run logs.
         readings: content of run logs.
-        life: of the process.
+        life: life of the process.
         descriptions: files that the process has read.
-        backups: of the project.
+        backups: backups of the project.
         sampler: health of the computer and the process.
         closing: functions to call when a session ends, by its id.
     """
@@ -104,7 +104,7 @@ class Service:
         Args:
             robot: the robot.
             attach: makes clients of its coordinator.
-            folder: of the project.
+            folder: folder of the project.
             database: the file of users, sessions and audit trail.
             logs: folder or file for logs of motions; None if unknown.
             life: of its process; None if it can't be ended from the pendant.
@@ -178,7 +178,7 @@ class Service:
 
         Args:
             connection: the request.
-            role: that is needed.
+            role: required role.
             pin: True if the PIN is needed as well.
 
         Raises:

@@ -123,8 +123,8 @@ async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) 
 
     Args:
         service: the pendant.
-        socket: of the page.
-        role: that is needed.
+        socket: socket of the page.
+        role: required role.
 
     Returns:
         The session of the page; None if the socket was closed because nobody is logged in or the role is
@@ -145,8 +145,8 @@ async def until_it_ends(
 
     Args:
         service: the pendant.
-        socket: of the page.
-        session: of the page.
+        socket: socket of the page.
+        session: session of the page.
         *work: the coroutines.
     """
     over = asyncio.Event()

@@ -36,13 +36,13 @@ class Question:
     """Input of a check.
 
     Attributes:
-        folder: of the project.
+        folder: folder of the project.
         files: programs, as paths in the project.
         robot: its folder or name.
         cell: the cell of the session; None without one.
         drafts: texts that replace files, by the files' absolute paths.
         joints: present joint positions (n,) [rad or m]; None if unknown.
-        digest: of the drafts.
+        digest: digest of the drafts.
     """
 
     folder: Path

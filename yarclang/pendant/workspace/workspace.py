@@ -70,7 +70,7 @@ class Workspace:
     """The workspace of a pendant.
 
     Args:
-        robot: of the pendant.
+        robot: robot of the pendant.
         watched: the robot's present state.
         filing: the files of the project.
         checks: of programs.
@@ -106,8 +106,8 @@ class Workspace:
         """Write the files after a draft.
 
         Args:
-            session: of a service user who has entered the PIN lately.
-            address: from which the request came.
+            session: session of a service user who has entered the PIN recently.
+            address: address from which the request came.
             draft: the changes.
 
         Raises:

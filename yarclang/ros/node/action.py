@@ -160,9 +160,9 @@ class _UnderWay:
     """A goal from its acceptance to its end.
 
     Attributes:
-        number: of the goal.
-        goal_id: of its client.
-        goal: as it was received.
+        number: number of the goal.
+        goal_id: id of the goal at its client.
+        goal: goal as received.
         begins: planned start by the caller's clock [s].
         phase: planning, ready, moving or settling.
         ready: the planned goal; None before planning has finished.
@@ -200,11 +200,11 @@ class TrajectoryAction:
     """The action of one robot.
 
     Args:
-        joints: of the robot.
+        joints: joints of the robot.
         hold_on_cancel: True to hold a cancelled goal on its path; False to finish a goal that moves.
 
     Attributes:
-        joints: of the robot; may be replaced while the action is idle.
+        joints: joints of the robot; may be replaced while the action is idle.
     """
 
     joints: Sequence[Joint]
@@ -239,8 +239,8 @@ class TrajectoryAction:
         """Handle a new goal.
 
         Args:
-            goal_id: of the client.
-            goal: as it was received.
+            goal_id: id of the goal at the client.
+            goal: goal as received.
             now: the time of any monotonic clock [s].
 
         Returns:
@@ -297,7 +297,7 @@ class TrajectoryAction:
         """Handle the end of a motion that `Move` has begun, with the robot at rest.
 
         Args:
-            number: of the goal.
+            number: number of the goal.
             failed: why the robot isn't at the goal's end; None if it is.
             now: the time [s].
         """

@@ -79,7 +79,7 @@ class JointState:
     """State of the joints, in the robot's order.
 
     Attributes:
-        names: of the joints.
+        names: names of the joints.
         positions: [rad or m].
         velocities: [rad/s or m/s].
     """
@@ -209,11 +209,11 @@ class Driver:
         which: as for `yarclang.client.Robot`: path of the socket, or name of the process or of the robot;
             None for the only one.
         shell: the ROS side.
-        name: of the driver for other clients.
+        name: name of the driver for other clients.
         hold_on_cancel: True to hold a cancelled goal on its path at once; False to finish a goal that moves.
 
     Attributes:
-        joint_names: of the robot, in its order; empty before `start`.
+        joint_names: joint names of the robot, in its order; empty before `start`.
     """
 
     def __init__(

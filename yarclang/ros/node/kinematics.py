@@ -97,7 +97,7 @@ class Kinematics:
         """Return base_from_link of each link.
 
         Args:
-            positions: of joints by name [rad or m]; other joints are at zero.
+            positions: positions of joints by name [rad or m]; other joints are at zero.
         """
         poses_by_link: Dict[str, Pose] = {}
         children = {joint.child for joint in self._joints}

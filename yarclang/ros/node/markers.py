@@ -134,7 +134,7 @@ def ghost_markers(
     links whose pose at the end differs.
 
     Args:
-        kinematics: of the robot.
+        kinematics: kinematics of the robot.
         tool: the link whose path is drawn.
         joints: names, in the order of positions.
         course: joint positions [rad or m] of the plan; empty to draw nothing.

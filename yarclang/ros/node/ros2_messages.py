@@ -90,8 +90,8 @@ def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: St
         array: the class diagnostic_msgs/msg/DiagnosticArray.
         entry: the class diagnostic_msgs/msg/DiagnosticStatus.
         pair: the class diagnostic_msgs/msg/KeyValue.
-        name: of the robot.
-        status: of the robot.
+        name: name of the robot.
+        status: status of the robot.
         stamp: builtin_interfaces/Time.
     """
     values = [pair(key=key, value=value) for key, value in shown(status).items()]

@@ -62,7 +62,7 @@ class _UnderWay:
     """An accepted goal.
 
     Attributes:
-        handle: of rclpy.
+        handle: handle of rclpy.
         ending: future of (outcome, result).
     """
 
@@ -74,7 +74,7 @@ class Node:
     """The node: a `Shell` of the driver.
 
     Args:
-        node: of rclpy.
+        node: node of rclpy.
         executor: runs its callbacks, in one thread.
 
     Raises:

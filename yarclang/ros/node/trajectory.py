@@ -94,7 +94,7 @@ class Tolerance:
     none.
 
     Attributes:
-        name: of the joint.
+        name: name of the joint.
         position: [rad or m].
         velocity: [rad/s or m/s].
         acceleration: [rad/s² or m/s²].
@@ -115,8 +115,8 @@ class Goal:
         points: the way-points.
         starts_in: time until the goal begins, by the stamp of its header [s]; 0 to begin at once (also
             without a stamp).
-        path_tolerance: of the joints along the path.
-        goal_tolerance: of the joints at the last point.
+        path_tolerance: tolerance of the joints along the path.
+        goal_tolerance: tolerance of the joints at the last point.
         goal_time_tolerance: time for the joints to arrive after the end of the program [s]; 0 for the
             default, negative for any time.
     """
@@ -166,8 +166,8 @@ def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
     """Return why a goal is rejected; None if it can be planned. The planner checks the limits.
 
     Args:
-        goal: as it was received.
-        joints: of the robot.
+        goal: goal as received.
+        joints: joints of the robot.
     """
     wrong = _wrong_names(goal.joint_names, [one.name for one in joints])
     if wrong is not None:
@@ -370,8 +370,8 @@ def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
     """Return the path of a checked goal, as MOVEJ_TIMED defines it.
 
     Args:
-        goal: with its joints in any order.
-        joints: of the robot.
+        goal: goal with its joints in any order.
+        joints: joints of the robot.
         stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first point at time
             0.
     """
@@ -443,7 +443,7 @@ class Planned:
     """A goal as a program.
 
     Attributes:
-        text: of the program; empty if the robot is at its end and there is nothing to do.
+        text: text of the program; empty if the robot is at its end and there is nothing to do.
         track: the path, from the robot's position at time 0 of the goal.
         has_lead: True if the program's first command moves to the goal's first point.
     """
@@ -461,8 +461,8 @@ def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
     position.
 
     Args:
-        goal: with its joints in any order.
-        joints: of the robot.
+        goal: goal with its joints in any order.
+        joints: joints of the robot.
         stands: (n,) commanded position of the robot, in the robot's order [rad or m].
     """
     points = in_robots_order(goal, joints)

@@ -65,7 +65,6 @@ class Gate:
         now: a monotonic clock [s].
         loaded: called after a session has loaded a program, with the program's number and the order, whose
             paths are resolved.
-            paths.
     """
 
     def __init__(

@@ -1,4 +1,6 @@
-"""Conversion of presses to requests to a live motion: velocities of joints or of a frame, and steps."""
+"""Conversion of button presses to requests to a live motion: velocities of joints or of a frame, and
+steps.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +28,10 @@ class Pressed:
         self._robot = robot
 
     async def of(self, press: Press, seat: Attached) -> wants.Want:
-        """Return the request of a press for velocities.
+        """Return the live motion's request for a press that asks for velocities.
 
         Raises:
-            Trouble: the press asks for no velocity, or names an unknown joint or frame.
+            Trouble: the press contains no velocity, or names an unknown joint or frame.
         """
         if press.velocity is not None:
             return wants.MoveJoints(velocity=press.velocity)
@@ -54,7 +56,7 @@ class Pressed:
         raise Trouble(f"there is no frame {name[:40]!r}", "choose one of the list", "")
 
     async def step(self, press: Press, step: Step, seat: Attached) -> wants.Want:
-        """Return the end of a step from the robot's present position."""
+        """Return the goal of a step from the robot's present position."""
         here = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
         names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
         if (number := names.get(step.axis.upper())) is not None:

@@ -45,7 +45,6 @@ class Alarms:
         trouble: reason why alarms can't be written and exist only in memory; empty if they are written.
         low: returns a text about the little room left on the disk; empty if there is enough. Called twice a
             second, so it must not wait for a disk.
-            second and must not wait for a disk.
 
     Raises:
         Trouble: the file can't be used.

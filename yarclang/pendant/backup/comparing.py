@@ -206,7 +206,7 @@ def _ways(name: str) -> Iterator[str]:
 
 class _Project:
     """The project at the time of a restore. Each folder is read only once, because it may contain thousands
-    of files. of files.
+    of files.
 
     Args:
         folder: folder of the project.

@@ -1,4 +1,4 @@
-"""List of logs with their summaries, which are read again only after a change of the file."""
+"""List of logs with their summaries. A summary is read again only after its file has changed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _UNREADABLE = Brief("", "", "", "", "", "", is_known=False, is_whole=False)
 
 
 class Listing:
-    """The list of logs. Its function waits for the disk: call it in a thread.
+    """The list of logs. `listed` waits for the disk: call it in a thread.
 
     Args:
         folders: folders of the logs.
@@ -36,10 +36,10 @@ class Listing:
         self._known: OrderedDict[LogFile, Brief] = OrderedDict()
 
     def listed(self, written: str) -> RunList:
-        """Return the logs.
+        """Return the summaries of the logs.
 
         Args:
-            written: name of the file that is being written; empty if there is none.
+            written: name of the log that is being written; empty if there is none.
         """
         files, cut = self._folders.files()
         shown = tuple(self._shown(one, written) for one in files[:MOST])

@@ -186,8 +186,8 @@ class KeptParts:
         Args:
             cell: the cell; None: there is none.
             variable: variable of the output.
-            value: its value.
-            q: where the robot stood (n,) [rad or m].
+            value: value of the output.
+            q: position of the robot at that time (n,) [rad or m].
         """
         if cell is None or not cell.parts:
             return

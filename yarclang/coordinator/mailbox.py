@@ -51,7 +51,7 @@ class Mailbox:
         return self._events.popleft() if self._events else None
 
     def _make_room(self) -> None:
-        """Drop the oldest event. Positions and progress are not counted as dropped."""
+        """Drop the oldest event that isn't a position or progress: dropping these is never reported."""
         oldest = next(one for one in self._events if not isinstance(one, COALESCED))
         self._events.remove(oldest)
         self._missed += 1

@@ -338,7 +338,7 @@ def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
 
 
 def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
-    """Return the solution that was chosen for a pose without CONFIG, in words: `nearest of 8`."""
+    """Return the rank of the solution that was chosen for a pose, in words: `nearest of 8`."""
     step = program.steps[number]
     if not isinstance(step, JointMove | AvoidMove) or not isinstance(goal := step.goal, PoseGoal):
         return ""

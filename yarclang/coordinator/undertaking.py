@@ -40,7 +40,7 @@ class Undertaking:
     Args:
         loaded: the program.
         coordinator: the robot's coordinator.
-        times: number of passes; None: until someone stops it.
+        times: number of passes; None: until somebody stops the program.
 
     Attributes:
         loaded: the program.

@@ -74,7 +74,7 @@ def with_measured_frame(
     Args:
         source: the present text.
         place: path of the file.
-        names: names that are taken already, for the check of the cell's names.
+        names: the language's words and the robot, for the check of the cell's names.
         name: name of the frame, in upper case.
         base_from_frame: (4, 4) pose of the frame in {B} [m].
         parent: parent of a new frame, one of the cell's stationary frames, or B; an existing frame keeps its

@@ -53,7 +53,8 @@ class Scheduler:
     """Connection to a scheduler whose workers do the work.
 
     Args:
-        work: function that does the work, packed as for `spreading.workers`.
+        work: function of a module, or a `partial` of such a function. It may read files only through
+            consulted.py.
         address: address of the scheduler.
         files: returns the files that an item needs and other items don't, as far as known in advance.
 

@@ -168,7 +168,7 @@ class Sensing:
         for region in self._regions:
             there = flange @ region.transform if region.on_flange else region.transform
             middle = there[:3, :3] @ region.geometry.middle + there[:3, 3]
-            # Bodies are visible only if they move relative to the sensor.
+            # Of the bodies of robot and cell, only those are seen that can move relative to the sensor.
             moves = (joints > 0) & ((joints < self._robot.size) | (not region.on_flange))
             apart = middles - middle
             near = np.sqrt((apart * apart).sum(axis=1)) <= scene.boxes.bound + region.geometry.bound
@@ -228,8 +228,8 @@ class Sensing:
             self.parts = replace(self.parts, items=(*self.parts.items, *new), expected=rest)
 
     def _is_free(self, expected: Expected, q: Array) -> bool:
-        """Return True if the previous part is gone, or has left the place of a part by at least the size
-        of both.
+        """Return True if the place of a part is free: the previous part is gone, or is so far away that the
+        bounding spheres of both don't overlap.
         """
         geometry = _geometry(expected.part.body.shape)
         before = next(

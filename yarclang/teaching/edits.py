@@ -102,9 +102,7 @@ class Program:
 
     @cached_property
     def lost(self) -> dict[tuple[str, bool], list[int]]:
-        """Return the names that aren't declared above their line, as pairs (name, True for a frame), by
-        line.
-        """
+        """Return the lines with names that aren't declared above them, by pairs (name, True for a frame)."""
         found: dict[tuple[str, bool], list[int]] = {}
         for use in self.sketch.names.uses:
             if use.symbol is None and not use.module:
@@ -302,7 +300,7 @@ def _alike(one: str, other: str) -> int:
 
 
 def _losses(before: Program, after: Program) -> Iterable[str]:
-    """Yield the names in unchanged lines that are no longer declared above these lines."""
+    """Yield a sentence for each name that lines use although it isn't declared above them any more."""
     for (name, is_frame), lines in after.lost.items():
         if len(lines) > len(before.lost.get((name, is_frame), ())) and before.sketch.names.declared(
             name, is_frame

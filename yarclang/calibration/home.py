@@ -69,6 +69,7 @@ def find_offsets(
     mean = read.mean(axis=0)
     marked = np.array([name in marks for name in robot.joint_names])
     target = np.array([marks.get(name, mean[at]) for at, name in enumerate(robot.joint_names)])
+    # counts = K J q + a0, solved for a0, with the target positions as q.
     offsets = rows.mean(axis=0) - counts_per_joint(robot) @ target
     spread = np.where(marked, np.abs(read - mean).max(axis=0), 0.0)
     found = OffsetCalibration(constant(offsets), constant(target - mean), constant(spread))

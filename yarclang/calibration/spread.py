@@ -227,6 +227,7 @@ def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
 
 def _in_plane(along: Array) -> Array:
     """Return points (k, 2) in the axes of the frame that they define. The first point is on the x axis."""
+    # directions[2] is the normal of the best plane through the origin (total least squares).
     *_, directions = np.linalg.svd(along)
     x = along[0] - (along[0] @ directions[2]) * directions[2]
     x /= np.linalg.norm(x)

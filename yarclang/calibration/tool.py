@@ -76,6 +76,7 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
             message,
             f"tilt the tool by {LEAST_TILT / DEG:g} deg or more to several sides between the touches",
         )
+    # Three equations R p - c = -t for each touch, with the unknowns p and c.
     matrix = np.concatenate([np.concatenate(rotation), -np.tile(np.eye(3), (count, 1))], axis=1)
     solution, *_ = np.linalg.lstsq(matrix, -place.reshape(-1), rcond=None)
     errors = (matrix @ solution + place.reshape(-1)).reshape(-1, 3)
@@ -104,6 +105,7 @@ def _least_tilt(rotation: Array) -> tuple[float, Array]:
         The largest angle between two images of this direction [rad], and the direction (3,) in {FLANGE}.
     """
     apart = rotation - rotation.mean(axis=0)
+    # The direction of the smallest singular value is the one whose images differ least, in the sum of squares.
     *_, directions = np.linalg.svd(np.concatenate(apart))
     axis: Array = directions[-1] * np.sign(directions[-1][np.argmax(np.abs(directions[-1]))])
     images = rotation @ axis

@@ -145,7 +145,7 @@ def _judged(
     source = SourceFile(f"seed-{seed}.yarc", program.text)
     try:
         made = _compiled(source, robot, cell)
-    except Exception as error:  # a bug of ours, which is looked for here
+    except Exception as error:  # a bug in yarclang, which the campaign looks for
         return "", (internal_error(error, source).message,), {}, 0.0
     errors = [one for one in made.diagnostics if one.is_error]
     faults = [f"{one.code}: {one.message}" for one in errors if one.family == CERTIFICATE]
@@ -157,7 +157,7 @@ def _judged(
     chosen = {motion.step: motion.waypoints for motion in made.value.plan.motions}
     try:
         found = judge(arm, program.said, made.value.text, chosen, told_by_step(made.diagnostics))
-    except Exception as error:  # a text that can't be read
+    except Exception as error:  # the text can't be read
         fault = f"the text can't be judged: {type(error).__name__}: {error}"
         return "", (*faults, fault), {}, 0.0
     return "", (*faults, *found.faults), found.worst, found.duration

@@ -58,6 +58,7 @@ def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
     """
     u = np.linspace(0.0, 1.0, 20_001)
     turns = random.integers(1, 4)
+    # The window makes the share and its first two derivatives vanish at both ends.
     window = u**3 * (1 - u) ** 3 * 64.0
     share = window * np.cos(np.pi * turns * u)
     first = np.gradient(share, u, edge_order=2)

@@ -237,7 +237,7 @@ class There:
             while line := await self._reader.readline():
                 self._heard = self._loop.time()
                 self._take(line)
-        except (OSError, ValueError):  # it is gone, or sends something that no coordinator sends
+        except (OSError, ValueError):  # the coordinator has gone, or sends something unknown
             pass
         finally:
             for _, future in self._asked.values():

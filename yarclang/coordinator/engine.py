@@ -195,7 +195,7 @@ class Engine:
         """
         operation = self.operation
         await self.session.perform(self.scripts.connect(operation))
-        if operation.searches and self.scripts.services is not None:  # no one watches the search any more
+        if operation.searches and self.scripts.services is not None:  # nobody watches the search any more
             await self.session.perform(self.scripts.services.end_search(operation))
         return await self.look()
 
@@ -281,7 +281,7 @@ class Engine:
             raise Trouble(
                 "after a fault nothing moves before the controller was inspected", "clear it", code="Y1612"
             )
-        self.operation.orders.clear()  # they belonged to something else
+        self.operation.orders.clear()  # they were meant for an earlier action
         if not self._closing:
             self.under_way = name
         return await self._wait_for(work, moves=True)
@@ -417,7 +417,7 @@ class Engine:
         except Trouble as trouble:
             self._end(work, trouble)
         except Exception as error:
-            where = await self._rescue()  # whoever waits for the end is informed once the robot rests
+            where = await self._rescue()  # callers are informed only after the robot rests
             self._end(work, error)
             self._on_bug(error, where)
         else:

@@ -264,7 +264,7 @@ class KeptParts:
             left_out = {at for at, one in enumerate(steps) if at not in chosen or isinstance(one, Turn)}
             walked = followed(handling, start, ends, left_out)
             found.append(present_after(handling, walked, q))
-        if not found:  # someone else has set an output: assume the program's values
+        if not found:  # somebody else has set an output: assume the program's values
             return self._followed(handling, what, done, start, q, {})
         leaving = tuple(dict.fromkeys(one for each in found for one in each.leaving))
         return Present(reduce(either, (one.parts for one in found)), leaving)

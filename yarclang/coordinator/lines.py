@@ -153,7 +153,7 @@ class Typed:
         if fix is not None:
             edits = tuple(Edit(self._moved(edit.span), edit.text) for edit in fix.edits)
             within = all(edit.span.line > 0 for edit in edits)
-            fix = Fix(fix.title, edits) if within else None  # no one can apply a fix of the session's lines
+            fix = Fix(fix.title, edits) if within else None  # fixes of the session's lines can't be applied
         return replace(one, source=typed, span=self._moved(span), fix=fix)
 
     def _moved(self, span: Span) -> Span:

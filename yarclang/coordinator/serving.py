@@ -305,7 +305,7 @@ class Visitor:
                     continue
                 await writer.drain()
         except ConnectionError:
-            pass  # it has gone; its reader notices that, too
+            pass  # the caller has gone; the reader notices this as well
 
     async def _last_words(self, writing: asyncio.Task[None]) -> None:
         """Write the waiting lines to a caller that is being disconnected, if it reads them."""

@@ -136,7 +136,7 @@ class Undertaking:
             operation.go(Event.FAULT, what, "Y1638", remedy)
             return replace(held, what=what, remedy=remedy, code="Y1638", leaves="")
         operation.remark(f"the way back and {way} are planned and proved from where the robot stands")
-        self._done.clear()  # where the robot will be, none of these motions ends
+        self._done.clear()  # none of these motions ends where the robot will be
         for number, job in enumerate(made, 1):
             coordinator, name = self._coordinator, way if number == len(made) else BACK_ON_PATH
             coordinator.behind = sum(one.lasting.most for one in made[number:])

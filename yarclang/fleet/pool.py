@@ -89,7 +89,7 @@ class Pool:
                 idle = self._started()
             number = self._waiting.popleft()
             self._busy[idle] = number
-            with suppress(OSError):  # it has ended: the next look at its line shows that
+            with suppress(OSError):  # the process has ended: reading its connection shows this
                 self._workers[idle][1].send(packed(self._items[number]))
 
     def _started(self) -> Connection:
@@ -156,6 +156,6 @@ def _serve(work: bytes, items: Connection, answers: Connection) -> None:
             item = unpacked(items.recv())
             try:
                 answer: tuple[bytes, BaseException | None] = packed(do(item)), None
-            except Exception as error:  # told by the parent
+            except Exception as error:  # reported by the parent process
                 answer = b"", RuntimeError(f"{type(error).__name__}: {error}")
             answers.send(answer)

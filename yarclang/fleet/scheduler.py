@@ -134,7 +134,7 @@ def _check_workers(client: Any, address: str) -> int:
     ours = this_installation()
     try:
         installed = client.run(_installed, on_error="return")
-    except Exception as error:  # dask raises whatever the workers do
+    except Exception as error:  # dask raises the exceptions of the workers
         raise UnreachableError(f"the workers of {address} can't be asked: {error}") from None
     for worker, theirs in sorted(installed.items()):
         if not isinstance(theirs, tuple):
@@ -300,6 +300,6 @@ def _do(
             done.append((number, "here", None) if is_elsewhere else (number, "result", result))
         except NotBundledError as error:
             done.append((number, "question", tuple(error.question)))
-        except Exception as error:  # told by who asked
+        except Exception as error:  # reported by the process that has sent the item
             done.append((number, "error", f"{type(error).__name__}: {error}"))
     return done

@@ -37,7 +37,7 @@ class Arm:
         self.flange = self.model.getFrameId(self.data["flange"])
         joints = self.data["joints"].values()
         self.lower, self.upper = np.array([joint["position"] for joint in joints]).T
-        ramps = self.data.get("ramps", {})  # times in ms, for joints that don't say it themselves
+        ramps = self.data.get("ramps", {})  # times in ms, for joints without a value of their own
         self.velocity = np.array([joint["velocity"] for joint in joints])
         self.acceleration = np.array(
             [joint.get("acceleration") or joint["velocity"] * 1e3 / ramps["rise"] for joint in joints]
@@ -109,6 +109,8 @@ class Arm:
             np.tile(self._straight.translation, (count, 1)),
             np.tile(self._straight.rotation, (count, 1, 1)),
         )
+        # From the last joint to the first: each joint moves everything after it. The axis of a rotation passes through
+        # the point axis x moment.
         for screw, slides, value in reversed(list(zip(self._screws, self.slides, q.T, strict=True))):
             if slides:
                 places = places + value[:, None] * screw.linear

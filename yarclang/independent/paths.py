@@ -116,6 +116,7 @@ def nearest(samples: Array, polyline: Array) -> Array:
     at = cKDTree(polyline).query(samples)[1]
     best: Array = polyline[at]
     far = np.linalg.norm(samples - best, axis=1)
+    # Improve the nearest corner: project each sample onto the two pieces beside this corner.
     for piece in (at - 1, at):
         low = np.clip(piece, 0, len(polyline) - 2)
         a, way = polyline[low], polyline[low + 1] - polyline[low]
@@ -172,6 +173,7 @@ def _pose_spline(first: Array, turn: Any, goals: list[Any], s: Array) -> tuple[A
     steps = []
     for point, rotation in goals:
         quaternion = rotation.as_quat()
+        # q and -q are the same rotation: choose the sign that is nearer to the quaternion before.
         if quaternion @ quaternions[-1] < 0:
             quaternion = -quaternion
         angle = (Rotation.from_quat(quaternions[-1]).inv() * rotation).magnitude()

@@ -117,6 +117,7 @@ def off_joint_line(executed: Executed, goal: Array) -> float:
     q = executed.sample()
     start = q[0]
     way = goal - start
+    # Project each sample onto the line, within its ends.
     s = np.clip((q - start) @ way / max(way @ way, 1e-30), 0.0, 1.0)
     return float(np.abs(q - (start + s[:, None] * way)).max())
 

@@ -93,7 +93,7 @@ class Going:
         if self._asked and self._moves() and not self.ends:
             self._seat.send(orders.Hold())
         else:
-            self.stop()  # an order that hasn't begun doesn't begin any more
+            self.stop()  # an order that hasn't begun won't begin
 
     def stop(self) -> None:
         """End the motion at the present place on its path."""

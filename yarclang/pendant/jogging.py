@@ -124,7 +124,7 @@ class JogLine:
             if message.end:
                 self._end_going()
         elif message.press <= self._ended:
-            pass  # it was sent before the press ended
+            pass  # the message was sent before the press ended
         elif not self._beat - FRESH <= message.beat <= self._beat:
             self._over(
                 message.press,
@@ -169,7 +169,7 @@ class JogLine:
             self._over(press.press, trouble.what, trouble.remedy, trouble.code)
             return
         if press.press <= self._ended:
-            self._rest()  # it was released while the motion began
+            self._rest()  # the button was released while the motion began
             return
         if reply.behind is not None and all(abs(one) < _REACHED for one in reply.behind.values()):
             self._active = 0
@@ -208,7 +208,7 @@ class JogLine:
                 await self._say(Jogging(press=press.press, state="moves", why=""))
             return
         self._admit(press, order)
-        goes_on = isinstance(order, orders.Go)  # a search ends when it is released
+        goes_on = isinstance(order, orders.Go)  # a home search ends when its button is released
         if going is not None and goes_on and going.order == order and not going.ends:
             await going.resume(lambda: press.press > self._ended)
         else:
@@ -307,7 +307,7 @@ class JogLine:
         if self._begun:
             self._seat.send(orders.Leave())
         else:
-            self._seat.send(orders.Stop())  # a motion that is about to begin doesn't begin any more
+            self._seat.send(orders.Stop())  # a motion that is about to begin won't begin
 
     def _tell(self, message: Message) -> None:
         async def told() -> None:

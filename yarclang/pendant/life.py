@@ -60,7 +60,7 @@ class Descriptions:
     """Files that the process reads only when it starts.
 
     Args:
-        robot: as it was loaded.
+        robot: robot as loaded.
         folder: folder of the project.
     """
 

@@ -86,6 +86,7 @@ def _same(one: str, other: str) -> bool:
 def _about(axis: Array, angle: float) -> Array:
     """Return the rotation (3, 3) about a unit vector (3,) by an angle [rad]."""
     x, y, z = axis
+    # Rodrigues' formula.
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn: Array = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
     return turn

@@ -158,7 +158,7 @@ class Generator:
             self.why, self.stopped_by = steered.held_back, ()
             return self._taken(lines, state, rest)
         if size > STRIDE:
-            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # part of it may do
+            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # a part may be provable
         # Remember the refused velocity: otherwise a repeated target would let the robot creep up to a border.
         self.why, self._refused = objection, steered.velocity
         self.stopped_by = self._judge.stopped_by

@@ -155,6 +155,7 @@ class Steering:
         """
         left = master.q - state.c
         brake = 0.5 * self._rates.acceleration
+        # From v = sqrt(2 a s), a joint comes to rest within the distance s with the deceleration a.
         fast = np.sqrt(2.0 * brake * np.abs(left))
         velocity: Array = master.rate + np.sign(left) * np.minimum(fast, np.abs(left) / _NEAR)
         return velocity

@@ -64,7 +64,7 @@ class Finding(Message):
 
 def finding_message(one: Diagnostic) -> Finding:
     """Return a finding as a message."""
-    from yarclang.report.finding import finding_json  # brings in click
+    from yarclang.report.finding import finding_json  # imported late: it imports click
 
     text = one.source.line(one.span.line) if one.source is not None and one.span is not None else None
     content = finding_json(one)

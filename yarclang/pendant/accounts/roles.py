@@ -121,5 +121,5 @@ _OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
 def needed_for(order: Order[Any]) -> Role | None:
     """Return the role that an order requires; None if the order can't be given at a pendant."""
     if isinstance(order, orders.Load) and order.model_fields_set & _OTHERWISE:
-        return Role.PROGRAMMER  # operators run programs of the project only as they are saved
+        return Role.PROGRAMMER  # operators may run the project's programs only as saved
     return NEEDS.get(type(order))

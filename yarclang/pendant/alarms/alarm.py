@@ -89,7 +89,7 @@ class Alarm:
         number: from 1, in the order of the alarms.
         raised: its cause.
         stood: the state of the robot.
-        time: of the first occurrence.
+        time: time of the first occurrence.
         last: time of the last occurrence.
         count: number of occurrences.
         ended: time at which the cause went away; None while it holds.

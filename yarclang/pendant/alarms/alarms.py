@@ -78,8 +78,7 @@ class Alarms:
     # events and checks
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Handle an event of the coordinator. The shown state of the robot must already include this event.
-        """
+        """Handle an event of the coordinator. The shown state of the robot must already include this event."""
         if isinstance(event, events.StateChanged):
             found = told.of_state(event.state, event.why, event.code, event.help)
             self.book.holding("state", found, self._stood, self._wall())
@@ -104,7 +103,7 @@ class Alarms:
         showing, now = self._showing, self._wall()
         health = showing.heard_health
         if health is not None:
-            if not showing.under_way:  # otherwise the end of the motion reports it, once the robot rests
+            if not showing.under_way:  # otherwise the end of the motion reports the fault
                 motors = told.of_motors(health.motors, showing.why)
                 self.book.holding("motors", motors, self._stood, now)
             self.book.holding("guard", told.of_guard(health, showing.state), self._stood, now)

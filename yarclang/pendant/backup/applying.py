@@ -44,7 +44,7 @@ def apply(
         handle: handle of the open zip.
         backup: the backup, after its check.
         digest: digest of the plan that the user has seen.
-        user: who restores the backup.
+        user: user who restores the backup.
         about: head of the list of saved files.
         remove: True to remove files that the backup doesn't have.
 

@@ -136,7 +136,7 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
             conflicts.append(LeftOut(file=name, why=trouble.what))
             continue
         if known[name] != backup.hashes[name]:
-            if (folder.root / name).is_symlink():  # its target may be restored as well
+            if (folder.root / name).is_symlink():  # the link's target may be restored as well
                 conflicts.append(LeftOut(file=name, why="it is a link here"))
                 continue
             changed.append(name)
@@ -189,7 +189,7 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
         if one.is_folder or one.file in backup.files:
             continue
         if not is_part and not twins.isdisjoint(map(folded, _ways(one.file))):
-            continue  # removed, it couldn't be brought back beside the one that it looks like
+            continue  # once removed, the file couldn't be restored beside a file of similar name
         is_covered = has_logs or not is_log(one.file)
         if one.file in absent if is_part else is_covered and one.file not in left_out:
             with suppress(Trouble):

@@ -85,7 +85,7 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
         env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         start_new_session=True,
     )  # fmt: skip
-    with suppress(OSError):  # it has ended
+    with suppress(OSError):  # the process has ended
         resource.prlimit(process.pid, resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
     late = threading.Event()
 

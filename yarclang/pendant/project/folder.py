@@ -133,7 +133,7 @@ class ProjectFolder:
             while data := os.read(handle, _PIECE):
                 pieces.append(data)
                 size += len(data)
-                if size > most:  # the file grows meanwhile
+                if size > most:  # the file is growing meanwhile
                     raise _too_large(name, size, most)
             content = b"".join(pieces)
             return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(told.st_mtime))

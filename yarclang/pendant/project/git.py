@@ -168,7 +168,7 @@ class Git:
                     return True
                 data = _whole(handle).replace(b"\r\n", b"\n")  # a work tree may have other line endings
                 return _hashed(kind, data) != blob.hash
-        except Trouble:  # it was removed, or is no file any more
+        except Trouble:  # the file was removed, or is no regular file any more
             return True
 
     def _hash(self, handle: int, key: _Key) -> str:

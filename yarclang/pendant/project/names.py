@@ -86,6 +86,6 @@ def _objection(name: str) -> str:
 def _is_text(name: str) -> bool:
     try:
         name.encode()
-    except UnicodeEncodeError:  # bytes that are no UTF-8, or half a surrogate pair
+    except UnicodeEncodeError:  # bytes that aren't UTF-8, or half a surrogate pair
         return False
     return True

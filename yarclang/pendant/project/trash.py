@@ -227,7 +227,7 @@ class Trash:
                 carried(folder, name, target, part)
                 os.rename(part, _CONTENT, src_dir_fd=target, dst_dir_fd=target)
                 os.fsync(target)
-                with suppress(OSError):  # all of it is in the trash: the rest stays hidden
+                with suppress(OSError):  # all of the folder is in the trash; a hidden rest may remain
                     removed(folder, name)
         finally:
             os.close(target)

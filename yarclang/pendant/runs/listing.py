@@ -82,7 +82,7 @@ class Listing:
                 found = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)
                 age = self._wall() - told.st_mtime
         except (Trouble, OSError):
-            return _UNREADABLE, _FRESH  # it was removed meanwhile, or can't be read
+            return _UNREADABLE, _FRESH  # the log was removed meanwhile, or can't be read
         brief = found or _UNREADABLE
         if brief.is_whole or (found is None and age > _FRESH):
             self._known[file] = brief

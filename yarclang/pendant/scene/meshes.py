@@ -87,7 +87,7 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
         at: (3 F,) the place of each corner.
         own: (3 F,) the face of each corner.
         flat: (F, 3) unit normals of the faces.
-        across: (F, 3) normals of the faces, with their areas as lengths.
+        across: (F, 3) normals of the faces, whose lengths are twice the areas.
     """
     order = np.argsort(at, kind="stable")
     _, begins, counts = np.unique(at[order], return_index=True, return_counts=True)
@@ -96,6 +96,8 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
     count, begin = np.repeat(counts, counts), np.repeat(begins, counts)
     mine = own[order]
     rows = np.arange(len(at))
+    # In round `step`, each corner of a face looks at the face that is `step` places further in the group of
+    # faces around the same place.
     for step in range(min(int(counts.max(initial=0)), _MOST_AROUND)):
         rows = rows[count[rows] > step]
         here, other = mine[rows], mine[begin[rows] + (rank[rows] + step) % count[rows]]

@@ -14,7 +14,7 @@ def moved_links(chain: Chain, q: Array) -> Array:
 
     Args:
         chain: kinematic chain with n joints.
-        q: (N, n) [rad or m].
+        q: (N, n) joint positions [rad or m].
 
     Returns:
         (N, n, 4, 4): transforms from a link's pose with all joints at zero to its pose at q. Matrix k applies
@@ -23,6 +23,7 @@ def moved_links(chain: Chain, q: Array) -> Array:
     count = len(q)
     moved = np.empty((count, chain.size, 4, 4))
     before = np.broadcast_to(np.eye(4), (count, 4, 4))
+    # Product of exponentials: the first k joints displace a link by the product of their screw motions.
     for joint in range(chain.size):
         step = np.zeros((count, 4, 4))
         step[:, :3, :3], step[:, :3, 3] = joint_transform(chain.screws[joint], q[:, joint])

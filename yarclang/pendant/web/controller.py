@@ -56,7 +56,7 @@ def _ending(how: How) -> Serve:
         await service.accounts.did(Deed(session.user, address_of(request), how))
         if _is_ended_by(service):
             await _rested(service)
-        await service.life.may(how)  # another request may have been faster
+        await service.life.may(how)  # another request may have come first
         service.life.end(how)
         return answer(Done())
 

@@ -167,7 +167,7 @@ class Checks:
         except OSError as error:
             check.what = f"it can't be begun: {reason_of(error)}"
         finally:
-            if check.state == "running":  # otherwise no other check could begin
+            if check.state == "running":  # a check that counts as running would block all others
                 check.state = "failed"
 
     async def _listen(self, check: _Check) -> bool:

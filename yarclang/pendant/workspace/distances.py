@@ -49,7 +49,7 @@ def nearest(robot: Robot, cell: Cell | None, moving: Moving, q: Array) -> tuple[
         robot: the arm.
         cell: its surroundings.
         moving: frame that zones treat as the tool.
-        q: (n,) [rad or m].
+        q: (n,) joint positions [rad or m].
     """
     scene = scene_of(robot, cell).value
     if scene is None:

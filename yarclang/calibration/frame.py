@@ -75,8 +75,8 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
         return _refused("Y1903", message, "touch a point well beside the x axis")
     first = int(np.argmax(angles)) + 1
     upwards = np.cross(along[0], along[first])
-    # Total least squares: the normal of the best plane through the origin is the direction of the smallest singular
-    # value. Its sign makes the frame right-handed.
+    # Total least squares: the normal of the best plane through the origin is the direction of the smallest
+    # singular value. Its sign makes the frame right-handed.
     *_, directions = np.linalg.svd(along)
     z = directions[2] * (1.0 if directions[2] @ upwards > 0 else -1.0)
     x = along[0] - (along[0] @ z) * z

@@ -105,7 +105,8 @@ def _least_tilt(rotation: Array) -> tuple[float, Array]:
         The largest angle between two images of this direction [rad], and the direction (3,) in {FLANGE}.
     """
     apart = rotation - rotation.mean(axis=0)
-    # The direction of the smallest singular value is the one whose images differ least, in the sum of squares.
+    # The direction of the smallest singular value is the one whose images differ least, in the sum of
+    # squares.
     *_, directions = np.linalg.svd(np.concatenate(apart))
     axis: Array = directions[-1] * np.sign(directions[-1][np.argmax(np.abs(directions[-1]))])
     images = rotation @ axis

@@ -89,7 +89,7 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
 
 
 def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
-    """Return the motions that can be taken back along the same path, at the end of a list of motions.
+    """Return the motions at the end of a list that can be taken back along their own path.
 
     Two kinds of motions, and everything before them, can't be taken back:
 

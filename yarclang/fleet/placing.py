@@ -141,10 +141,10 @@ Judge = Callable[[Sequence[Shift]], Iterator["Candidate | Lost"]]
 def find_task(
     program: SourceFile, folder: Path, options: Options, frame: str, box: tuple[Range, ...], aim: Aim
 ) -> Task:
-    """Return the task of placing a frame that the program or its cell declares.
+    """Return the search task for a frame that the program or its cell declares.
 
     Raises:
-        Trouble: there is no such frame, it moves with the robot, or the program can't be opened.
+        Trouble: there is no such frame, the frame moves with the robot, or the program can't be opened.
     """
     name = frame.strip("{} ").upper()
     opened = open_source(program, folder, options)

@@ -109,8 +109,8 @@ class Arm:
             np.tile(self._straight.translation, (count, 1)),
             np.tile(self._straight.rotation, (count, 1, 1)),
         )
-        # From the last joint to the first: each joint moves everything after it. The axis of a rotation passes through
-        # the point axis x moment.
+        # From the last joint to the first: each joint moves everything after it. The axis of a rotation
+        # passes through the point axis x moment.
         for screw, slides, value in reversed(list(zip(self._screws, self.slides, q.T, strict=True))):
             if slides:
                 places = places + value[:, None] * screw.linear

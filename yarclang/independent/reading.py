@@ -96,7 +96,9 @@ def shares(arm: Arm, executed: Executed) -> dict[str, float]:
 
 
 def off_line(arm: Arm, executed: Executed, goal_point: Array, goal_rotation: Any) -> tuple[float, float]:
-    """Return the largest distance [mm] and angle [deg] of an executed command from the straight line to a goal."""
+    """Return the largest distance [mm] and angle [deg] of an executed command from the straight line to a
+    goal.
+    """
     points, rotations = arm.poses(executed.sample(per_segment=4))
     start_point, start_rotation = points[0], rotations[0]
     shift = goal_point - start_point

@@ -91,7 +91,7 @@ class Gate:
 
         Args:
             session: session that gives the order.
-            order: to carry out.
+            order: order to carry out.
             address: address from which the request came.
 
         Raises:

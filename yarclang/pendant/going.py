@@ -135,12 +135,12 @@ class Going:
 def deed_of(
     user: str, address: str, meant: Callable[[Wanted | orders.Resume], str]
 ) -> Callable[[Wanted | orders.Resume, str], Deed]:
-    """Return a function that makes entries of the audit trail.
+    """Return a function that creates the audit trail's entries for orders of a held button.
 
     Args:
         user: user who holds the button.
         address: address from which the requests come.
-        meant: returns the text of an order.
+        meant: returns the text that describes an order.
     """
 
     def made(order: Wanted | orders.Resume, outcome: str) -> Deed:

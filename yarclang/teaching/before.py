@@ -101,8 +101,8 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
 
 
 class _Walk:
-    """Sequence of goals without planning: it tracks the flange's pose, and the joints as long as they are
-    known.
+    """State of a walk through a program's goals without planning motions: the flange's pose, and the joints
+    as long as they are known.
     """
 
     def __init__(self, around: Around, start: Array) -> None:

@@ -61,7 +61,7 @@ class Attempts:
         return max(0.0, wanted - (now - found.last))
 
     def failed(self, place: Place, now: float) -> int:
-        """Count a wrong attempt and return the place's number of them."""
+        """Count a wrong attempt. Return the number of wrong attempts of its place."""
         found = self._failures.pop(place, None)
         if found is None or now - found.last > FORGOTTEN:
             found = _Failures(0, now)

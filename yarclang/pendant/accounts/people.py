@@ -86,7 +86,7 @@ def add_user(connection: sqlite3.Connection, user: User, *, first: bool = False)
 
     Args:
         connection: connection to the database.
-        user: to add.
+        user: user to add.
         first: True if no user may exist yet.
 
     Raises:

@@ -86,7 +86,7 @@ class Alarm:
     """An alarm with its history. Times are of day [s since 1970].
 
     Attributes:
-        number: from 1, in the order of the alarms.
+        number: number of the alarm, from 1, in the order of the alarms.
         raised: its cause.
         stood: the state of the robot.
         time: time of the first occurrence.

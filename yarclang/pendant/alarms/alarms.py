@@ -78,7 +78,9 @@ class Alarms:
     # events and checks
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Handle an event of the coordinator. The shown state of the robot must already include this event."""
+        """Handle an event of the coordinator. The shown state of the robot must already include this
+        event.
+        """
         if isinstance(event, events.StateChanged):
             found = told.of_state(event.state, event.why, event.code, event.help)
             self.book.holding("state", found, self._stood, self._wall())

@@ -79,7 +79,7 @@ class Manifest:
 
     Attributes:
         head: its first line.
-        files: in the backup.
+        files: files in the backup.
         left_out: files that couldn't be included.
         absent: files that didn't exist before, for a backup of what a restore has changed.
     """

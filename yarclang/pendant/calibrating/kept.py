@@ -35,7 +35,7 @@ class Calibration:
         user: name of the user.
         touching: the touches and their result.
         tool: the frame that touches, in braces; empty if there is none.
-        version: changes with each change.
+        version: number that changes whenever the calibration changes.
     """
 
     user: str

@@ -1,4 +1,6 @@
-"""Offers of motions to inspect a result before it is written. They are planned and proved like other motions."""
+"""Offers of motions to inspect a result before it is written. They are planned and proved like other
+motions.
+"""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
     """Return a calibration as a message.
 
     Args:
-        calibration: to show; None if none is running.
+        calibration: calibration to show; None if none is running.
         mine: True if it belongs to the session that asks.
     """
     if calibration is None:

@@ -66,7 +66,7 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     Args:
         source: the present text.
         place: path of the file.
-        robot: as the pendant knows it.
+        robot: robot as the pendant has loaded it.
         touching: touches that have a result.
         replace: True if an existing frame of this name may be replaced.
 

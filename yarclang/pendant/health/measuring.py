@@ -21,7 +21,7 @@ class Disk:
     """A disk.
 
     Attributes:
-        holds: files of the pendant that it holds, in words.
+        holds: kinds of the pendant's files that are on the disk, in words.
         free: free space [bytes].
         total: size of the disk [bytes].
     """

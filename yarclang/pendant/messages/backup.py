@@ -102,6 +102,8 @@ class Restored(Message):
 
 
 class UndoRestore(Message):
-    """Request to undo a restore: the number of the saved files, from the list of restores that can be undone."""
+    """Request to undo a restore: the number of the saved files, from the list of restores that can be
+    undone.
+    """
 
     number: Annotated[str, Field(max_length=40)]

@@ -27,7 +27,9 @@ class FileShown(Message):
 
 
 class FileList(Message):
-    """The files of the project; each folder comes before its content. `cut` is true if there are more files."""
+    """The files of the project; each folder comes before its content. `cut` is true if there are more
+    files.
+    """
 
     folder: str
     files: tuple[FileShown, ...]
@@ -44,7 +46,9 @@ class FileText(Message):
 
 
 class SaveFile(Message):
-    """A text to save. `known` is the hash of the version that was edited; null: the file must not exist yet."""
+    """A text to save. `known` is the hash of the version that was edited; null: the file must not exist
+    yet.
+    """
 
     text: str
     known: Sha256 | None

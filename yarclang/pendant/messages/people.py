@@ -101,7 +101,9 @@ class Users(Message):
 
 
 class SessionShown(Message):
-    """A session: its user, address and browser, and the time since its login and since its last action [s]."""
+    """A session: its user, address and browser, and the time since its login and since its last action
+    [s].
+    """
 
     session: str
     user: str

@@ -1,4 +1,6 @@
-"""Messages about a program that is edited: its commands as a list, forms, changes and their edits, templates."""
+"""Messages about a program that is edited: its commands as a list, forms, changes and their edits,
+templates.
+"""
 
 from __future__ import annotations
 

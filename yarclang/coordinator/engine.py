@@ -222,7 +222,7 @@ class Engine:
             raise Trouble(f"there is no connection yet: {self.lost}", "it is tried again and again", "Y1606")
 
     async def close(self) -> None:
-        """Bring the current action to its end on the path, and close the connection."""
+        """End the current action by coming to rest on its path, and close the connection."""
         self._closing = True
         if self.under_way:
             self.session.order(Stop())

@@ -1,4 +1,4 @@
-"""The pendant's server: a port with TLS, in the event loop of the coordinator's client."""
+"""The pendant's server: a port with TLS, in the same event loop as the coordinator."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class SceneShown(Message):
     """The visible scene. Bodies move with the placements of the joints (`Display.links`)."""
 
     version: str
-    """Number that changes when any other field changes."""
+    """Value that changes when any other field changes."""
     title: str
     notes: tuple[str, ...]
     """Items that can't be shown, with reasons."""

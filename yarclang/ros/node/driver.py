@@ -256,7 +256,7 @@ class Driver:
         Raises:
             yarclang.client.Gone: the robot isn't served.
             yarclang.client.Refused: the connection was denied.
-            TimeoutError: the process doesn't answer.
+            TimeoutError: the process doesn't reply.
         """
         try:
             link = _Link(self._which, self._name)

@@ -92,8 +92,11 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
 
 
 def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, Name]]:
-    """Return a finding for each link that robot.toml names (by key) and the URDF doesn't have: key, message,
-    help and subject.
+    """Return a finding (key, message, help, subject) for each link that robot.toml names and the URDF lacks.
+
+    Args:
+        urdf: the URDF.
+        names: link names, by the keys of robot.toml that hold them.
     """
     return [
         (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", *did_you_mean(link, urdf.links))

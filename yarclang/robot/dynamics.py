@@ -2,8 +2,8 @@
 Dynamics Algorithms, ch. 5).
 
 The model consists of rigid bodies only: no friction, rotors or springs. Each link has a frame whose z is its
-joint's axis, so that a joint rotates two rows and all that lies between two joints is a constant matrix. The
-last index counts the instants: a step is a few operations on whole rows.
+joint's axis. A joint therefore rotates two rows, and the transform between two joints is a constant matrix.
+The last index counts the instants, so that a step is a few operations on whole rows.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def holding_torques(chain: Chain, dynamics: Dynamics, q: Array) -> Array:
 
 
 def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
-    """Compute `torques` with the instants last, (n, P)."""
+    """Compute `torques` with arrays of shape (n, P), the instants last."""
     links = _links(chain, dynamics)
     size, count = q.shape
     angle = q * links.turn[:, None]

@@ -2,8 +2,9 @@
 batches.
 
 The last index of each array counts the samples, the index before it the branches: (shoulder 2, elbow 2) for
-the arm, with (wrist 2) in front of them for the wrist. Angles come from half-angle formulas and atan2 of both
-legs, so that they stay accurate near a boundary, where a solution vanishes or two meet.
+the arm, with (wrist 2) in front of them for the wrist. Angles are computed by half-angle formulas and atan2
+of both legs of a right triangle. They therefore stay accurate near a boundary, where a solution vanishes or
+two solutions meet.
 """
 
 from __future__ import annotations
@@ -33,12 +34,12 @@ def free_joints(arm: Form) -> tuple[int, int]:
 
 @frozen(eq=False)
 class Branches:
-    """The answer of the closed form, samples last.
+    """All branches of poses; the samples are the last index.
 
-    `q` (6, 8, N) [rad] is in (-pi, pi]. A branch that doesn't reach the pose has `valid` (8, N) false and
-    holds the joint positions that stretch towards the pose. `free` (2, 8, N) is true where q1 (the wrist
-    centre is on axis 1) or the wrist's angle (the wrist is straight) isn't determined by the pose; the held
-    value is used.
+    `q` (6, 8, N) [rad] is in (-pi, pi]. A branch that doesn't reach the pose has `valid` (8, N) false; its
+    `q` are the joint positions that stretch towards the pose. `free` (2, 8, N) is true if the pose doesn't
+    determine q1 (the wrist centre is on axis 1), or the wrist's angle (the wrist is straight); the held value
+    is used then.
     """
 
     q: Array

@@ -1,4 +1,4 @@
-"""Find an arm's elbow: the place that swings out although neither shoulder nor flange does."""
+"""Find an arm's elbow: a point that can swing out while shoulder and flange stay in place."""
 
 from __future__ import annotations
 
@@ -61,8 +61,9 @@ def _foot(frame: Array, point: Array) -> Array:
 
 
 def _nearest_on(one: Array, other: Array) -> Array:
-    """Return the point on the z axis of `one` that is nearest to the z axis of `other`; for parallel axes,
-    the foot of the other frame's origin.
+    """Return the point on the z axis of `one` that is nearest to the z axis of `other`.
+
+    For parallel axes, this is the foot of the other frame's origin.
     """
     across = np.cross(one[:3, 2], other[:3, 2])
     if float(across @ across) < 1e-12:

@@ -2,15 +2,15 @@
 
 The method is that of Raghavan and Roth (Inverse Kinematics of the General 6R Manipulator and Related
 Linkages, Journal of Mechanical Design 115(3), 1993), with the last step of Manocha and Canny (Efficient
-Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Of fourteen equations, in which two
-angles appear on one side only, six remain in the other three angles. Written in the half tangents of two of
-these, they give a 12 by 12 matrix whose entries are quadratic in the half tangent of the third. Its
-eigenvalues are the solutions, at most sixteen.
+Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Two of the angles appear on one side
+only of fourteen equations. Their elimination leaves six equations in the other three angles. Written in the
+half tangents of two of these three, the equations give a 12 by 12 matrix whose entries are quadratic in the
+half tangent of the third. Its eigenvalues are the solutions, at most sixteen.
 
 The loop of an arm and its pose can be opened at several joints and read from either end, which gives six
 eliminations (`_ORDERS`). If axes are parallel or meet, some of these have no regular matrix. Each arm is
-therefore tried with all of them once. If none finds all solutions, the arm is bent a little: isolated
-solutions move little by this, and iteration brings them back.
+therefore tried once with all six. If no elimination finds all solutions, the arm is bent a little: isolated
+solutions then move only a little, and iteration brings them back.
 """
 
 from __future__ import annotations
@@ -66,13 +66,13 @@ positions at this distance from both miss the pose by no more than `EXACT`.
 """
 
 _ORDERS = (1, 4, 0, 2, 3, 5)
-"""Places at which the loop is opened (0 to 2), and the same read from the loop's other end (3 to 5); those
-that suit most arms come first.
+"""Joints at which the loop is opened, as numbers 0 to 2 if the loop is read forwards and 3 to 5 if it is read
+from its other end. The orders that suit most arms come first.
 """
 
 _OFFSETS = (0.3, 0.7, 1.1)
-"""Angles from which the three eliminated angles are counted [rad]. A half tangent is infinite half a turn
-away, and so these keep it away from the angles that people use.
+"""Zeros of the three eliminated angles [rad]. A half tangent is infinite half a turn from the zero; these
+values keep that away from the angles that people use.
 """
 
 _THIRDS: Array = 2.0 * math.pi / 3.0 * np.arange(3.0)
@@ -127,8 +127,9 @@ def _with_twins(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return solutions (N, MOST, 6) and their mask (N, MOST), completed by close neighbours.
 
-    Where two solutions are about to meet, their half tangents nearly form a double root, and iteration may
-    lead from both to the same solution. They lie apart along the joint motion that leaves the flange at rest.
+    If two solutions are about to meet, their half tangents nearly form a double root, and iteration may lead
+    from both to the same solution. The two differ along the joint motion that leaves the flange at rest, so
+    the neighbour is searched for in that direction.
     """
     rows, which = np.nonzero(valid)
     here = q[rows, which]
@@ -151,7 +152,7 @@ def _with_twins(
 def distinct(
     chain: Chain, base_from_flange: Array, rows: NDArray[np.int_], candidate: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Make candidates exact, and return those that reach their poses, each once.
+    """Polish candidates, and return the distinct ones that reach their poses.
 
     Args:
         chain: an arm of six turning joints.
@@ -188,7 +189,7 @@ def distinct(
 
 
 def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Array]:
-    """Make candidates (K, 6) exact by slightly damped Newton steps.
+    """Polish candidates (K, 6) by slightly damped Newton steps.
 
     Args:
         chain: an arm of six turning joints.
@@ -262,8 +263,9 @@ def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
 def best_elimination(chain: Chain) -> Elimination:
     """Return the elimination that finds most solutions for an arm, remembered by the chain's identity.
 
-    The eliminations are tried on poses of known joint positions. The search ends when two eliminations have
-    found all of these and equally many solutions; otherwise the one with most solutions is taken.
+    The eliminations are tried on poses of known joint positions. The search ends as soon as three
+    eliminations have found the same largest number of solutions, and the last two of them also found all
+    known joint positions again. Otherwise the elimination that found most solutions wins.
     """
     from yarclang.robot.kinematics.fk import flange_poses
 
@@ -284,7 +286,8 @@ def best_elimination(chain: Chain) -> Elimination:
         if total > most:
             best, most, sure = form, total, 0
         elif total == most:
-            # two eliminations find equally many solutions: assume that there are no more
+            # another elimination finds as many solutions, with the known ones among them: assume that there
+            # are no more once this has happened twice
             away = solved - q[:, None]
             away -= 2.0 * math.pi * np.round(away / (2.0 * math.pi))
             near = np.where(valid, np.abs(away).max(axis=2), np.inf).min(axis=1)
@@ -357,7 +360,7 @@ def _bent_form(form: Elimination, size: float) -> Elimination:
 
 
 def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[Array], float]:
-    """Return the loop of arm and pose, from where it is opened.
+    """Return the loop that the arm and its pose form, beginning at the joint where it is opened.
 
     Returns:
         The joints in the loop's order; the transform after each of them, (4, 4), or (N, 4, 4) for the pose's;

@@ -126,8 +126,8 @@ NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
 def nominal_form(chain: Chain) -> Form | None:
     """Return the closed form of the nominal arm from which a calibrated chain differs a little.
 
-    Its solutions are starting points: those of the chain are near them. None if the chain has a closed form
-    of its own, or resembles no arm that has one.
+    The solutions of the nominal arm are near those of the chain, and serve as starting points for iteration.
+    Return None if the chain has a closed form of its own, or resembles no arm that has one.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform or form_of(chain) is not None:
@@ -249,8 +249,8 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
 
 
 def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
-    """Return the point (3,) in which axes (m, 3) through `points` (m, 3) meet, or None if one misses it by
-    `tolerance` [m].
+    """Return the point in which axes (m, 3) through `points` (m, 3) meet, or None if an axis misses that
+    point by more than `tolerance` [m].
     """
     # least squares: the sum of the projections perpendicular to the axes
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]

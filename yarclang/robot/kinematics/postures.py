@@ -1,9 +1,9 @@
 """Look up joint positions that nearly reach a pose: starts of the search for a redundant arm.
 
-The first and the last joint need no table. Read a pose as the line of the last axis: its position relative to
-the first axis doesn't depend on the first joint, and the last joint only turns about that line. The table
-therefore varies only the joints between, and records for each row where the last axis lies as seen from the
-first. The rows that come nearest to the pose determine the other two joints.
+The first and the last joint need no table. Consider a pose as the line of the last axis. Its position
+relative to the first axis doesn't depend on the first joint, and the last joint only turns about that line.
+The table therefore varies only the joints between, and records for each row the last axis as seen from the
+first axis. The rows that come nearest to the pose determine the first and the last joint.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ BEYOND = 10.0
 
 @frozen(eq=False)
 class Table:
-    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and where the last
-    axis then lies.
+    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and the last axis
+    at each of them.
 
     `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that don't depend
     on the first joint, lengths in units of `unit` [m]. `sizes` (ROWS,) are their squared norms. `bearings`
@@ -92,8 +92,8 @@ def seeds_near(
 def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
     """Return an arm's table, remembered by the identity of the chain and its limits.
 
-    None if the first joint is a screw, the last joint doesn't purely turn, or another joint slides so far
-    that a table would be too coarse.
+    Return None if the first joint is a screw, if the last joint doesn't purely turn, or if another joint
+    slides so far that a table would be too coarse.
     """
     links = links_of(chain)
     turns = bool(links.turn[0])
@@ -183,7 +183,8 @@ def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -
 def _seen(
     poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
 ) -> tuple[Array, Array]:
-    """Return the coordinates of the last axis that don't depend on the first joint, and that joint's share.
+    """Return the coordinates of the last axis that don't depend on the first joint, and the coordinate that
+    does: the bearing about the first axis, or the position along it.
 
     Args:
         poses: flange poses (N, 4, 4).

@@ -46,7 +46,7 @@ class Lines:
 
 
 class Kinematics(Protocol):
-    """Forward kinematics for `yarclang.collision` and `yarclang.handling`, which a chain brings along."""
+    """Forward kinematics for `yarclang.collision` and `yarclang.handling`. A chain may bring its own."""
 
     def placements(self, chain: Chain, q: Array) -> Array:
         """Return (n + 1, 3, 4, P) for joint positions (P, n): see `yarclang.robot.placements`."""
@@ -69,8 +69,8 @@ class Chain:
 
     `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then angular part (a
     revolute axis w through point c is (-w x c, w); a prismatic one is (v, 0)). `base_from_flange` (4, 4) is
-    the flange with all joints at zero. `kinematics` moves the chain; None for the planner's kinematics. The
-    judge brings its own.
+    the flange with all joints at zero. `kinematics` computes the chain's motion; None for the planner's
+    kinematics. The judge brings its own.
     """
 
     screws: Array
@@ -92,8 +92,8 @@ class Chain:
 class Limits:
     """Joint limits, (n,) each.
 
-    Positions are from `lower` to `upper` [rad or m], infinite without a limit. The others are the largest
-    velocity, acceleration, jerk, and acceleration of an emergency stop.
+    Positions range from `lower` to `upper` [rad or m], which are infinite without a limit. The other fields
+    are the largest velocity, acceleration and jerk, and the acceleration of an emergency stop.
     """
 
     lower: Array
@@ -204,8 +204,8 @@ class Dynamics:
 
 @frozen
 class Written:
-    """The texts of the files from which a robot was read, for readers that trust no other source: robot.toml
-    and URDF.
+    """The texts of the files from which a robot was read, robot.toml and URDF, for readers that trust no
+    other source.
     """
 
     toml: str

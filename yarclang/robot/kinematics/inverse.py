@@ -262,7 +262,8 @@ _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
 
 
 def _radical_inverse(index: NDArray[np.int_], base: int) -> Array:
-    """Return the radical inverse (N,) in [0, 1): the digits of `index` (N,) to `base`, mirrored at the point.
+    """Return the radical inverse (N,) in [0, 1) of `index` (N,): its digits to `base`, mirrored at the
+    point.
     """
     result, scale, left = np.zeros(len(index)), 1.0 / base, index.copy()
     while left.any():

@@ -192,8 +192,7 @@ class _Seen:
         return q, cost
 
     def next_to_reference(self) -> Array:
-        """Return the joint position (7,) that a few Newton steps from the reference towards the pose reach.
-        """
+        """Return the joint position (7,) after a few Newton steps from the reference towards the pose."""
         q = self.reference
         for _ in range(STEPS):
             pose, one = pose_with_jacobian(self.chain, q)

@@ -47,10 +47,12 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
 
 
 def arm_length(chain: Chain, flange_from_tool: Array) -> float:
-    """Return how far the tool can be from the first turning axis [m], slides at zero; 1 m if no joint turns.
+    """Return an upper bound on the distance of the tool from the first turning axis [m], with slides at zero;
+    1 m if no joint turns.
 
-    It is the sum of the links, each measured from the foot of the next one on its axis. This size of the arm
-    doesn't depend on where along their axes the URDF puts the joints.
+    The bound is a sum of distances: from the tool to the last turning axis, from the foot of this
+    perpendicular to the turning axis before, and so on. This size of the arm doesn't depend on where along
+    their axes the URDF puts the joints.
 
     Args:
         chain: the arm.

@@ -1,4 +1,4 @@
-"""Measure the distance of joint positions from a singularity, and the motions that a singularity makes
+"""Measure the distance of joint positions from a singularity, and find the motions that a singularity makes
 expensive.
 
 A Jacobian mixes m and rad, so its singular values are meaningless until lengths and angles are weighted. Here
@@ -17,8 +17,8 @@ from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain
 
 _ROUNDING = 1e-9
-"""Margin that covers, many times over, the rounding of squared singular values, which are at most some
-tens.
+"""Margin for the rounding of squared singular values. It is many times larger than this rounding, since the
+squares are at most some tens.
 """
 
 
@@ -41,8 +41,8 @@ def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
     """Compute the smallest singular value at each joint position, and the motions that belong to it.
 
     An arm with fewer than six joints has as many singular values as joints: it is singular where it can move
-    in fewer directions than elsewhere. With more than six joints, the smallest of six counts; the null space
-    doesn't.
+    in fewer directions than elsewhere. An arm with more than six joints has six singular values; its null
+    space doesn't count.
 
     Args:
         chain: the arm, n joints.
@@ -64,7 +64,7 @@ def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float)
     """Return True if the smallest singular value is proved to be above a limit at every joint position.
 
     JJᵀ - limit² I is positive definite exactly if it has a Cholesky factor, which takes a fifth of the time
-    of the singular values. Very near the limit the answer is False.
+    of the singular values. If a value is above the limit by no more than rounding, the result is False.
 
     Args:
         chain: the arm, n joints.

@@ -69,6 +69,7 @@ def _nearest_on(one: Array, other: Array) -> Array:
     if float(across @ across) < 1e-12:
         return _foot(one, other[:3, 3])
     apart = other[:3, 3] - one[:3, 3]
+    # the foot of the common perpendicular of two skew lines
     along = float(np.cross(apart, other[:3, 2]) @ across) / float(across @ across)
     nearest: Array = one[:3, 3] + along * one[:3, 2]
     return nearest

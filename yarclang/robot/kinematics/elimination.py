@@ -366,6 +366,7 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
         The joints in the loop's order; the transform after each of them, (4, 4), or (N, 4, 4) for the pose's;
         and the sign of the angles.
     """
+    # the pose closes the loop: the inverse of `between` is the transform from the last joint to the first
     between = _inverse(form.first) @ base_from_flange @ _inverse(form.last)
     between[:, :3, 3] /= form.scale
     joints, steps = list(range(6)), [*form.steps, _inverse(between)]

@@ -111,6 +111,7 @@ def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple
     """
     links = links_of(chain)
     columns, axes, origins = walk(chain, q, flange_from_tool)
+    # for a turning joint (Lynch and Park, ch. 5.1): angular part z, linear part z x (tool - origin)
     arms = columns[3] - origins
     jacobian = np.empty((6, chain.size, q.shape[1]))
     # linear part: the cross product of axis and lever arm
@@ -121,6 +122,7 @@ def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple
         jacobian[3 + row] = axes[:, row]
     if links.uniform:
         return columns, jacobian
+    # the general case: the joint turns by `turn` and slides by `slide` per unit
     jacobian *= links.turn[:, None]
     jacobian[:3] += links.slide[:, None] * axes.transpose(1, 0, 2)
     return columns, jacobian
@@ -153,6 +155,7 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
         else:
             here[:] = frame
         if links.turn[joint]:
+            # a turn about z combines only the columns x and y: x' = cos x + sin y, y' = cos y - sin x
             np.multiply(here[:2], cos[joint], out=frame[:2])
             frame[0] += here[1] * sin[joint]
             frame[1] -= here[0] * sin[joint]

@@ -159,6 +159,7 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     if chain.size != 6 or not links.uniform:
         return None
     axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
+    # axes 2, 3 and 4 are parallel if their cross products vanish
     along = axes[1]
     if max(float(np.linalg.norm(np.cross(along, other))) for other in (axes[2], axes[3])) > TOLERANCE:
         return None
@@ -166,11 +167,13 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     alpha, beta, lean = _angle(along, axes[4]), _angle(axes[4], axes[5]), _angle(axes[0], along)
     if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
         return None
+    # the links between the parallel axes, perpendicular to them
     across = _across(points[2] - points[1], along)
     fore = _across(points[3] - points[2], along)
     upper, fore_length = float(np.linalg.norm(across)), float(np.linalg.norm(fore))
     if min(upper, fore_length) < SMALL_ANGLE:
         return None
+    # the common normals of axes 2 and 5, and of axes 5 and 6, are the x axes from which the angles count
     second = frame_of(along, across / upper, points[1])
     x4, x6 = np.cross(along, axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
     first = np.linalg.inv(links.frames[0])
@@ -224,11 +227,13 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     second = frame_of(axes[1], across / upper, points[1])
     third = second.copy()
     third[:3, 3] += across
+    # the wrist centre in frame 3: in the plane perpendicular to axis 2, and along axis 2
     seen = np.linalg.inv(third) @ np.r_[centre, 1.0]
     fore = float(np.hypot(seen[0], seen[1]))
     if fore < SMALL_ANGLE:
         return None
     first = links.frames[0]
+    # the common normals of axes 4 and 5, and of axes 5 and 6, are the x axes from which the angles count
     x4, x6 = np.cross(axes[3], axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
     fourth = frame_of(axes[3], x4, centre)
     sixth = frame_of(axes[5], x6, centre)

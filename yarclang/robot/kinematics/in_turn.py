@@ -51,15 +51,19 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     branch = int(np.argmin(first))
     if not np.isfinite(first[branch]):
         return nothing
+    # unwrap the branch: put the first pose on the full turn nearest to the reference, and remove the jumps by
+    # full turns between poses
     turns = np.zeros((len(q), chain.size))
     turns[0] = np.round((nearest_turn(chain, limits, q[0, branch], reference) - q[0, branch]) / TURN)
     turns[1:] = turns[0] - np.cumsum(np.round(np.diff(q[:, branch], axis=0) / TURN), axis=0)
     along = q[:, branch] + TURN * turns
+    # compare with all other branches, each pose with the assumed solution of the pose before as reference
     clipped, costs = _costs(chain, limits, q, reaching, np.vstack([reference, along[:-1]]))
     own = costs[:, branch].copy()
     costs[:, branch] = np.inf
     is_sure = np.isfinite(own) & (own + _CLEARLY < costs.min(axis=1))
     is_sure &= (clipped[:, branch] == along).all(axis=1)
+    # a free angle is held at the first reference, not at the solution before
     is_sure &= ~(solutions.singular & solutions.valid).any(axis=0)
     return along[: len(along) if is_sure.all() else int(np.argmin(is_sure))]
 

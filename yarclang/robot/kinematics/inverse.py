@@ -93,6 +93,7 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
         columns = walk(chain, nearest, np.eye(4))[0]
         miss_position[piece], miss_angle[piece] = misses(columns, pose_columns(poses))
         q[piece] = nearest.T
+    # improve solutions near a boundary or a singularity, and find the nearest miss of poses out of reach
     rough = np.flatnonzero(np.maximum(miss_position, miss_angle) > POLISH)
     if len(rough):
         better = fit(chain, base_from_flange[rough], q[rough])

@@ -86,6 +86,7 @@ class _Kept:
         for place in range(1, PLACES):
             go_on()
             before = ways[rows, place - 1]
+            # the last place serves as reference: the step to the next pose is then the least one
             pull = Pull(
                 self.chain, self.lower[rows], self.upper[rows], poses[rows, place], before, self.scale
             )
@@ -106,6 +107,7 @@ class _Kept:
             go_on()
             wanted = way.copy()
             for _ in range(PASSES):
+                # a binomial filter (1, 2, 1) / 4 along the path; the ends stay
                 wanted[1:-1] += 0.25 * (wanted[:-2] - 2.0 * wanted[1:-1] + wanted[2:])
             pull = Pull(self.chain, self.lower[row], self.upper[row], poses[1:], wanted[1:], self.scale)
             back, miss = pull.put_back(wanted[1:], STEPS)

@@ -187,6 +187,7 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
         twist: (6, K) [m above rad].
         q: (n,) [rad or m].
     """
+    # J⁺ = Jᵀ (JJᵀ + d)⁻¹, with each joint in units of its range
     scale = weights(chain, limits)
     scaled = jacobian * scale
     inverse = scaled.T @ np.linalg.inv(scaled @ scaled.T + DAMPING * np.eye(len(scaled)))

@@ -198,6 +198,7 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
         axes = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[1]
         # q4 and q6 turn about the same line, in the same sense or in opposite ones
         sense = np.sign(np.einsum("kn,kn->n", axes[3], axes[5]))
+        # move the excess of joint 6 to joint 4: the pose stays the same
         excess = np.where(straight, beyond(limits, lifted)[:, 5], 0.0)
         moved = lifted.copy()
         moved[:, 5] -= excess

@@ -177,6 +177,7 @@ class _Seen:
                     q, cost = here, float(away @ away) + (UNCLEAR if cost >= UNCLEAR else 0.0)
             # the last right singular vector spans the null space: keep its sense from step to step
             way = right[6] if right[6] @ way >= 0.0 else -right[6]
+            # half of the derivative of the cost along the self-motion, and its change per step (the secant)
             slope = float(way @ away)
             if step != 0.0:
                 bend = min(max((slope - before) / step, 0.2), 20.0)
@@ -187,6 +188,7 @@ class _Seen:
             step = -math.copysign(max(min(abs(slope) / bend, LARGEST, float(room.min())), 0.0), slope)
             if abs(step) < SETTLED and (number == 0 or np.abs(error).max() < EXACT):
                 break
+            # Newton step to the pose by the pseudoinverse: V S⁻¹ Uᵀ e
             back = right[:6].T @ ((left.T @ error) / np.maximum(size, DAMPED))
             here = here + back + way * step
         return q, cost
@@ -217,6 +219,7 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
         [one[rows, inner + step] for step in (-1, 0, 1)] for one in (places, costs)
     )
     with np.errstate(invalid="ignore", divide="ignore"):
+        # successive parabolic interpolation (Brent, Algorithms for Minimization without Derivatives, ch. 5)
         down, up = (middle - left) * (here - after), (middle - right) * (here - before)
         at = middle - 0.5 * ((middle - left) * down - (middle - right) * up) / (down - up)
     result: Array = np.where((at > left) & (at < right), at, places[rows, lowest])

@@ -163,6 +163,7 @@ def _fit_block(
         if not len(active):
             break
         go_on()
+        # Sugihara's damping, in proportion to the squared error; the largest joint step is limited to STEP
         step = damped_step(jacobian, error, factor * now + FLOOR)
         largest = np.abs(step).max(axis=0)
         step *= np.minimum(1.0, STEP / np.maximum(largest, 1e-300))
@@ -246,10 +247,12 @@ def _solve(matrix: Array, right: Array) -> Array:
     """
     size = len(matrix)
     for k in range(size - 1):
+        # Gaussian elimination needs no pivoting: the matrices are positive definite
         factor = matrix[k + 1 :, k] / np.maximum(matrix[k, k], 1e-300)
         matrix[k + 1 :, k + 1 :] -= factor[:, None] * matrix[k, None, k + 1 :]
         right[k + 1 :] -= factor * right[k]
     for k in range(size - 1, -1, -1):
+        # back substitution
         right[k] /= np.maximum(matrix[k, k], 1e-300)
         right[:k] -= matrix[:k, k] * right[k]
     return right

@@ -151,6 +151,7 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
     apart = table.sizes - table.places @ (2.0 * wanted[0])
     rows = np.argpartition(apart, NEAREST)[:NEAREST]
     q = table.q[rows].copy()
+    # the first joint brings the row's bearing to the pose's
     q[:, 0] = bearing[0] - table.bearings[rows]
     across = table.across[rows]
     if table.turns:
@@ -199,8 +200,10 @@ def _seen(
     """
     place = (poses[:, :3, :3] @ point + poses[:, :3, 3] - first[:3, 3]) @ first[:3, :3]
     way = (poses[:, :3, :3] @ axis) @ first[:3, :3]
+    # a sliding first joint changes only the coordinate along its axis
     if not turns:
         return np.column_stack((place[:, :2] / unit, way)), place[:, 2].copy()
+    # in cylinder coordinates about the first axis, a turning first joint changes only the bearing
     bearing = np.arctan2(place[:, 1], place[:, 0])
     sin, cos = np.sin(bearing), np.cos(bearing)
     radius = np.hypot(place[:, 0], place[:, 1])

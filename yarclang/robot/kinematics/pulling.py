@@ -355,6 +355,7 @@ class Pull:
                 break
             free[rows] &= ~leaving[rows]
             held = free[rows]
+            # without the columns of held joints, the other joints make the whole step
             towards[rows], along[rows] = _least(
                 jacobian[rows] * held[:, None], error[rows], miss[rows], wanted[rows] * held
             )
@@ -375,6 +376,7 @@ def _least(jacobian: Array, error: Array, miss: Array, wanted: Array) -> tuple[A
     """
     across = jacobian.transpose(0, 2, 1)
     square = jacobian @ across
+    # every seventh entry of a 6 by 6 matrix is on its diagonal
     square.reshape(len(square), -1)[:, ::7] += (DAMPING + FAR * np.minimum(miss * miss, 1.0))[:, None]
     right = np.empty((len(square), 6, 2))
     right[:, :, 0], right[:, :, 1] = error, (jacobian @ wanted[:, :, None])[:, :, 0]

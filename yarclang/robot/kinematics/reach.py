@@ -33,6 +33,7 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
     beyond = 0.0
     for joint in range(chain.size - 1, -1, -1):
         if not links.turn[joint]:
+            # a slide moves everything after it by at most its travel
             travel = max(abs(limits.lower[joint]), abs(limits.upper[joint]))
             radii[joint] = links.slide[joint]
             beyond += links.slide[joint] * travel

@@ -72,6 +72,7 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
         todo = np.flatnonzero(~solved)
         if not len(todo):
             break
+        # continue with the starts that come after those of the earlier stages
         nearest = _nearest_starts(chain, limits, base_from_flange[todo], begun + starts)[:, begun:]
         begun += starts
         poses = np.repeat(base_from_flange[todo], starts, axis=0)

@@ -74,6 +74,7 @@ def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float)
     """
     scaled = weighted_jacobians(chain, q, flange_from_tool)
     turned = scaled.transpose(0, 2, 1)
+    # the smaller of JJᵀ and JᵀJ: its eigenvalues are the squared singular values that count
     squares = scaled @ turned if chain.size >= 6 else turned @ scaled
     squares -= (limit * limit + _ROUNDING) * np.eye(squares.shape[1])
     try:

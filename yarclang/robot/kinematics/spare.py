@@ -266,6 +266,7 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
     """
     axis = form.axes[3]
     arm, seen = form.centre - form.points[3], middle - form.points[3][:, None]
+    # split both vectors into their components along the axis and across it
     along, height = float(axis @ arm), axis @ seen
     arm = arm - along * axis
     seen = seen - axis[:, None] * height
@@ -302,7 +303,9 @@ def _two_turns(
     sine = float(normal @ normal)
     # the vector between the two turns lies on both cones: first · one + second · other ± aside · normal
     level, height = one @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
+    # solve for the components along the two axes: the turns change neither `level` nor `height`
     first, second = (level - cosine * height) / sine, (height - cosine * level) / sine
+    # the rest of the length is along the common normal
     square = (reach * reach).sum(axis=0) - first * (first + 2.0 * cosine * second) - second * second
     aside = np.sqrt(np.maximum(square, 0.0) / sine)
     between = one[:, None, None] * first + other[:, None, None] * second
@@ -313,6 +316,7 @@ def _two_turns(
     turn_one = _turn_between(_crossed(cross_one, between), end[:, None, None], way[:, None, None])
     start = _crossed(cross_other, reach)[:, None]
     turn_other = _turn_between(start, _crossed(cross_other, between), between)
+    # hold the turn of a vector that lies along its axis
     radius = np.sqrt((end * end).sum(axis=0))
     if radius.min(initial=1.0) < 10.0 * HOLD:
         turn_one = held(turn_one, hold[0], radius)

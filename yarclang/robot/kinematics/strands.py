@@ -205,6 +205,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
             end = "nothing"
             break
         move = float(np.abs(target - q[here]).max())
+        # refine while the move is large or the branch changes, until the interval is too short
         changes = branch >= 0 and choice != branch and not straight
         if (move > NEAR or changes) and width > FINEST:
             pieces = min(SECTIONS, int(np.ceil(width / FINEST)))

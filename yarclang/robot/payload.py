@@ -1,8 +1,8 @@
 """Compute the largest torques with which an arm holds itself at rest, over all joint positions within its
 limits.
 
-Links and zones don't count here: the worst position may be one that the arm can't reach without touching
-something. The result is therefore an upper bound.
+Collisions and zones are ignored: at the worst position the arm may touch something. The result is therefore
+an upper bound.
 """
 
 from __future__ import annotations
@@ -63,7 +63,8 @@ def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) 
     size = chain.size
     spread = low + _spread(_STARTS * _EACH, size) * (high - low)
     torque = np.abs(holding_torques(chain, dynamics, spread)).reshape(_STARTS, _EACH, size)
-    # (_STARTS, n): in each group, the position at which each joint's torque is largest
+    # (_STARTS, n): for each group and each joint, the position of the group at which the joint's torque is
+    # largest
     at = torque.argmax(axis=1)
     q = spread.reshape(_STARTS, _EACH, size)[np.arange(_STARTS)[:, None], at].reshape(-1, size)
     own = np.tile(np.arange(size), _STARTS)  # the joint whose torque a row maximizes

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from yarclang.robot.schema import BodyTable, RobotTable, ToolTable
 
 SLACK = 1e-6
-"""Share of an inertia by which its components may be inconsistent, since they are written with few digits."""
+"""Tolerance of the check that the components of an inertia are consistent, as a share of the inertia: files
+have few digits.
+"""
 
 
 def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
@@ -120,7 +122,7 @@ def _check_tool(
         path: the tool's table.
         tool: its values.
         names: the frames of the file, and the frames that couldn't be read.
-        weighed: True if a missing mass isn't already another mistake.
+        weighed: False if a missing mass was already reported.
     """
     frames, lost = names
     if tool.frame.upper() not in frames | lost:

@@ -1,7 +1,7 @@
 """Read the appearance of a robot's links for pictures: the visual shapes of its URDF.
 
-No check depends on these shapes. A shape that can't be read is therefore left out here, and the caller shows
-the collision shapes instead.
+No check depends on these shapes. A shape that can't be read is therefore left out, and the caller shows the
+collision shapes instead.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule, which makes a value a
-guess.
+"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule. A value by a rule is
+marked as a guess.
 
 All numbers here are in the units of robot.toml: deg and mm, per s, s^2, s^3; counts; ms.
 """
@@ -29,10 +29,12 @@ SLOW = {"deg": 60.0, "mm": 100.0}
 """Guessed velocity limits [deg/s, mm/s]."""
 
 FASTEST = {"deg": 50.0 / DEG, "mm": 10.0 / MM}
-"""Largest velocity that counts as a limit [deg/s, mm/s]. Files have larger ones if no limit is known."""
+"""Largest velocity that counts as a limit [deg/s, mm/s]. Files have larger values if the limit isn't
+known.
+"""
 
 WIDEST = {"deg": 100 * 360.0, "mm": 100_000.0}
-"""Position limit beyond which a value isn't a limit [deg, mm]."""
+"""Largest position that counts as a limit [deg, mm]."""
 
 TRAVEL = {"deg": (-180.0, 180.0), "mm": (0.0, 100.0)}
 """Guessed position limits [deg, mm]."""
@@ -48,7 +50,7 @@ class Said:
 
     Attributes:
         value: the value.
-        origin: its origin.
+        origin: where it comes from.
         note: its unit, or the reason for a guess.
     """
 

@@ -1,6 +1,4 @@
-"""A job for streaming: a program's lines, when each of them is executed, and to which command
-each belongs.
-"""
+"""A job for streaming: the lines of a program, their times, and the command to which each line belongs."""
 
 from __future__ import annotations
 
@@ -49,15 +47,16 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """The barrier between two legs of a program: it waits for an input or the operator, or branches part or
-    meet there.
+    """The barrier between two legs of a program. There the robot waits for an input or the operator, or
+    branches divide or join.
 
     `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
     `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
     `source_line` are those of the command. `timeout` is in s. `decided` is the condition of a `when`, or of a
-    wait without `variable`; with `again`, it is evaluated with the values that the last `when` has read. For
-    a `set`, `decided` is the number that `register` or `output` gets. `word` is the command's name: for a
-    `when`, OF inside a CASE. `offset` is the frame that is shifted in the first branch of a `when`.
+    wait without `variable`; if `again` is True, the condition is evaluated with the values that the last
+    `when` has read. For a `set`, `decided` is the number that `register` or `output` gets. `word` is the
+    command's name; for a `when` inside a CASE, it is OF. `offset` is the frame that is shifted in the first
+    branch of a `when`.
     """
 
     kind: str
@@ -78,7 +77,7 @@ class Barrier:
 @dataclass(frozen=True, slots=True)
 class Part:
     """The position of a leg in the program: `begun` is True if earlier legs were started; `leads_to`
-    is the title of the barrier at its end (empty: the program's end).
+    is the title of the barrier at its end (empty if the leg ends the program).
     """
 
     begun: bool
@@ -89,8 +88,8 @@ class Part:
 class Leg:
     """The lines that are streamed up to a barrier, and the barrier at their end (None: the program's end).
 
-    The job is None if only outputs and dwells could be there and none are. `ends` is when the leg ends [s of
-    the job], and `clock` the latest known time of that.
+    `job` is None if the leg has no lines. `ends` is when the leg ends [s of the job], and `clock` the latest
+    known time at which it ends.
     """
 
     job: Job | None

@@ -43,8 +43,8 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Answers of the controller at inspection: `often` is asked every second, and of `seldom` one question
-    every second.
+    """Answers of the controller at inspection. All questions of `often` are repeated every second, and one
+    question of `seldom`.
     """
 
     often: tuple[Remembered, ...] = ()

@@ -51,7 +51,7 @@ class Memory:
     seldom: tuple[Remembered, ...] = ()
 
     def value(self, variable: str) -> str:
-        """Return the printed value of a variable; empty if it wasn't asked for."""
+        """Return the printed value of a variable; empty if no question of `often` asks for it."""
         for one in self.often:
             if variable in one.question.parts:
                 return one.reply[one.question.parts.index(variable)]

@@ -1,6 +1,7 @@
 """Service at rest, without a job: closing and opening loops, sending and saving settings. No I/O.
 
-After each of these, a complete inspection decides if a motion is possible; until then the state is a fault.
+After each of these actions, a complete inspection decides if a motion is possible; until then the state is a
+fault.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ _SETTLES = 0.1
 _POLL = 0.02
 
 STAYS = 0.2
-"""Longest motion and following error of a motor whose loop is closed, as motion of a joint [deg or mm]."""
+"""Largest motion and following error of a motor after its loop is closed, as motion of a joint [deg or
+mm].
+"""
 
 _SAVES = 30.0
 """Longest time that a controller may be busy with SAVE [s]."""
@@ -43,7 +46,7 @@ def is_ended(operation: Operation) -> bool:
 
 
 def check_rest(operation: Operation, robot: Robot) -> Script[None]:
-    """Check that nothing moves, and that no program is in the middle.
+    """Check that nothing moves, and that no program was interrupted in the middle.
 
     Raises:
         Trouble: something moves, or a program is in the middle.
@@ -183,9 +186,9 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
-    """Send settings line by line, after `check_open` has found nothing wrong.
+    """Send settings line by line, after `check_open` has found no problem.
 
-    Sending ends with the first line that isn't taken, or when a person orders it.
+    Sending ends at the first line that the controller refuses, or when a person orders the end.
 
     Args:
         operation: the run.

@@ -6,7 +6,9 @@ import asyncio
 
 
 class Wire(asyncio.Protocol):
-    """Bytes to and from a controller. `arrived` is set when bytes have come, or the connection has ended."""
+    """Bytes to and from a controller. `arrived` is set when bytes have arrived, or the connection has
+    ended.
+    """
 
     def __init__(self) -> None:
         self.arrived = asyncio.Event()

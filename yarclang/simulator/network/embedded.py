@@ -72,7 +72,8 @@ class EmbeddedSimulator:
         """Close all connections and stop.
 
         Raises:
-            Exception: an error inside the machine, as in `check`, which replaces errors that follow from it.
+            Exception: an error inside the machine, as in `check`. It replaces errors that are its
+                consequences.
             RuntimeError: if the server doesn't stop.
         """
         with contextlib.suppress(RuntimeError):  # its loop has ended by an error

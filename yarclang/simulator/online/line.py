@@ -12,10 +12,10 @@ from yarclang.simulator.online.surroundings import Controller
 from yarclang.simulator.state.registers import Seen
 
 LONGEST = 255
-"""Most characters of a line (facts 3)."""
+"""Largest number of characters of a line (facts 3)."""
 
 LEGAL = re.compile(r"[\t\r\n -~]*").fullmatch
-"""Matches a line whose characters are all in the language."""
+"""Matches a text whose characters are all allowed in a line."""
 
 
 class Line:

@@ -1,4 +1,6 @@
-"""The buffers of the machine: their contents, and the one that a port has open (TSRM 295, 381; TUM 337)."""
+"""The buffers of the machine: their contents, and the buffer that a port has open (TSRM 295, 381; TUM
+337).
+"""
 
 from __future__ import annotations
 
@@ -94,7 +96,7 @@ class Buffers:
             raise Refusal(STRUCTURE)
 
     def release(self, port: Port) -> None:
-        """Close the buffer that a port has open, without an error for its structure."""
+        """Close the buffer that a port has open, without checking its structure."""
         with contextlib.suppress(Refusal):
             self.close(port)
 

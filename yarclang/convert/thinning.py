@@ -75,8 +75,8 @@ def path_in_time(course: Course, times: Array) -> Array:
     """Return joint values (m, n) at `times` (m,) [s] on the path of MOVEJ_TIMED through a course [deg, mm].
 
     With accelerations the path is quintic; with velocities only, it is cubic. Otherwise it is a cubic spline
-    in time that is at rest at both ends. Before the first target of a course that doesn't begin at time 0,
-    the path isn't known, since the position of the robot isn't known; the path begins at this target.
+    in time that is at rest at both ends. The path begins at the first target of the course, even if this has
+    a later time than 0: the position of the robot before it isn't known.
     """
     from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 

@@ -15,8 +15,8 @@ from yarclang.toml.file import did_you_mean
 
 
 def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | None:
-    """Return all joints from link `base` to link `flange`, fixed ones included, or None if they aren't
-    connected.
+    """Return all joints from link `base` to link `flange`, including fixed joints, or None if the links
+    aren't connected.
 
     The URDF must be a sound tree that has both links.
     """

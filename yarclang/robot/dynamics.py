@@ -99,9 +99,11 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
 class _Links:
     """The constants of an arm.
 
-    For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the one before, and `shift` (n,
-    3) its origin there. For the body that it moves, `mass` (n,), `center` (n, 3) and `inertia` (n, 3, 3) are
-    in the joint's frame. `turn` and `slide` (n,) are the motion about and along z per unit of joint position.
+    For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the frame before, and `shift`
+    (n,
+    3) is its origin in the frame before. For the body that the joint moves, `mass` (n,), `center` (n, 3) and
+    `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the motion about and along z per
+    unit of joint position.
     """
 
     step: Array
@@ -141,13 +143,13 @@ def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
 
 
 def _into(step: Array, sin: Array, cos: Array, one: Array) -> Array:
-    """Return vectors (3, P) in the axes of a link, given in those of the link before."""
+    """Transform vectors (3, P) from the axes of the link before to the axes of a link."""
     x, y, z = step.T @ one
     return np.stack([cos * x + sin * y, cos * y - sin * x, z])
 
 
 def _out_of(step: Array, sin: Array, cos: Array, one: Array) -> Array:
-    """Return vectors (3, P) in the axes of the link before, given in those of a link."""
+    """Transform vectors (3, P) from the axes of a link to the axes of the link before."""
     x, y, z = one
     back: Array = step @ np.stack([cos * x - sin * y, sin * x + cos * y, z])
     return back

@@ -1,4 +1,4 @@
-"""Names of joints: those of the URDF, and the short ones J1, J2 and so on in the robot's order."""
+"""Names of joints: the names in the URDF, and the short names J1, J2 and so on in the robot's order."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ def joint_number(names: Sequence[str], name: str) -> int | None:
 
 
 def joint_labels(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names for people: `J2 shoulder_lift_joint`, or the robot's own if it has no short ones."""
+    """Return the names for people, such as `J2 shoulder_lift_joint`; the URDF's names if there are no
+    short names.
+    """
     if not has_short_names(names):
         return tuple(names)
     return tuple(f"J{number} {name}" for number, name in enumerate(names, 1))

@@ -41,8 +41,8 @@ def dynamics_of(
     Args:
         urdf: a URDF without errors.
         ends: the link that is {B}, and the arm's moving joints.
-        chain: the same arm.
-        tools: all tools; those that are mounted count.
+        chain: the same arm as a chain.
+        tools: all tools; only the mounted ones count.
         said: values of robot.toml: the effort of each joint (None: that of the URDF), gravity in {B} [m/s^2]
             (None: downwards), and True if torques are checked.
     """

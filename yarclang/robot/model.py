@@ -145,7 +145,7 @@ class Tolerance:
 class LinkShape:
     """A collision shape of a link: `base_from_shape` (4, 4) [m] is its place with all joints at zero.
 
-    `joint` is the number of the arm's joints that move it, counted from the base: 0 for a link at rest.
+    `joint` is the number of the arm's joints between the base and the link: 0 for a link at rest.
     """
 
     link: str
@@ -198,7 +198,9 @@ class Dynamics:
 
     @property
     def is_checked(self) -> bool:
-        """True if motions are checked against efforts: all masses and at least one effort are known."""
+        """True if motions are checked against efforts. For this, robot.toml must ask for it, and all masses
+        and at least one effort must be known.
+        """
         return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
 
 
@@ -220,9 +222,9 @@ class Robot:
     is the identity. `positions` are the named joint positions, including HOME. `fingerprint` is the SHA-256
     of everything that programs depend on. `shapes` are the links' collision shapes; `allowed` are the pairs
     of links and tools that may touch each other, each pair in alphabetical order. `dynamics` is None for a
-    robot that was made without files. `jog_speed` is the largest speed of the tool's origin in live motions
-    [m/s]: ISO 10218-1's reduced speed, unless its file sets another. `written` are the texts of its files;
-    None for a robot that was made without files, or changed after it was read.
+    robot that wasn't read from files. `jog_speed` is the largest speed of the tool's origin in live motions
+    [m/s]: ISO 10218-1's reduced speed, unless robot.toml sets another. `written` are the texts of the robot's
+    files; None for a robot that wasn't read from files, or was changed after it was read.
     """
 
     name: str

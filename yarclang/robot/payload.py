@@ -80,13 +80,13 @@ def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) 
 def _worst_along(
     chain: Chain, dynamics: Dynamics, q: Array, own: NDArray[np.intp], moved: int, limits: tuple[float, float]
 ) -> Array:
-    """Return the position (R,) of one joint at which each row's torque is largest.
+    """Return, for each row of joint positions, the position (R,) of one joint at which a torque is largest.
 
     Args:
         chain: the arm, n joints.
         dynamics: its masses.
         q: (R, n) joint positions [rad or m].
-        own: (R,) the joint whose torque counts.
+        own: (R,) for each row, the joint whose torque is maximized.
         moved: the joint that moves.
         limits: its lower and upper limit.
     """

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from yarclang.robot.schema import BodyTable, RobotTable, ToolTable
 
 SLACK = 1e-6
-"""Tolerance of the check that the components of an inertia are consistent, as a share of the inertia: files
-have few digits.
+"""Tolerance for inconsistent components of an inertia, as a share of the inertia. Files have few digits, and
+rounding makes the components inconsistent.
 """
 
 

@@ -146,9 +146,8 @@ class TooLate(Lost):
 class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
     """The run can't continue.
 
-    The arguments are what is wrong, what to do about it, the code of the finding, and the line of the job
-    (from
-    0) that the fault concerns, if it isn't the line that is being executed.
+    `what` is wrong, and `remedy` is what to do about it. `code` is the code of the finding. `line` is the
+    number of the job's line (from 0) that the fault concerns, if it isn't the line that is being executed.
     """
 
     def __init__(self, what: str, remedy: str = "", code: str = "Y1601", line: int | None = None) -> None:

@@ -78,8 +78,8 @@ class Session:
     """One controller, and one script at a time.
 
     Args:
-        host: of the controller.
-        port: of the controller.
+        host: name or address of the controller.
+        port: port of the controller.
         reply_time: longest time for a reply [s].
         pace: seconds of the controller per second: 1, except for a simulator.
         connector: makes connections; TCP, except for a controller in this process.

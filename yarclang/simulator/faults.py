@@ -197,12 +197,12 @@ class Troubles:
 
     @property
     def frozen(self) -> bool:
-        """True if nothing is answered now."""
+        """True if the machine doesn't answer anything now."""
         return any(self._lasts("freeze"))
 
     @property
     def busy(self) -> bool:
-        """True if lines are answered with a NUL now, and not executed."""
+        """True if the machine now answers lines with a NUL and doesn't execute them."""
         return any(self._lasts("busy"))
 
     def spoil(self, reply: bytes) -> tuple[bytes, float]:

@@ -152,7 +152,7 @@ class _Fits:
 def _joined(fits: _Fits) -> Rows:
     """Return a choice of candidates in which no two neighbouring intervals of a stretch can be joined.
 
-    These are at most about twice as many as needed.
+    The choice has at most about twice as many candidates as necessary.
     """
     stretch = fits.points.stretch
     count = len(stretch)

@@ -208,8 +208,8 @@ class _Band:
 def _smoothing(count: int) -> Array:
     """Return the matrix (count - 1, count - 1) that smooths a displacement of the samples after the first.
 
-    It is the response of a stiff band that is held at its start: the inverse of the stiffness for stretching
-    (first differences) and bending (second differences).
+    The matrix is the response of a stiff band that is held at its start: the inverse of the stiffness for
+    stretching (first differences) and bending (second differences).
     """
     width = 1.0 / (count - 1)
     slope = (np.eye(count - 1) - np.eye(count - 1, k=-1)) / width

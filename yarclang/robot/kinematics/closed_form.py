@@ -198,7 +198,7 @@ def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], 
 def one_branch(
     arm: Form, base_from_flange: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Compute one branch of all poses: the same bits as `closed_form` returns, in less time.
+    """Compute one branch of all poses, bit by bit as `closed_form` does, but in less time.
 
     Args:
         arm: the arm's constants.
@@ -207,8 +207,8 @@ def one_branch(
 
     Returns:
         Joint positions (6, N) [rad]; a mask (N,) of the poses that they reach; and a mask (N,) of the poses
-        at which an angle of any branch is free. Positions at the latter mean nothing: use `closed_form`,
-        which holds free angles.
+        at which an angle of any branch is free. The joint positions at poses with free angles are
+        meaningless: use `closed_form` there, which holds free angles.
     """
     if isinstance(arm, ParallelArm):
         found = closed_form(arm, base_from_flange, np.zeros((6, 1)))

@@ -29,10 +29,10 @@ class Elbow:
 def elbow_of(chain: Chain) -> Elbow | None:
     """Return the elbow of an arm, or None if it has none.
 
-    The shoulder is where the first two turning axes meet, or come nearest. The elbow's axis is the turning
-    axis that is farthest from both shoulder and flange, with all joints at zero; the smaller of the two
-    distances counts. Such a joint changes the distance from shoulder to flange most. The elbow is the point
-    of this axis that is nearest to the shoulder.
+    The shoulder is the point at which the first two turning axes meet, or come nearest to each other. The
+    elbow's axis is the turning axis that is farthest from both shoulder and flange, with all joints at zero;
+    the smaller of the two distances counts. A joint on this axis changes the distance from shoulder to flange
+    most. The elbow is the point of the axis that is nearest to the shoulder.
     """
     turning = np.flatnonzero(~chain.is_prismatic)
     if len(turning) < 2:

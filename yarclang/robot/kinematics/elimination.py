@@ -86,9 +86,9 @@ _HALVES = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 class Elimination:
     """The constants of one elimination for an arm.
 
-    `first` (4, 4) lies before the first joint's frame and `last` (4, 4) after the last joint's frame; `steps`
-    (5, 4, 4) lie between the joints' frames. Lengths are in units of `scale` [m]. `order` is where the loop
-    is opened.
+    `first` (4, 4) is the transform before the first joint's frame, `last` (4, 4) the transform after the last
+    joint's frame, and `steps` (5, 4, 4) are the transforms between the joints' frames. Lengths are in units
+    of `scale` [m]. `order` is one of `_ORDERS`, the places at which the loop may be opened.
     """
 
     first: Array
@@ -360,11 +360,11 @@ def _bent_form(form: Elimination, size: float) -> Elimination:
 
 
 def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[Array], float]:
-    """Return the loop that the arm and its pose form, beginning at the joint where it is opened.
+    """Return the closed loop of the arm and its pose, read from the joint at which the elimination opens it.
 
     Returns:
-        The joints in the loop's order; the transform after each of them, (4, 4), or (N, 4, 4) for the pose's;
-        and the sign of the angles.
+        The joints in the loop's order; the transform after each of them, which is (4, 4), or (N, 4, 4) for
+        the transform that contains the poses; and the sign of the angles.
     """
     # the pose closes the loop: the inverse of `between` is the transform from the last joint to the first
     between = _inverse(form.first) @ base_from_flange @ _inverse(form.last)
@@ -469,8 +469,11 @@ _TO_HALVES = np.einsum("xi,yj,zk->ijkxyz", _HALVES, _HALVES, _HALVES).reshape(27
 
 
 def _fourteen(axis: Array, point: Array) -> Array:
-    """Return the fourteen expressions (..., 14) in a frame's z axis and origin (..., 3) that are linear in
-    cos and sin of each angle: p, l, p·p, p·l, p x l, (p·p) l - 2 (p·l) p.
+    """Return the fourteen expressions (..., 14) of Raghavan and Roth in a frame's z axis l and origin p (...,
+    3).
+
+    They are p, l, p·p, p·l, p x l, and (p·p) l - 2 (p·l) p. All of them are linear in cos and sin of each
+    angle.
     """
     square = (point * point).sum(axis=-1, keepdims=True)
     along = (point * axis).sum(axis=-1, keepdims=True)

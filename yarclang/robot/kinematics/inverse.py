@@ -1,4 +1,4 @@
-"""Solve poses for joint positions: the solution nearest to a seed, or all branches. For whole batches.
+"""Solve whole batches of poses for joint positions: for the solution nearest to a seed, or for all branches.
 
 Arms with a spherical wrist or three parallel axes have a closed form. A calibrated arm starts from the closed
 form of its nominal arm. Any other arm of six turning joints is solved by elimination, and all others by

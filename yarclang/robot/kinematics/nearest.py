@@ -87,9 +87,9 @@ def nearest_solutions(
     """Find all solutions within limits, sorted by their sum of squared joint differences from `reference`.
 
     Solutions at equal distances are sorted by their joint values, the first joint first. If the wrist is
-    straight, q4 is the reference's and q6 makes up the sum; q4 moves only if joint 6 would exceed a limit. A
-    redundant arm has a continuum of solutions. For it, the result contains the nearest solutions that a
-    search from fixed starts finds, clear of limits if possible.
+    straight, the pose determines only the combined turn of joints 4 and 6: q4 stays at the reference, unless
+    joint 6 would exceed a limit. A redundant arm has a continuum of solutions. For such an arm, the result
+    contains the nearest solutions that a search from fixed starts finds, clear of limits if possible.
 
     Args:
         chain: the arm, n joints.
@@ -299,8 +299,9 @@ def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
 
 
 def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
-    """Return a mask (m,) of the joint positions (m, n) that reach their poses (m, 4, 4), or the one pose (1,
-    4, 4), by forward kinematics.
+    """Return a mask (m,) of the joint positions (m, n) that reach their poses, by forward kinematics.
+
+    The poses are (m, 4, 4), or (1, 4, 4) if all joint positions have the same pose.
     """
     columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
     position, angle = misses(columns, pose_columns(poses))

@@ -13,11 +13,11 @@ from yarclang.robot.model import Array, Chain, Limits
 def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
     """Return, for each joint, an upper bound on the speed of the tool's origin per unit of joint speed.
 
-    For a revolute joint this is a bound on the distance [m] from its axis to the tool's origin: the distance
-    from the axis to a fixed point on the next one, plus the lengths of the links from there on, point to
-    point, plus the travel of the prismatic joints among them. By the triangle inequality it holds for all
-    joint positions within the limits of the prismatic joints; the limits of revolute joints aren't used. A
-    prismatic joint has no lever: its bound is 1 (times the length of its screw).
+    For a revolute joint this is a bound on the distance [m] from its axis to the tool's origin. It is a sum:
+    the distance from the axis to a fixed point on the next axis, the lengths of the links from there on
+    (point to point), and the travel of the prismatic joints among them. By the triangle inequality the bound
+    holds for all joint positions within the limits of the prismatic joints; the limits of revolute joints
+    aren't used. For a prismatic joint the bound is 1 (times the length of its screw).
 
     Args:
         chain: the arm, n joints.

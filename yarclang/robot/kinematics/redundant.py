@@ -26,7 +26,8 @@ LEAST = 1e-3
 def weights(chain: Chain, limits: Limits) -> Array:
     """Return the unit in which each joint's motion is counted (n,) [rad or m].
 
-    It is half of the joint's range, but at most half a turn, or for a sliding joint the arm's size.
+    The unit is half of the joint's range, but not more than half a turn, or than the arm's size for a sliding
+    joint.
     """
     half = 0.5 * (limits.upper - limits.lower)
     ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))

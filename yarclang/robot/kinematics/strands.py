@@ -64,8 +64,9 @@ class Strand:
 
 @dataclass(slots=True, eq=False)
 class _Samples:
-    """All branches at all places computed so far; the places are the first index: `q` (M, 8, 6), `valid` and
-    `singular` (M, 8), `free` (M, 8, 2).
+    """All branches at all places that were computed so far.
+
+    The places are the first index: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M, 8, 2).
     """
 
     s: Array
@@ -89,8 +90,8 @@ class _Held:
     joints: list[int]
 
     def turned(self, q: Array) -> Array:
-        """Return the largest difference (K,) of the free joints from their held values, at joint positions
-        `q` (K, 6) [rad].
+        """Return, for each joint position `q` (K, 6), the largest difference of a free joint from its held
+        value [rad].
         """
         away: Array = np.abs(q[:, self.joints] - self.q[self.joints]).max(axis=1)
         return away

@@ -128,14 +128,14 @@ def track(
     samples: int = SAMPLES,
     reason: Reason = "measured",
 ) -> Track | Broken:
-    """Follow a path by continuity.
+    """Follow a path of flange poses from a given joint position, without jumps.
 
     Args:
         chain: the arm, n joints.
         limits: its limits; q_start is within them.
         pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
         q_start: (n,) [rad or m], reaches pose_at(0) within 1e-6.
-        samples: number of places in the first skeleton, at equal distances.
+        samples: number of places at which the path is sampled first, at equal distances.
         reason: how much to find out if the path can't be followed.
 
     Returns:

@@ -209,10 +209,10 @@ def make(
 
     Args:
         arm: the URDF and its chain.
-        given: the values that are known; the others follow from rules.
+        given: the known values; all other values follow from rules.
         name: name of the robot.
-        title: one line about it.
-        said: True for base, and for tip, if the user chose it.
+        title: one line about the robot.
+        said: two flags: True if the user chose the base, and True if the user chose the tip.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
         partial: True to leave out missing collision meshes; otherwise they are an error.

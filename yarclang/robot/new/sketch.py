@@ -63,7 +63,8 @@ class Said:
 class Given:
     """The values that the user gives.
 
-    Tuples have one entry for each joint, or one for all of them. None stands for a value that isn't given.
+    A tuple has one entry for each joint, or one entry for all of them. A value that the user doesn't give is
+    None.
 
     Attributes:
         position: position limits [deg, mm], by the joints' names.
@@ -153,8 +154,9 @@ def sketch(
         urdf: a sound tree.
         chain: the arm in it.
         given: the values that the user gives; its tuples have one entry, or one for each joint.
-        names: the robot's name, its title, the name of the URDF's copy, and the file that it is made from.
-        said: True for base, and for tip, if the user chose it.
+        names: the robot's name, its title, the name of the URDF's copy, and the file from which it is
+            created.
+        said: two flags: True if the user chose the base, and True if the user chose the tip.
     """
     size = len(chain.joints)
     joints = tuple(_joint(joint, at, size, given) for at, joint in enumerate(chain.joints))

@@ -103,7 +103,7 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
         items: settings to compare.
 
     Raises:
-        Trouble: it can't be inspected.
+        Trouble: the controller can't be inspected.
     """
     try:
         found = yield from inspect(operation, robot, items)
@@ -118,7 +118,7 @@ def measured(operation: Operation, robot: Robot) -> Script[Measured]:
     """Measure the link.
 
     Raises:
-        Trouble: it can't be measured.
+        Trouble: the link can't be measured.
     """
     try:
         return figures((yield from measure(operation, len(robot.controller.axes))))

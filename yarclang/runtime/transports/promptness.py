@@ -58,7 +58,8 @@ class _Process:
         moving: number of robots that move.
         beside: threads that plan or log.
         first: True if the streaming thread has priority over ordinary threads.
-        frozen: True if objects were frozen before something moved.
+        frozen: True if other code has excluded objects from garbage collection (gc.freeze) before something
+            moved.
     """
 
     moving: int = 0

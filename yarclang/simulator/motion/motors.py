@@ -101,12 +101,12 @@ class Motor:
 
     @property
     def activated(self) -> bool:
-        """True if it is activated (Ixx00)."""
+        """True if the motor is activated (Ixx00)."""
         return self.tuning(0) != 0.0
 
     @property
     def jogging(self) -> bool:
-        """True during a motion of its own."""
+        """True during a motion of the motor's own."""
         return self.profile is not None
 
     @property

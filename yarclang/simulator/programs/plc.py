@@ -43,7 +43,7 @@ class Plc:
 
     @property
     def active(self) -> bool:
-        """True if it is to be scanned."""
+        """True if the PLC is scanned."""
         return self.enabled and not self.paused and bool(self.program.lines)
 
     def enable(self) -> None:

@@ -135,7 +135,7 @@ def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
             flows = flowing.get(number, False)
         elif flows and not step.output.variable.startswith("M"):
             origin, output = step.origin, step.output
-            if (origin.source, origin.span) in told:  # in another round of a loop
+            if (origin.source, origin.span) in told:  # reported before, for another pass of a loop
                 continue
             told.add((origin.source, origin.span))
             message = (

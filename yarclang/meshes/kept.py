@@ -80,7 +80,7 @@ def _kept(
     found = None if payload is None else read(payload)
     if found is not None:
         with suppress(OSError):
-            os.utime(path)  # it was used lately
+            os.utime(path)  # marks the entry as recently used
         return found
     made = make()
     if made is not None:
@@ -99,7 +99,7 @@ def _payload(path: Path, key: str, secret: bytes) -> memoryview | None:
     """Return the content of an entry; None if it is missing, damaged, or signed for another key or by another
     user.
     """
-    if not path.is_file():  # nor anything that could block
+    if not path.is_file():  # missing, or a file such as a pipe that could block
         return None
     try:
         content = memoryview(path.read_bytes())

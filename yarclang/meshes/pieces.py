@@ -93,7 +93,7 @@ def pieces_of(triangles: Array, most: int) -> tuple[Piece, ...]:
             if columns.may_contain(near) or columns.contains(corner)
         ]
         held = np.concatenate((own, np.array(inside).reshape(-1, 3)))
-        found.append(Piece(low, high, _outer(_thick(held))))  # each cell has parts of triangles
+        found.append(Piece(low, high, _outer(_thick(held))))  # not empty: each cell has parts of triangles
     return tuple(found)
 
 

@@ -118,7 +118,7 @@ def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain
 
     try:
         model = pin.buildModelFromXML(urdf.text)
-    except Exception as error:  # boost throws several kinds, which all mean the same
+    except Exception as error:  # Boost's exceptions have several types
         root = urdf.root or Element("", {}, 0, 0)
         message = f"Pinocchio can't read the URDF: {str(error)[:200].rstrip('.')}."
         urdf.say("Y1360", message, "What it prints on the terminal names the element.", root)

@@ -100,10 +100,9 @@ class _Links:
     """The constants of an arm.
 
     For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the frame before, and `shift`
-    (n,
-    3) is its origin in the frame before. For the body that the joint moves, `mass` (n,), `center` (n, 3) and
-    `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the motion about and along z per
-    unit of joint position.
+    (n, 3) is its origin in the frame before. For the body that the joint moves, `mass` (n,), `center` (n, 3)
+    and `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the motion about and along z
+    per unit of joint position.
     """
 
     step: Array

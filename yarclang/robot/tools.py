@@ -164,7 +164,7 @@ def _sized(file: TomlFile, path: Path, values: Sequence[float] | None, size: int
 def _shape(file: TomlFile, body: BodyTable, path: Path, folder: FilePath) -> Shape:
     if body.shape == "mesh":
         made = named_mesh(str(body.file), MM, (file, (*path, "file")), folder, body.pieces or 0)
-        assert made is not None  # it was there a moment ago
+        assert made is not None  # the file existed when the form was checked
         return made
     return simple_shape(str(body.shape), body, MM)
 

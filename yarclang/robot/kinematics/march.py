@@ -151,7 +151,7 @@ def _steps(
             break
         length = max(length / LEAP, 0.5 * FINEST * LEAP)
     else:
-        end = "nothing"  # no end in sight: each leap advances by less and less
+        end = "nothing"  # the leaps become ever shorter, without reaching the end
     return Strand(np.concatenate(places), np.concatenate(joints), end, beyond)
 
 

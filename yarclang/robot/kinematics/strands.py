@@ -141,7 +141,7 @@ def plain_strands(
     beyond = poses.reshape(*q.shape[:2], 4, 4)[:, 1:]
     branches = closed_form(arm, beyond[:, 0], starts[0][:, None])
     own, valid, singular = one_branch(arm, beyond.reshape(-1, 4, 4), branch)
-    if branches.singular.any() or singular.any():  # a held angle depends on where its path begins
+    if branches.singular.any() or singular.any():  # a held angle depends on the path's own start
         return q, np.zeros(len(starts), dtype=bool)
     here = own.T.reshape(len(starts), -1, 6)
     moves = here[:, 1:] - here[:, :-1]

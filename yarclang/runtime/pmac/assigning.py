@@ -25,7 +25,7 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
         barrier: the `set` to carry out.
         held: registers and inputs of the run.
     """
-    assert barrier.decided is not None  # as above
+    assert barrier.decided is not None  # a SET without a value was refused when the text was read
     if barrier.output:
         yield from _set_output(operation, barrier, barrier.decided, held)
         return

@@ -91,7 +91,7 @@ class Course:
         errors = np.abs(np.array((found.following, found.following - self._following)))
         allowed = _ALLOWED + bends / 6.0 + errors.max(axis=0)
         self._following = found.following
-        if self._groups > 1:  # asked in sequence
+        if self._groups > 1:  # the groups are asked in sequence
             allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
             allowed += self._slack

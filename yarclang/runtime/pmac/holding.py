@@ -239,7 +239,7 @@ class Holding:
             yield from operation.ask(wanted)
         yield from self._outputs.restore(operation, feed.sent - feed.at_most)
         if operation.slept:
-            return  # on the way here
+            return  # this process was suspended meanwhile
         if self._told:
             yield from operation.ask(f"%{100.0 * operation.override:g}")
         yield from supervision.begin()

@@ -226,7 +226,7 @@ def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Scrip
     loop = held.loops[head]
     if loop.moved:
         label = job.legs[head].barrier
-        assert label is not None  # a loop begins at one
+        assert label is not None  # a loop begins at a barrier
         operation.remark(f"{title(label)}: pass {loop.number} is done", begins_pass=True)
         loop.number, loop.moved = loop.number + 1, False
     else:
@@ -264,7 +264,7 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
     taken = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
     if held.flags.intersection(registers_of(barrier.decided)):
-        return holds  # what was found was told
+        return holds  # the search or OFFSET has reported this already
     if barrier.word in COUNTED:
         (counted,) = registers_of(barrier.decided)
         left = max(held.registers[counted], 0)

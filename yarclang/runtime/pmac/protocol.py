@@ -127,7 +127,7 @@ class Connection:
             raise ProtocolError(f"{type(self._request).__name__} is still in flight")
         if self._left and isinstance(request, Ask | Send):
             raise ProtocolError("the reply to Send may still wait and would come first: Fetch or Flush it")
-        packet = encode(request)  # first, since it may refuse
+        packet = encode(request)  # before any change of state: it may raise
         if isinstance(request, Send | Fetch | Flush):
             self._left = isinstance(request, Send)
         self._request, self._timeout, self._deadline = request, timeout, now + timeout

@@ -59,7 +59,7 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
             f"{refused}; nothing has moved; Enter or `yarc resume` tries it with what the registers are then",
         )
     held.registers[offset.flag] = 1
-    for one in answer[:1]:  # all of them are pieces of one text
+    for one in answer[:1]:  # all jobs are parts of one text
         operation.notices.append(Planned(operation.now, one.text, one.certificate, "offset"))
     operation.remark(
         f"{title(barrier)}: {{{offset.frame}}} is shifted by {said}; its lines are planned and proved "

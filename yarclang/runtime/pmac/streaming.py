@@ -411,7 +411,7 @@ class Stream:
                 if moved:
                     yield from self.holding.hold(why)
                 if isinstance(ending, Fail):
-                    raise Trouble(why, ending.remedy, code="")  # no command's fault
+                    raise Trouble(why, ending.remedy, code="")  # no command is at fault
                 raise Stopped(abort=False)
             if Hold() in orders:
                 if not moved:

@@ -236,7 +236,7 @@ class Supervision:
         while True:
             (percent,) = yield from operation.numbers("%", 1)
             if percent == 0.0 or abs(percent - wanted) <= _SAME_PACE:
-                break  # 0 in a hold
+                break  # in a hold it is 0
             if operation.now - since > _LONGEST_SLEW + 2.0 * self._robot.controller.hold_time:
                 what = f"the override stays at {percent:.4g} %, and is to be {wanted:g} %"
                 raise Trouble(what, "find out who else uses this controller", "Y1605")
@@ -444,7 +444,7 @@ class Supervision:
         """
         memory = self.operation.memory
         seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []
-        marks = (self._marks,) if self._watching else ()  # each program has its own
+        marks = (self._marks,) if self._watching else ()  # each program has its own I16 and I17
         asked: list[Remembered] = [*memory.often, *marks, *seldom]
         for one in asked:
             try:

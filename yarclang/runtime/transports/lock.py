@@ -160,7 +160,7 @@ def _addresses(host: str, port: int) -> set[str]:
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
-        return {host.lower()}  # no process can connect to it either
+        return {host.lower()}  # then no process can connect to this host either
     addresses: set[str] = set()
     for family, _, _, _, place in found:
         address = ipaddress.ip_address(str(place[0]).partition("%")[0])
@@ -253,7 +253,7 @@ def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
             return Holder(peer)
         try:
             return _told(peer, wire.recv(_LONGEST))  # once: no process can delay us by sending byte by byte
-        except OSError:  # it sleeps, or does not answer
+        except OSError:  # the holder is suspended, or does not answer
             return Holder(peer)
 
 
@@ -303,7 +303,7 @@ class _Answering(threading.Thread):
 
     def _answer_to(self, wire: object) -> None:
         assert isinstance(wire, socket.socket)
-        with contextlib.suppress(OSError):  # the caller has gone, or this is the end
+        with contextlib.suppress(OSError):  # the caller has gone, or `end` was called
             caller, _ = wire.accept()
             with caller:
                 caller.setblocking(False)

@@ -132,7 +132,7 @@ def answers(path: Path) -> bool:
         wire.settimeout(_ALIVE_TIME)
         try:
             wire.connect(str(path))
-        except (BlockingIOError, TimeoutError):  # it hangs, and many callers wait
+        except (BlockingIOError, TimeoutError):  # the process is busy, and many callers wait
             return True
         except OSError:
             return False

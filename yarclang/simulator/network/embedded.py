@@ -76,7 +76,7 @@ class EmbeddedSimulator:
                 consequences.
             RuntimeError: if the server doesn't stop.
         """
-        with contextlib.suppress(RuntimeError):  # its loop has ended by an error
+        with contextlib.suppress(RuntimeError):  # the server's loop has ended with an error
             self._loop.call_soon_threadsafe(self._ending.set)
         self._thread.join(_STOP_TIME)
         if error is not None and not isinstance(error, Exception):

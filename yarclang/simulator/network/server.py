@@ -112,7 +112,7 @@ class SimulatorServer:
         self._failed = self.loop.create_future()
         self._server = await self._listen(self.port)
         ports = [each.getsockname()[1] for each in self._server.sockets]
-        if len(set(ports)) > 1:  # each address of the host name got a port of its own
+        if len(set(ports)) > 1:  # each address of the host got a different port
             self._server.close()
             self._server = await self._listen(ports[0])
         self.port = ports[0]
@@ -161,7 +161,7 @@ class SimulatorServer:
         due = min(now - self._since, _SLACK) * self.rate
         if due > (most := self._most()):
             due = most
-            self._since = now - due / self.rate  # the time beyond is left out
+            self._since = now - due / self.rate  # the rest of the time is skipped
         if due < _FINE:
             return
         while due > 0.0:
@@ -379,7 +379,7 @@ class _Client(asyncio.Protocol):
 
     def _release(self, reply: bytes) -> None:
         self._held = None
-        if self._server.troubles.frozen:  # it is sent after the freeze
+        if self._server.troubles.frozen:  # the reply is sent after the freeze
             self._held = self._server.loop.call_later(_TICK, self._release, reply)
             return
         self._write(reply)

@@ -1,6 +1,6 @@
 """Reader of YAML and JSON texts as plain data: mappings, lists, texts and numbers.
 
-YAML is read event by event, without recursion. Aliases and tags are refused, so that a file can't run code,
+YAML is read event by event, without recursion. Aliases and tags are refused. A file therefore can't run code,
 and a small file can't become large data.
 """
 

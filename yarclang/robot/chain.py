@@ -32,12 +32,12 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
 
 
 def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = ()) -> bool:
-    """Report joints of the chain that no motor can move, and moving joints elsewhere that robot.toml doesn't
-    list as ignored.
+    """Report joints of the chain that no motor can move. Also report moving joints outside of the chain that
+    robot.toml doesn't list as ignored.
 
     Args:
         urdf: findings go to it.
-        joints: the joints of the chain, fixed ones included.
+        joints: the joints of the chain, including fixed joints.
         ignored: names of the moving joints that robot.toml ignores.
 
     Returns:

@@ -25,11 +25,11 @@ def torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> A
         chain: the arm, n joints.
         dynamics: its masses.
         q: (P, n) joint positions [rad or m].
-        v: (P, n) joint velocities.
-        a: (P, n) joint accelerations.
+        v: (P, n) joint velocities [rad/s or m/s].
+        a: (P, n) joint accelerations [rad/s^2 or m/s^2].
 
     Returns:
-        (P, n) torques of turning joints [N m], forces of sliding ones [N].
+        (P, n) torques of turning joints [N m], and forces of sliding joints [N].
     """
     found = np.empty(q.shape)
     for start in range(0, len(q), BLOCK):

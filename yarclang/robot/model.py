@@ -183,10 +183,10 @@ class Tool:
 class Dynamics:
     """The masses that the joints move, in {B} with all joints at zero.
 
-    For the body that joint k moves and joint k + 1 doesn't, mounted tools included: `mass` (n,) [kg],
-    `center` (n, 3) [m], and `inertia` (n, 3, 3) about it [kg m^2]. `gravity` (3,) is in m/s^2. `effort` (n,)
-    is the largest torque or force of each joint [N m or N], infinite if it isn't known. `wanted` is True if
-    robot.toml asks for efforts to be checked.
+    The arrays have one entry for each joint k: the body that joint k moves and joint k + 1 doesn't, including
+    mounted tools. `mass` (n,) is in kg, `center` (n, 3) in m, and `inertia` (n, 3, 3) is about the center [kg
+    m^2]. `gravity` (3,) is in m/s^2. `effort` (n,) is the largest torque or force of each joint [N m or N],
+    infinite if it isn't known. `wanted` is True if robot.toml asks for efforts to be checked.
     """
 
     mass: Array

@@ -48,15 +48,15 @@ def worst_of(torque: Array, q: Array) -> Worst:
 def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) -> Worst:
     """Find the joint positions at which gravity loads each joint most.
 
-    Positions are spread evenly and divided into groups. The worst one of each group is then improved along
-    one joint after the other: as a function of one joint, a holding torque is a sine or a line, whose
-    extremes follow from three of its values.
+    Positions are spread evenly and divided into groups. The worst position of each group is then improved
+    along one joint after the other. As a function of one joint, a holding torque is a sine or a line; three
+    of its values determine its extremes.
 
     Args:
         chain: the arm, n joints.
         dynamics: its masses.
-        lower: (n,) lower limits of position [rad or m]; -pi replaces infinite ones.
-        upper: (n,) upper limits of position [rad or m]; pi replaces infinite ones.
+        lower: (n,) lower limits of position [rad or m]; -pi replaces infinite limits.
+        upper: (n,) upper limits of position [rad or m]; pi replaces infinite limits.
     """
     low = np.where(np.isfinite(lower), lower, -_WIDE)
     high = np.where(np.isfinite(upper), upper, _WIDE)

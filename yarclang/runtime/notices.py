@@ -1,5 +1,5 @@
-"""Notices that a run sends to its listeners, and orders that it accepts. Plain values; times are those of the
-host's clock [s].
+"""Notices that a run sends to its listeners, and orders that it accepts. They are plain values; times are
+those of the host's clock [s].
 """
 
 from __future__ import annotations

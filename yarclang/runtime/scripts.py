@@ -135,11 +135,11 @@ class Services:
     """Scripts that prepare a controller, at rest.
 
     Attributes:
-        enable: closes the open loops of motors; returns what is wrong afterwards.
-        disable: opens all loops; returns what is wrong afterwards.
-        searches: returns what home searches would do.
+        enable: closes the open loops of motors; returns the remaining problem in words.
+        disable: opens all loops; returns the remaining problem in words.
+        searches: returns the expected effects of home searches.
         home: lets a motor search its home.
-        end_search: ends a search that no one watches.
+        end_search: ends a search that no script watches.
         check_open: raises `Trouble` if settings may not be sent.
         send: sends settings, line by line.
         save: stores the settings in the controller.

@@ -1,5 +1,5 @@
-"""Notices about inputs and outputs: outputs that are set, inputs that are waited for, simulated inputs that
-change. Plain values; times are those of the host's clock [s].
+"""Notices about inputs and outputs: outputs that are set, waits for inputs, and changes of simulated inputs.
+They are plain values; times are those of the host's clock [s].
 """
 
 from __future__ import annotations

@@ -60,12 +60,12 @@ def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
     Args:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
-        hold: (6, N) or (6, 1) [rad], the joint positions from which q1 is taken if the wrist centre is on
-            axis 1, and q4 if the wrist is straight. With three parallel axes, the sum of their angles is
+        hold: (6, N) or (6, 1) [rad], the values for angles that a pose leaves free: q1 if the wrist centre is
+            on axis 1, and q4 if the wrist is straight. With three parallel axes, the sum of their angles is
             taken from `hold` instead of q4.
 
     Returns:
-        The branches; the index is 4 wrist + 2 shoulder + elbow.
+        The branches; the index of a branch is 4 wrist + 2 shoulder + elbow, each 0 or 1.
     """
     count = len(base_from_flange)
     if count <= BLOCK:

@@ -107,8 +107,8 @@ def every_solution(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArra
 
     Returns:
         q (N, MOST, 6) in (-pi, pi] [rad], sorted by joint values within a pose, and a mask (N, MOST) of the
-        entries that are solutions. Each solution reaches its pose by forward kinematics. A pose that leaves a
-        joint free has some solutions of its continuum.
+        entries that are solutions. Each solution reaches its pose by forward kinematics. If a pose leaves a
+        joint free, the result has only some solutions of the continuum.
     """
     q = np.zeros((len(base_from_flange), MOST, 6))
     valid = np.zeros((len(base_from_flange), MOST), dtype=bool)
@@ -302,12 +302,12 @@ def candidates(
 ) -> tuple[NDArray[np.int_], Array]:
     """Solve poses by an elimination.
 
-    A pose whose matrix isn't regular is solved with the arm bent a little.
+    If the matrix of a pose isn't regular, the arm is bent a little and the pose is solved again.
 
     Args:
         form: the elimination.
         base_from_flange: (N, 4, 4).
-        is_trial: return nothing instead of bending the arm.
+        is_trial: True to return nothing instead of bending the arm.
 
     Returns:
         The index of each candidate's pose (K,), and joint positions (K, 6) [rad].

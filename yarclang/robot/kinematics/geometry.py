@@ -3,12 +3,13 @@
 Spherical wrist: the last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor
 6, axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
 decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two
-parallel": subproblem 4 for q1, 3 for q3, 1 for q2; then 4, 1, 1 for the wrist.
+parallel". Subproblem 4 gives q1, subproblem 3 gives q3, subproblem 1 gives q2; then subproblems 4, 1 and 1
+give the wrist.
 
-Three parallel axes (2, 3, 4: most cobots): axes 5 and 6 meet. As the parallel axes turn, their meeting point
+Three parallel axes (2, 3, 4: most cobots): axes 5 and 6 meet. When the parallel axes turn, this meeting point
 keeps its distance along axis 2, which gives q1 (subproblem 4). The rotation that is left after joint 1 is a
-turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5 and 6. It is
-solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
+turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5 and 6. These
+three turns are solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
 """
 
 from __future__ import annotations

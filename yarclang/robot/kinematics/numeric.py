@@ -1,9 +1,9 @@
 """Solve inverse kinematics by damped least squares, for any serial arm and whole batches of poses.
 
-Levenberg-Marquardt with damping in proportion to the squared error (Sugihara, Solvability-Unconcerned Inverse
-Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011): it converges quadratically if the pose
-can be reached, and to the nearest miss if it can't. Every sample has its own damping factor, and a step that
-increases the error is taken back. The last index counts the samples.
+The method is Levenberg-Marquardt with damping in proportion to the squared error (Sugihara,
+Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011). It
+converges quadratically if the pose can be reached, and to the nearest miss if it can't. Every sample has its
+own damping factor, and a step that increases the error is rejected. The last index counts the samples.
 """
 
 from __future__ import annotations

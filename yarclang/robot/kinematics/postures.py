@@ -69,16 +69,17 @@ def seeds_near(
     reference: Array,
     count: int = SEEDS,
 ) -> Array:
-    """Return joint positions (count, n) [rad or m] from which to search for a pose, the reference first.
+    """Return joint positions (count, n) [rad or m] from which to search for a pose. The first one is the
+    reference.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
-        lower: (n,) the lower limits to keep to [rad or m].
-        upper: (n,) the upper limits, likewise.
+        lower: (n,) lower limits of the result [rad or m].
+        upper: (n,) upper limits of the result, likewise.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
-        count: how many to return, at most NEAREST + 1.
+        count: number of joint positions, at most NEAREST + 1.
     """
     table = _table_of(chain, limits.lower.tobytes(), limits.upper.tobytes())
     if table is None:

@@ -27,9 +27,9 @@ class Nearness:
     """The distance of joint positions from a singularity.
 
     `smallest` (N,) is the smallest singular value of the weighted Jacobian. `joints` (N, n) is the joint
-    motion of length 1 [rad, or L for a sliding joint] that moves the tool least: its large entries name the
-    joints that work against each other. `twist` (N, 6) is the tool motion of length 1 that is most expensive:
-    linear part [L] above angular part [rad], axes of {B}.
+    motion of length 1 [rad, or L for a sliding joint] that moves the tool least; its large entries belong to
+    the joints that cancel each other's motion. `twist` (N, 6) is the tool motion of length 1 that needs the
+    largest joint motion: linear part [L] above angular part [rad], in the axes of {B}.
     """
 
     smallest: Array

@@ -294,8 +294,8 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
         q: (6,) [rad].
 
     Returns:
-        The branch, or -1 if none reaches the pose; its joints (6,) on the turns nearest to `q`; and True if
-        it is singular there, with the free angle held at that of `q`.
+        The branch, or -1 if no branch reaches the pose; its joint values (6,) on the full turns nearest to
+        `q`; and True if it is singular at the sample, in which case its free angle is held at that of `q`.
     """
     found, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
     if not valid.any():

@@ -122,8 +122,8 @@ class Sketch:
         urdf: name of the URDF's copy.
         made_from: name of the original URDF.
         chain: the arm.
-        base_said: True if there is no doubt about the base.
-        tip_said: True if there is no doubt about the flange.
+        base_said: True if the user chose the base, or if there is no other choice.
+        tip_said: True if the user chose the flange, or if there is no other choice.
         joints: tables of the joints.
         tcp: the frame TCP on the flange.
         gear: encoder counts per deg or mm.

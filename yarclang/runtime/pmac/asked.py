@@ -98,12 +98,12 @@ def value_of(barrier: Barrier, value: Value, held: Held) -> float:
     """Compute a value from the values that were read last.
 
     Args:
-        barrier: the barrier that the value belongs to.
+        barrier: the barrier to which the value belongs.
         value: the value.
         held: registers and inputs of the run.
 
     Raises:
-        Trouble: there is no such number.
+        Trouble: the value can't be computed.
     """
     try:
         return evaluated(value, held.registers, held.inputs)

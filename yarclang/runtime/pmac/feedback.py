@@ -139,7 +139,7 @@ def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, Motor
         motors: motors that are wanted; those outside of the group are left out.
 
     Raises:
-        ReportError: they aren't 12 hexadecimal digits each.
+        ReportError: the status words aren't 12 hexadecimal digits each.
     """
     words = _items(text, group, motors)
     return {motor: motor_status(words[motor - group]) for motor in motors if group <= motor < group + GROUP}

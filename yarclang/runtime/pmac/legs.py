@@ -44,13 +44,13 @@ Perform = Callable[[Operation, Job], Script[Ended]]
 
 @frozen(eq=False)
 class _Standing:
-    """The robot standing at a barrier.
+    """The position of a robot that stands at a barrier.
 
     Attributes:
         barrier: the barrier.
         joints: (n,) joint positions [rad or m].
-        done: program time, with the branches of a WHEN one after the other [s].
-        clock: program time, with both branches of a WHEN at once [s].
+        done: program time, with the branches of a WHEN in sequence [s].
+        clock: program time, with both branches of a WHEN in parallel [s].
     """
 
     barrier: Barrier

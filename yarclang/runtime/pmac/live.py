@@ -88,12 +88,12 @@ class LiveStream:
         return 0 if self._source.ended else 1
 
     def run(self) -> Script[None]:
-        """Load the first lines, then follow the orders, until the text ends.
+        """Load the first lines, then carry out orders until the text ends.
 
         Raises:
-            Stopped: someone has ended it; the motion may still be going on.
+            Stopped: a person has ended the motion, which may still be in progress.
             Trouble: the robot is no longer at its start, so nothing moves; or the motion can't continue, and
-                may still be going on.
+                may still be in progress.
             Lost: the connection is no longer usable.
         """
         operation, job = self.operation, self.job

@@ -10,11 +10,11 @@ from yarclang.runtime.job import Job
 
 @dataclass(frozen=True, slots=True)
 class Loading:
-    """The loading of a rotary buffer.
+    """Data for loading a rotary buffer.
 
-    `setup` are the lines before it is opened, one command each; `words` is its size; `low` is the number of
-    lines below which the guard PLC holds (I16), and `full` the number from which the buffer counts as full
-    (I17).
+    `setup` are the lines before the buffer is opened, one command each. `words` is its size. `low` is the
+    number of lines below which the guard PLC holds (I16), and `full` the number from which the buffer counts
+    as full (I17).
     """
 
     setup: tuple[str, ...]

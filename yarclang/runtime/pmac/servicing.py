@@ -62,11 +62,11 @@ def check_rest(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def enable(operation: Operation, robot: Robot) -> Script[str]:
-    """Close the open loops of the motors, one after the other, and check that each motor stays where it is.
+    """Close the open loops of the motors, one after the other, and check that each motor stays at its place.
 
     Returns:
-        What is wrong; empty if all loops are closed. After the first motor with a problem, no further loop is
-        closed.
+        The problem in words; empty if all loops are closed. After the first motor with a problem, no further
+        loop is closed.
 
     Raises:
         Trouble: the robot isn't at rest.
@@ -129,10 +129,10 @@ def _become(operation: Operation, robot: Robot, row: int, *, is_open: bool) -> S
 
 
 def disable(operation: Operation, robot: Robot) -> Script[str]:
-    """Open the loops of all motors, at rest. Only brakes hold the robot then, if it has any.
+    """Open the loops of all motors, at rest. Afterwards only brakes hold the robot, if it has any.
 
     Returns:
-        What is wrong; empty if all loops are open.
+        The problem in words; empty if all loops are open.
 
     Raises:
         Trouble: the robot isn't at rest.
@@ -152,7 +152,7 @@ def disable(operation: Operation, robot: Robot) -> Script[str]:
 def check_open(operation: Operation, robot: Robot) -> Script[None]:
     """Check that settings may be sent: the robot must be at rest with all loops open.
 
-    A scale, limit or PLC that changes would move a motor with a closed loop.
+    If a loop were closed, a change of a scale, a limit or a PLC would move the motor.
 
     Args:
         operation: the run.
@@ -226,7 +226,7 @@ def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
 
 
 def save(operation: Operation, robot: Robot) -> Script[None]:
-    """Store the settings in the controller beyond power-off (SAVE).
+    """Store the settings in the controller, so that they remain after power-off (SAVE).
 
     Raises:
         Trouble: the robot isn't at rest, or the controller refuses.

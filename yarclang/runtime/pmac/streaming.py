@@ -455,7 +455,7 @@ class Stream:
     def _end(self) -> Script[bool]:
         """Carry out one step; return True if the motion has ended.
 
-        It has ended when no motor has a desired velocity and all stand where the program ends.
+        The motion has ended when no motor has a desired velocity and all motors are at the program's end.
         """
         operation, job = self.operation, self.job
         if operation.slept:

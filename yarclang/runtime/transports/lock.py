@@ -99,8 +99,8 @@ def controller_lock(host: str, port: int) -> Iterator[None]:
     The kernel releases the lock when the process dies, for whatever reason.
 
     Args:
-        host: of the controller; all its names and addresses count as one controller.
-        port: of the controller.
+        host: name or address of the controller; all its names and addresses count as one controller.
+        port: port of the controller.
 
     Raises:
         ControlError: another process has the lock; the message names the process.
@@ -237,8 +237,8 @@ def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
     """Return the process that listens at a name; None if no process does.
 
     Args:
-        name: of a lock.
-        ours: if True, wait for the process's own answer only if it belongs to our own user.
+        name: the name of a lock.
+        ours: True to wait for the process's own answer only if the process belongs to our own user.
     """
     with socket.socket(socket.AF_UNIX) as wire:
         wire.settimeout(_PATIENCE)

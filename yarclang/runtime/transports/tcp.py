@@ -58,7 +58,7 @@ async def connect(host: str, port: int, timeout: float) -> Wire:
         timeout: longest time for connecting [s].
 
     Raises:
-        OSError: it can't be made, or not within `timeout`.
+        OSError: the connection can't be made, or not within `timeout`.
     """
     loop = asyncio.get_running_loop()
     try:

@@ -53,11 +53,11 @@ class CoordinateSystem:
         ahead: steps that are calculated but not begun.
         drive: executes the steps.
         running: True while a program runs (R or S).
-        single_step: True if it runs by S.
+        single_step: True if the program was started by S.
         resume_error: True if R was refused because motors were moved away in a hold.
         limit_stop: True after a stop at a limit.
         dwell_until: end of a DWELL [s]; infinite without one.
-        homing: motors that a HOME of the program waits for.
+        homing: motors for which a HOME of the program waits.
     """
 
     def __init__(self, number: int, variables: list[float], scope: Seen, outside: Outside) -> None:

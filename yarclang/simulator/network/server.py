@@ -43,7 +43,7 @@ _BURST = 0.005
 _STAY = 0.0002
 """Wall time for which the server waits for the next request after a reply, before other work [s].
 
-A client that asks again immediately is then answered immediately.
+A client that sends its next request at once is then answered at once.
 """
 
 _RECEIVED = 1 << 16

@@ -19,13 +19,13 @@ LEGAL = re.compile(r"[\t\r\n -~]*").fullmatch
 
 
 class Line:
-    """A line from a port, with its rest and the answers so far.
+    """A line from a port while it is executed.
 
     Attributes:
         machine: the controller that executes it.
-        port: the port it comes from, with its addressing.
+        port: the port from which it comes, with its addressing.
         reader: the line and the position in it.
-        items: the answers.
+        items: the answers so far.
     """
 
     __slots__ = ("items", "machine", "port", "reader")

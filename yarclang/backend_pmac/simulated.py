@@ -1,4 +1,4 @@
-"""A simulated Turbo PMAC in this process, with a robot on it."""
+"""A simulated Turbo PMAC with a robot, in this process."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from yarclang.simulator.network.server import SimulatorServer
 
 @contextmanager
 def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | None) -> Iterator[Simulated]:
-    """Yield the simulator; it runs until the context ends.
+    """Yield the simulator, which runs until the context ends.
 
     Args:
         robot: the robot.
-        stands: (n,) where the robot stands at first [rad or m].
+        stands: (n,) the robot's first joint positions [rad or m].
         rate: seconds of the simulator per second.
         cell: machines around the robot; None: there are none.
     """

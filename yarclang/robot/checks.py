@@ -1,4 +1,6 @@
-"""Check the values of a robot.toml against each other and the URDF, beyond the form of each (schema.py)."""
+"""Check the values of a robot.toml against each other and against the URDF. The form of each value is checked
+in schema.py.
+"""
 
 from __future__ import annotations
 

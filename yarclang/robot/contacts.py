@@ -48,7 +48,7 @@ def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -
 
 
 def check_pieces(file: TomlFile, table: RobotTable, urdf: Urdf) -> None:
-    """Check that the links whose meshes are to be divided are there, and have meshes.
+    """Check that the links with meshes to be divided exist in the URDF, and have meshes.
 
     Args:
         file: findings go to it.

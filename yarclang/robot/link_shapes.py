@@ -52,8 +52,8 @@ def link_shapes(
 
 
 def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
-    """Return for each link root_from_link (4, 4) with all joints at zero, and how many of the moving joints
-    are above it.
+    """Return, for each link, root_from_link (4, 4) with all joints at zero, and the number of moving joints
+    between the root and the link.
     """
     below: dict[str, list[Joint]] = {}
     for joint in urdf.joints.values():

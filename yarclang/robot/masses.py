@@ -41,8 +41,8 @@ def dynamics_of(
     Args:
         urdf: a URDF without errors.
         ends: the link that is {B}, and the arm's moving joints.
-        chain: the same arm.
-        tools: all tools; those that are mounted count.
+        chain: the same arm as a chain.
+        tools: all tools; only the mounted ones count.
         said: values of robot.toml: the effort of each joint (None: that of the URDF), gravity in {B} [m/s^2]
             (None: downwards), and True if torques are checked.
     """
@@ -96,21 +96,21 @@ def _tools(tools: Sequence[Tool], chain: Chain) -> Iterator[_Lump]:
 
 
 def _together(lumps: Sequence[_Lump]) -> _Lump:
-    """Combine bodies that never move relative to each other."""
+    """Combine bodies that never move relative to each other into one body."""
     mass = sum(one.mass for one in lumps)
     if mass == 0.0:
         return _Lump(0, 0.0, np.zeros(3), sum((one.inertia for one in lumps), np.zeros((3, 3))))
     center = sum((one.mass * one.center for one in lumps), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for one in lumps:
-        # parallel axis theorem; a body without mass contributes its inertia wherever it is
+        # parallel axis theorem; the inertia of a body without mass doesn't depend on the body's place
         away = one.center - center
         inertia += one.inertia + one.mass * (away @ away * np.eye(3) - np.outer(away, away))
     return _Lump(lumps[0].joint, mass, center, inertia)
 
 
 def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
-    """Return a joint's effort, infinite if it isn't known: CAD exports write 0 then."""
+    """Return a joint's effort, infinite if it isn't known. CAD exports write 0 for an unknown effort."""
     if said is not None:
         return said
     limit = joint.element.first("limit")

@@ -69,7 +69,7 @@ class MotorsTable(Table):
 
 
 class ControllerTable(Table):
-    """`[controller]` with the keys that all kinds have: times in ms. Each kind has a form of its own
+    """`[controller]`: the keys that all kinds share, with times in ms. Each kind extends this table
     (`Kind.table`).
     """
 

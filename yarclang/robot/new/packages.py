@@ -84,8 +84,8 @@ def package_name(folder: Path) -> str | None:
 
 
 def _below(top: Path) -> Iterator[Path]:
-    """Yield all packages below a folder, none inside another package, after at most `MOST_FOLDERS`
-    folders.
+    """Yield all packages below a folder. Packages inside other packages are left out, and the search ends
+    after `MOST_FOLDERS` folders.
     """
     for count, (here, folders, files) in enumerate(os.walk(top)):
         if count >= MOST_FOLDERS:

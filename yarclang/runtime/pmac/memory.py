@@ -43,15 +43,15 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Answers of the controller at inspection: `often` is asked every second, and of `seldom` one question
-    every second.
+    """Answers of the controller at inspection. All questions of `often` are repeated every second, and one
+    question of `seldom`.
     """
 
     often: tuple[Remembered, ...] = ()
     seldom: tuple[Remembered, ...] = ()
 
     def value(self, variable: str) -> str:
-        """Return the printed value of a variable; empty if it wasn't asked for."""
+        """Return the printed value of a variable; empty if no question of `often` asks for it."""
         for one in self.often:
             if variable in one.question.parts:
                 return one.reply[one.question.parts.index(variable)]

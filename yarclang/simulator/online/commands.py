@@ -9,7 +9,7 @@ from yarclang.simulator.online import buffers, controller, motors, systems, vari
 from yarclang.simulator.online.line import Line
 
 Action = Callable[[Line, "re.Match[str]"], None]
-"""Executes a command whose form has been read. The reader of the line is at the end of that form."""
+"""Function that executes a command after its form was read. The line's reader is at the end of that form."""
 
 _LONE = r"(?![A-Z\d(.$+\-=])"
 """Pattern after a single letter that isn't the start of a longer word."""

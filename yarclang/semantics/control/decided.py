@@ -276,8 +276,9 @@ class Decided:
     def offset(self, block: Block, file: File, scope: Scope, cell: Cell | None) -> None:
         """Carry out an OFFSET, which becomes a WHEN.
 
-        The WHEN's condition is that the lines can be carried out with the frame at its shifted place. Without
-        an ELSE the program ends with the reason if they can't.
+        The WHEN's condition is that the lines can be carried out with the frame at its shifted place. If they
+        can't and there is no ELSE, a run holds and shows the reason, and a controller text that runs by
+        itself ends.
         """
         around, begin = file.findings.place, len(self._steps)
         flag = self._own_register(OFFSETS, 0, 1).name

@@ -1,5 +1,5 @@
-"""The state of a text when a question about it is asked: its structure, and the results of the pipeline so
-far.
+"""The structure of a text and the results of the pipeline so far, from which questions about the text are
+answered.
 """
 
 from __future__ import annotations
@@ -53,8 +53,9 @@ class View:
     def planned_at(self, line: int) -> tuple[View, int] | None:
         """Return the view and the step in which the motions of a line are planned.
 
-        This is the present text or, if errors or a missing plan hide the motions, the last version that could
-        be planned, provided that the line is unchanged. None otherwise.
+        This is the current text. If its motions aren't planned because of errors or because the plan isn't
+        ready, it is the last version that could be planned, provided that the line is unchanged. None
+        otherwise.
         """
         if self.is_planned:
             return self, line
@@ -107,7 +108,7 @@ class View:
 
     @cached_property
     def flowing(self) -> frozenset[int]:
-        """Return the steps whose motions begin or end without a stop."""
+        """Return the steps of motions that begin or end without a stop."""
         plan = self.checked.plan if self.checked else None
         motions = plan.motions if plan else ()
         begins = [later.step for before, later in pairwise(motions) if before.flows]

@@ -29,7 +29,7 @@ from yarclang.words.registry import word_specs
 class Words:
     """Words in upper case, and units as they are written.
 
-    Words that begin with a shorter word precede it.
+    Each word comes before all words with which it begins.
 
     Attributes:
         blocks: words that begin or end a block.

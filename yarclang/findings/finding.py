@@ -99,8 +99,8 @@ class Finding:
 
     @property
     def need(self) -> Need:
-        """Information that may be missing because of another line. Families of findings about a place also
-        need the end of a motion.
+        """Information that may be missing because of another line. If nothing is given, findings of the
+        families about places need the end of a motion.
         """
         return self.needs or ("place" if self.family in _OF_PLACES else "")
 

@@ -51,11 +51,11 @@ class View:
         return self.checked is not None and self.checked.plan is not None
 
     def planned_at(self, line: int) -> tuple[View, int] | None:
-        """Return the view and the step in which the motions of a line are planned.
+        """Return the view and the step with the planned motions of a line.
 
-        This is the current text. If its motions aren't planned because of errors or because the plan isn't
-        ready, it is the last version that could be planned, provided that the line is unchanged. None
-        otherwise.
+        The view is that of the current text. If its motions aren't planned, because of errors or because the
+        plan isn't ready, it is the view of the last version that could be planned. None if neither has them,
+        or if the line has changed since that version.
         """
         if self.is_planned:
             return self, line

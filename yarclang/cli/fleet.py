@@ -96,7 +96,9 @@ class Fleet:
 
     @contextmanager
     def racing_workers(self, work: Callable[[T], R]) -> Iterator[RacingWork[T, R]]:
-        """Yield a function like that of `workers`, which yields each result as soon as it is computed."""
+        """Yield a function like the function of `workers`, except that it returns each result as soon as
+        it is computed.
+        """
         from yarclang.fleet.outcome import UnreachableError
         from yarclang.fleet.spreading import racing_workers
 

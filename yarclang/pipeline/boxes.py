@@ -1,6 +1,7 @@
-"""Try the OFFSETs of a program before it runs, at sample places of their registers' ranges (the boxes).
+"""Try the OFFSETs of a program before it runs, by planning them at sample values of their registers.
 
-The samples are the corners of each box, the middles of its edges, and a grid.
+The ranges of an OFFSET's registers form a box. The samples are all combinations of the smallest, middle and
+largest value of each register.
 """
 
 from __future__ import annotations

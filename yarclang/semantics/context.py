@@ -40,8 +40,7 @@ class GivenCell:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """The findings of the cell's file. A finding without a place gets the place where the file is named.
-        """
+        """The findings of the cell's file. A finding without a place gets the place that names the file."""
         return tuple(
             one if one.source is not None else replace(one, source=self.source, span=self.span)
             for one in self.loaded.diagnostics

@@ -11,8 +11,8 @@ from yarclang.hir import Motion
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 
 MUCH = 1.9
-"""Share of the stop acceleration above which there is a remark. Motions at full acceleration come close to
-it.
+"""Share of the stop acceleration above which a motion gets a remark. Motions at full acceleration come
+close to it.
 """
 
 

@@ -474,6 +474,5 @@ class Decided:
 
 
 def _origin(statement: Statement, word: str, file: File, around: str) -> Origin:
-    """Return the origin of a step of a block, with the place of the block instead of the place of its lines.
-    """
+    """Return the origin of a step of a block. Its place is that of the block, not that of the lines."""
     return replace(origin_of(statement, word, file.findings), place=around)

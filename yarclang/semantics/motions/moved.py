@@ -1,5 +1,4 @@
-"""Find the moving frame and the base frame of a motion command: those in its line, or else those of DEFAULT.
-"""
+"""Find the moving frame and the base frame of a motion command: in its line, or else in DEFAULT."""
 
 from __future__ import annotations
 

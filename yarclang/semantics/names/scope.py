@@ -96,7 +96,8 @@ class Table:
         return (rows * columns,) if 1 in (rows, columns) else (rows, columns)
 
     def at(self, indices: tuple[int, ...]) -> Amount:
-        """Return the number at the given indices, each from 0 up to, but not including, its size in `sizes`.
+        """Return the number at the given indices. Each counts from 0 and must be less than its size in
+        `sizes`.
         """
         if len(indices) == 2:
             return self.rows[indices[0]][indices[1]]

@@ -37,8 +37,9 @@ def own_secret() -> bytes | None:
 
 
 def signature(secret: bytes, contents: Iterable[bytes | memoryview]) -> bytes:
-    """Return the signature of several contents. The boundaries between them aren't signed, so the first
-    content must tell where the others end.
+    """Return the signature of several contents, one after the other.
+
+    Where one content ends and the next begins isn't signed, so this must follow from the first content.
     """
     code = hmac.new(secret, digestmod="sha256")
     for content in contents:

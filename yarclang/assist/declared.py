@@ -174,8 +174,8 @@ def _base_from(link: FrameLink) -> Array:
 
 
 def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
-    """Return the frame that a line declares. For a frame in a block, take it from a command that uses the
-    frame.
+    """Return the frame that a line declares. If the line is in a block, the frame is found by a command
+    that uses it.
     """
     if view.scope is not None and sketch is view.sketch:
         frame = view.scope.frame(symbol.name)

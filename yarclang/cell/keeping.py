@@ -1,6 +1,4 @@
-"""Define the rules that motions keep on their whole path (KEEP), and the region of directions near another
-direction.
-"""
+"""The rules that motions keep on their whole path (KEEP), and the region of orientations near a direction."""
 
 from __future__ import annotations
 

@@ -97,8 +97,9 @@ def main(
 ) -> None:
     """Compile YARC programs to their controller's text, and prove what they do.
 
-    It reports the findings of `yarc check`; comments and yarc.toml suppress the same ones. FILE.yarc becomes FILE.pmc; - reads standard input, and a folder,
-    with --out-dir, means all .yarc files in it. A program with an error leaves no file.
+    It reports the findings of `yarc check`, except those that comments or yarc.toml suppress. FILE.yarc
+    becomes FILE.pmc; - reads standard input, and a folder, with --out-dir, means all .yarc files in it.
+    Nothing is written for a program with an error.
     """
     _check_usage(files, output, out_dir, certificate, format_)
     if proof and output == "-":

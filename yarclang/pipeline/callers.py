@@ -1,5 +1,5 @@
-"""Move findings in modules to the line of the program with the call, since that is the line that users can
-change.
+"""Move findings in modules to the line of the program that calls the module, since users can change this
+line.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ class LineMap:
         program: file name of the source.
         robot: the robot, from the header.
         fingerprint: fingerprint of the robot, from the header.
+        commands: the commands that the header lists.
         stretches: groups of consecutive lines with one purpose, in order. They cover all lines.
     """
 

@@ -450,11 +450,11 @@ def stands_for(plan: MotionPlan, first: int, step: int) -> float:
 
 
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
-    """Return the number of the first motion with a place: an index such as P0010, or a place in loops and
-    calls in the form in which a run reports it.
+    """Return the number of the first motion with a place. The place is an index such as P0010, or a place in
+    loops and calls as a run reports it.
 
     Returns:
-        A finding that lists the existing places, if there is none.
+        A finding that lists the existing places, if there is no such motion.
     """
     labels = {number: _origin(plan, number).label for number in range(len(plan.motions))}
     if found := matching(labels, place):

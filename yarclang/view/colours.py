@@ -51,10 +51,9 @@ def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
 
 
 def linear(shades: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return colours as intensities of light, by IEC 61966-2-1.
+    """Convert sRGB colours to linear intensities of light, by IEC 61966-2-1.
 
-    viser expects the colours of points in this form. The colours of whole nodes have the same form as in
-    pictures.
+    viser expects the colours of points as linear intensities, but those of whole nodes as sRGB.
     """
     share = shades / 255.0
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)

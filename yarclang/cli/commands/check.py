@@ -79,8 +79,9 @@ def command(
 ) -> None:
     """Check programs: everything that yarcc checks before it writes, and further warnings and notes.
 
-    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml is a robot's, yarc.toml a
-    project's, any other a cell's (for --robot, if it is given). `yarc.toml` may name the robot, the cell, and the findings to report: docs/findings.md.
+    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml
+    describes a robot, yarc.toml a project, and any other file a cell (for --robot, if it is given).
+    `yarc.toml` may name the robot, the cell, and the findings to report: docs/findings.md.
     """
     _check_usage(paths, fix, diff, watch, format_)
     one_for_products()

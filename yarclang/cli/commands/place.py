@@ -112,10 +112,13 @@ def command(
     format_: str,
     **planning: Any,
 ) -> None:
-    """Find where a fixture or a part could stand so that all motions are possible and the program is quickest.
+    """Find where a fixture or a part could stand so that all motions are possible and the program is
+    quickest.
 
-    FRAME is declared by a FRAME line of the program or in its cell, stands still, and is moved with all that hangs on it. Each candidate is compiled and proved like any
-    program. To place the robot's base, let the cell hang on one frame in {B}, and place that. The map shows for each place of the grid the time, or the first error.
+    FRAME is declared by a FRAME line of the program or in its cell, and doesn't move with the robot.
+    Everything that is given in FRAME moves with it. Each candidate is compiled and proved like any program.
+    To place the robot's base, give the whole cell in one frame in {B}, and place this frame. The map shows
+    for each place of the grid the time, or the first error.
     """
     if grid is None:
         grid = _POINTS.get(len(within), 3)

@@ -94,8 +94,9 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
 
 
 def _wanted(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
-    """Return the speeds (k, 3) that commands request of the frame, and ceilings below twice the `fastest`
-    [mm/s]: start [s], end [s], and speed [mm/s].
+    """Return the speeds (k, 3) that commands request for the frame: start [s], end [s], and speed [mm/s].
+
+    Ceilings are included if they are below twice the `fastest` speed [mm/s].
     """
     rows = []
     for number, motion in enumerate(plan.motions):

@@ -1,4 +1,5 @@
-"""Read the file of a timed trajectory to SI, and write it without loss: CSV with a row for each way-point.
+"""Read and write the file of a timed trajectory: CSV with a row for each way-point. Values are converted to
+SI when read, and written without loss.
 
 The header is `time,J1,...,Jn`, then `J1_velocity,...` and `J1_acceleration,...` if the file has them. Columns
 are identified by their names and may have any order. A column may name its unit: `J1 [rad]`, `J1_velocity

@@ -36,7 +36,7 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
         folder: the folder of the URDF; mesh names are relative to it.
 
     Returns:
-        For each link its collision shapes, as texts that are equal for equal shapes.
+        The collision shapes of each link, as texts that are equal for equal shapes.
     """
     shapes: dict[str, list[str]] = {}
     if urdf.root is None or urdf.root.tag != "robot":

@@ -234,7 +234,7 @@ def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
     Args:
         robot: the robot, n joints.
         starts: (K, n) joint positions [rad or m], where the lines begin.
-        length: of the lines [m].
+        length: length of the lines [m].
     """
     paths = [_line(robot, start, way * length) for start in starts for way in DIRECTIONS]
     each = np.repeat(starts, len(DIRECTIONS), axis=0)

@@ -228,7 +228,7 @@ class Pull:
         Args:
             seeds: (k, n) [rad or m].
             is_only: True if only the nearest is needed, and only if it is nearer than `bound`.
-            bound: a squared joint difference.
+            bound: squared distance from the reference [squared joint differences].
             steps: the largest number of steps.
         """
         q = np.clip(seeds, self.lower, self.upper)

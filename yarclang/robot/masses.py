@@ -19,8 +19,9 @@ GRAVITY = 9.81
 
 @frozen(eq=False)
 class _Lump:
-    """A body on the link that joint number `joint` (from 1) moves: `mass` [kg], `center` (3,) in {B} [m],
-    `inertia` (3, 3) about it [kg m^2].
+    """A body on the link that joint number `joint` (from 1) moves.
+
+    `mass` is in kg, `center` (3,) is in {B} [m], and `inertia` (3, 3) is about the center [kg m^2].
     """
 
     joint: int

@@ -133,7 +133,7 @@ def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> t
 
 
 def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> str:
-    """Check a mesh, and return its scale and the SHA-256 of its file as a text; without a folder, the file
+    """Check a mesh, and return its scale and the SHA-256 of its file as a text. Without a folder, the file
     isn't searched for.
     """
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))

@@ -244,8 +244,8 @@ def _feedback(robot: Robot) -> Iterator[str]:
 
 
 def _offset(counts: float) -> str:
-    """Print an offset with its sign: ten digits if these give it to a thousandth of a count, else
-    all digits.
+    """Print an offset with its sign: with ten digits if these are accurate to a thousandth of a count, else
+    with all digits.
     """
     text = f"{counts:+.10g}"
     near = "e" not in text and abs(float(text) - counts) < 5e-4

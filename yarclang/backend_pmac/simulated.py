@@ -36,7 +36,9 @@ def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | No
 
 
 class _Server(SimulatorServer):
-    """A simulated Turbo PMAC that reports the words of programs that it treats differently."""
+    """A simulated Turbo PMAC that reports words of programs which it executes differently from a real
+    controller.
+    """
 
     def differences(self) -> tuple[str, ...]:
         """Return the words that a program uses and that behave differently on a real controller; empty if

@@ -47,7 +47,7 @@ def index_text(number: int) -> str:
 
 
 def comment_of(course: Course, number: int, with_name: bool = False) -> str:
-    """Return the comment after a target, with its name if wanted; empty without one."""
+    """Return the comment after a target, with the target's name if wanted; empty if there is no comment."""
     texts = [course.names[number]] if course.names and with_name else []
     text = plain(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
     return f"  ! {text}" if text else ""

@@ -199,7 +199,9 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:
-    """Report limits of the URDF that are narrower than those of robot.toml, which take precedence."""
+    """Report limits of the URDF that are narrower than those of robot.toml. The limits of robot.toml take
+    precedence.
+    """
     for joint in chain:
         table, limit = (draft.table.joints or {}).get(joint.name), joint.element.first("limit")
         if table is None or limit is None:

@@ -1,4 +1,6 @@
-"""Collect the pairs of links that may touch each other: from robot.toml, and those that an SRDF disables."""
+"""Collect the pairs of links that may touch each other: pairs that robot.toml allows, and pairs that an
+SRDF disables.
+"""
 
 from __future__ import annotations
 

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @frozen
 class SignalVariable:
-    """The controller's variable of an input or output.
+    """The controller's variable of an input or output, as found in a text.
 
-    `name` is its usual form, or None if the text names no variable; then `fault` is the reason and `remedy`
-    the correction. `is_taken` is True if yarclang itself uses the variable.
+    `name` is the usual form of its name. It is None if the text names no variable; `fault` is then the reason
+    and `remedy` the correction. `is_taken` is True if yarclang itself uses the variable.
     """
 
     name: str | None

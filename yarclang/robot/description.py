@@ -111,7 +111,7 @@ def read_robot(source: SourceFile, folder: Path) -> Result[Robot]:
         folder: the folder in which the file belongs.
 
     Returns:
-        As for `load_robot`.
+        The same as `load_robot`.
     """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):

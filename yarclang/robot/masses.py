@@ -19,8 +19,9 @@ GRAVITY = 9.81
 
 @frozen(eq=False)
 class _Lump:
-    """A body on the link that joint number `joint` (from 1) moves: `mass` [kg], `center` (3,) in {B} [m],
-    `inertia` (3, 3) about it [kg m^2].
+    """A body on the link that joint number `joint` (from 1) moves.
+
+    `mass` is in kg, `center` (3,) is in {B} [m], and `inertia` (3, 3) is about the center [kg m^2].
     """
 
     joint: int
@@ -119,13 +120,13 @@ def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
 
 
 def with_load(dynamics: Dynamics, mass: float, center: Array, inertia: Array) -> Dynamics:
-    """Add a body that the last joint moves.
+    """Return the masses of an arm with an additional body that the last joint moves.
 
     Args:
-        dynamics: without the body.
-        mass: of the body [kg].
-        center: (3,) its center in {B} with all joints at zero [m].
-        inertia: (3, 3) about its center, along the axes of {B} [kg m^2].
+        dynamics: the masses without the body.
+        mass: mass of the body [kg].
+        center: (3,) center of the body in {B} with all joints at zero [m].
+        inertia: (3, 3) about that center, along the axes of {B} [kg m^2].
     """
     size = len(dynamics.mass)
     last = _Lump(size, float(dynamics.mass[-1]), dynamics.center[-1], dynamics.inertia[-1])

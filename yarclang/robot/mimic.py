@@ -19,8 +19,8 @@ from yarclang.units import DEG, MM
 class Mimic:
     """A joint of the chain that follows a leader: `joint` = `factor` * `leader` + `offset`, in deg and mm.
 
-    `raw` are multiplier and offset as in the URDF, in rad and m. `leader_kind` is None if the URDF doesn't
-    have the leader.
+    `raw` has the multiplier and the offset of the URDF, in rad and m. `leader_kind` is None if the URDF
+    doesn't have the leader.
     """
 
     joint: Joint
@@ -59,10 +59,10 @@ class Mimic:
 
 
 def mimic_of(joint: Joint, joints: Sequence[Joint]) -> Mimic | None:
-    """Return the <mimic> of a joint, or None without one.
+    """Return the <mimic> of a joint, or None if it has none.
 
     Args:
-        joint: of a URDF without errors.
+        joint: a joint of a URDF without errors.
         joints: all joints of the URDF, for the leader's kind.
     """
     element = joint.element.first("mimic")

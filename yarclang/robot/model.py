@@ -1,7 +1,7 @@
 """Define a robot as the later stages see it: plain data in SI units, already checked.
 
-`yarclang.robot.description` makes it from a robot.toml and a URDF. Arrays are float64 and read-only, with one
-entry for each joint, from the base to the flange.
+`yarclang.robot.description` creates it from a robot.toml and a URDF. Arrays are float64 and read-only, with
+one entry for each joint, from the base to the flange.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ class Tolerance:
 
         Args:
             told: the distance that the motion allows [m], or None if it sets none.
-            leads_frame: True if the motion leads the moving frame along a path: the frame may then also turn,
+            leads_frame: True if the motion moves the moving frame along a path. The frame may then also turn,
                 by one degree for each millimetre of `told`.
         """
         if told is None:

@@ -35,7 +35,7 @@ class Worst:
 
 
 def worst_of(torque: Array, q: Array) -> Worst:
-    """Return the largest of P torques of each joint.
+    """Return the largest of P torques of each joint, by magnitude.
 
     Args:
         torque: (P, n) [N m, or N].

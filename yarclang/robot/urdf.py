@@ -61,8 +61,8 @@ class Urdf(UrdfText):
 
 
 def read_urdf(source: SourceFile) -> Urdf:
-    """Read the links and joints of a URDF, and report all findings about its tree; its shapes are checked
-    elsewhere.
+    """Read the links and joints of a URDF, and report all findings about its tree. Shapes are checked in
+    urdf_shapes.py.
     """
     urdf = Urdf(source)
     parse_xml(urdf)
@@ -156,7 +156,7 @@ def _register(
 
 
 def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
-    """Return a joint with its numbers; None, with findings, if it has mistakes."""
+    """Return a joint with its numbers; None, with findings, if the joint has mistakes."""
     name, kind = joint.attributes.get("name", ""), joint.attributes.get("type", "")
     urdf.once(joint, ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics"))
     before = len(urdf.findings)

@@ -36,7 +36,7 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
         folder: the folder of the URDF; mesh names are relative to it.
 
     Returns:
-        For each link its collision shapes, as texts that are equal for equal shapes.
+        The collision shapes of each link, as texts that are equal for equal shapes.
     """
     shapes: dict[str, list[str]] = {}
     if urdf.root is None or urdf.root.tag != "robot":
@@ -133,7 +133,7 @@ def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> t
 
 
 def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> str:
-    """Check a mesh, and return its scale and the SHA-256 of its file as a text; without a folder, the file
+    """Check a mesh, and return its scale and the SHA-256 of its file as a text. Without a folder, the file
     isn't searched for.
     """
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))

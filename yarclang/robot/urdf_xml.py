@@ -43,8 +43,9 @@ class Element:
 
 
 class UrdfText:
-    """The text of a URDF, its root element, and the findings about it; `kind` is the file's name in
-    findings.
+    """The text of a URDF, its root element, and the findings about it.
+
+    `kind` is the word for the file in findings.
     """
 
     def __init__(self, source: SourceFile, kind: str = "a URDF") -> None:

@@ -132,8 +132,8 @@ Script: TypeAlias = Generator[Action, Outcome, T]
 
 
 class Lost(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The connection is no longer usable: it is late or closed, or it delivered something that can't be a
-    reply.
+    """The connection is no longer usable: a reply is late, the connection was closed, or it has delivered
+    something that can't be a reply.
     """
 
 

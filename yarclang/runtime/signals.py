@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class OutputSet:
-    """The program has set an output. Sent once the controller has taken the line that sets it, up to 50 ms
-    later.
+    """The program has set an output. The notice is sent once the controller has taken the line with the
+    assignment, up to 50 ms later.
     """
 
     time: float

@@ -46,7 +46,7 @@ LINE = 0.1
 """Length of a line, as a share of the arm's length."""
 
 ROOM = 0.7
-"""A joint this far from its limits [rad or m] has all the room that a line needs."""
+"""Distance of a joint from its limits [rad or m] that is enough for any line."""
 
 STRAIGHT = 0.01
 """Smallest singular value below which a position counts as near a singularity."""
@@ -234,7 +234,7 @@ def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
     Args:
         robot: the robot, n joints.
         starts: (K, n) joint positions [rad or m], where the lines begin.
-        length: of the lines [m].
+        length: length of the lines [m].
     """
     paths = [_line(robot, start, way * length) for start in starts for way in DIRECTIONS]
     each = np.repeat(starts, len(DIRECTIONS), axis=0)

@@ -331,7 +331,8 @@ def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.
 def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
     """Return angles on the full turn nearest to seeds, and their differences from the seeds [rad].
 
-    Only whole turns are added: the arm's target depends on the pose, not on the digits of its last position.
+    Only whole turns are added to an angle. The arm's target therefore depends on the pose, and not on the
+    last digits of the arm's previous position.
     """
     near = angle - TURN * np.round((angle - seed) * (1.0 / TURN))
     return near, near - seed

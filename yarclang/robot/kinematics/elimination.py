@@ -61,8 +61,8 @@ EXACT = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
 APART = 5e-5
-"""Solutions that differ by less than this in every joint [rad] count as one: where two solutions meet, joint
-positions at this distance from both miss the pose by no more than `EXACT`.
+"""Solutions that differ by less than this in every joint [rad] count as one. Near the place where two
+solutions meet, joint positions at this distance from both solutions miss the pose by no more than `EXACT`.
 """
 
 _ORDERS = (1, 4, 0, 2, 3, 5)
@@ -381,8 +381,10 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
 
 @lru_cache(maxsize=256)
 def _left_side(form: Elimination) -> Array:
-    """Return the side of the fourteen equations that contains no pose: coefficients (14, 3, 3, 3) of 1, cos,
-    sin of the loop's third, fourth and fifth angle.
+    """Return the side of the fourteen equations that doesn't contain the pose.
+
+    Returns:
+        Coefficients (14, 3, 3, 3) of 1, cos, sin of the loop's third, fourth and fifth angle.
     """
     _, (_, _, cd, de, ef, _), _ = _loop(form, np.eye(4)[None])
     turned_c = _turns(_THIRDS + _OFFSETS[0])[:, None, None]

@@ -175,9 +175,9 @@ class Links:
 
     `frames` (n, 4, 4) are the joints' frames in {B} with all joints at zero, z along the axis. `first` (4, 3)
     holds the columns of the first frame, `steps` (n, 4, 4) the transposed transforms from each joint's frame
-    to the one before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position, `turn`
-    (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if all joints turn by
-    one and none slides.
+    to the frame before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position,
+    `turn` (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if `turn` is 1
+    and `slide` is 0 for all joints.
     """
 
     frames: Array

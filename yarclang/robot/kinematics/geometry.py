@@ -153,8 +153,8 @@ def nominal_form(chain: Chain) -> Form | None:
 
 @lru_cache(maxsize=256)
 def parallel_arm(chain: Chain) -> ParallelArm | None:
-    """Return the closed form of a chain with three parallel axes, or None if it isn't one; remembered by the
-    chain's identity.
+    """Return the closed form of a chain with three parallel axes, or None for any other chain; remembered by
+    the chain's identity.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
@@ -205,8 +205,8 @@ def _across(way: Array, axis: Array) -> Array:
 
 @lru_cache(maxsize=256)
 def wristed_arm(chain: Chain) -> WristedArm | None:
-    """Return the closed form of a chain with a spherical wrist, or None if it isn't one; remembered by the
-    chain's identity.
+    """Return the closed form of a chain with a spherical wrist, or None for any other chain; remembered by
+    the chain's identity.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:

@@ -34,7 +34,9 @@ ROUNDS = 12
 """The largest number of smoothing rounds."""
 
 PASSES = 30
-"""Smoothing passes in one round; in each, every place moves halfway to the middle of its neighbours."""
+"""Number of smoothing passes in one round. In each pass, every place moves halfway to the middle of its
+neighbours.
+"""
 
 STEPS = 6
 """Steps that put each place back onto its pose."""

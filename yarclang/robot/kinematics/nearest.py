@@ -310,7 +310,7 @@ def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
 
 
 def _distinct(chain: Chain, q: Array) -> NDArray[np.bool_]:
-    """Return a mask (m,) of the rows of `q` (m, n) that differ from all earlier ones, except for full
+    """Return a mask (m,) of the rows of `q` (m, n) that differ from all earlier rows by more than full
     turns.
     """
     away = np.abs(wrapped(chain, q[:, None] - q[None])).max(axis=2)

@@ -127,8 +127,8 @@ class _Seen:
         self.low, self.high = clear_of_limits(limits, reference)
 
     def at(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return all branches (B, N, 7) at places of the spare joint (N,), and a mask (B, N) of those that
-        reach the pose.
+        """Return all branches (B, N, 7) at places of the spare joint (N,), and a mask (B, N) of the branches
+        that reach the pose.
         """
         return solutions_with(self.form, self.pose, values, self.reference)
 

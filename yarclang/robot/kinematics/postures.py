@@ -26,7 +26,9 @@ SEEDS = 48
 """Joint positions from which the search for one pose starts."""
 
 NEAREST = 192
-"""Rows nearest to a pose that are considered; of these, the nearest to the reference are used."""
+"""Number of rows nearest to a pose that are considered. Of these rows, those nearest to the reference are
+used.
+"""
 
 LONG = 3.0
 """A sliding joint is covered up to this distance to either side [sizes of the arm]."""

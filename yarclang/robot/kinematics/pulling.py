@@ -40,11 +40,11 @@ DAMPING = 1e-12
 FAR = 1e-2
 
 HOLDS = 3
-"""The largest number of times that joints are held at limits in one step."""
+"""Largest number of times in one step that joints at limits are held and the step is computed again."""
 
 SHORTEST, LONGEST = 0.05, 2.0
-"""The shortest and the longest step along the self-motion, as a share of the step that would be right if it
-were straight.
+"""The shortest and the longest step along the self-motion, as a share of the step that would be right on a
+straight self-motion.
 """
 
 HOPE = 2.0
@@ -228,7 +228,7 @@ class Pull:
         Args:
             seeds: (k, n) [rad or m].
             is_only: True if only the nearest is needed, and only if it is nearer than `bound`.
-            bound: a squared joint difference.
+            bound: squared distance from the reference [squared joint differences].
             steps: the largest number of steps.
         """
         q = np.clip(seeds, self.lower, self.upper)

@@ -80,8 +80,9 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
 
 
 def null_spaces(chain: Chain, q: Array, scale: Array) -> Array:
-    """Return orthonormal directions (m, k, n) in which joint positions (m, n) leave the flange at rest, joint
-    motions counted in units of `scale` (n,) [rad or m].
+    """Return orthonormal directions (m, k, n) in which joint positions (m, n) leave the flange at rest.
+
+    Joint motions are counted in units of `scale` (n,) [rad or m].
     """
     # the right singular vectors after the six singular values span the null space
     directions: Array = np.linalg.svd(_scaled_jacobians(chain, q, scale))[2][:, 6:]

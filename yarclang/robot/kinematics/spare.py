@@ -63,10 +63,10 @@ class HeldWithin:
     """An arm of seven turning joints with a wrist, read from the base or from the flange (`is_reversed`).
 
     All fields describe the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the
-    joints' axes. `held` (0 or 2) is the held joint, `pair` the two whose axes meet in `meeting` (3,). Joint 3
-    bends; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles `angles`. `home` (4, 4) is
-    the tip at zero. `fourth` and `sixth` (3, 3) are the frames of the wrist's first and last axis. `crosses`
-    (7, 3, 3) are the cross product matrices of the axes.
+    joints' axes. `held` (0 or 2) is the held joint, `pair` are the two joints whose axes meet in `meeting`
+    (3,). Joint 3 bends the arm; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles
+    `angles`. `home` (4, 4) is the tip. `fourth` and `sixth` (3, 3) are the frames of the wrist's first and
+    last axis. `crosses` (7, 3, 3) are the cross product matrices of the axes.
     """
 
     is_reversed: bool

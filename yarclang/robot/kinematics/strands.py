@@ -81,8 +81,8 @@ class _Samples:
 class _Held:
     """A singularity that the strand has entered.
 
-    `before` is the last sample before it, with joints at `q` (6,); `joints` are the joints that the
-    singularity frees.
+    `before` is the index of the last sample before it, `q` (6,) are the joint positions there, and `joints`
+    are the joints that the singularity frees.
     """
 
     before: int
@@ -161,7 +161,7 @@ def plain_strands(
 
 
 def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
-    """Follow the samples from `q_start` (6,).
+    """Follow the samples from `q_start` (6,) until a jump or the end.
 
     Args:
         arm: the closed form.
@@ -169,7 +169,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
         q_start: (6,) [rad].
 
     Returns:
-        The strand, and the places (K,) that need to be added.
+        The strand, and the places (K,) at which more samples are needed.
     """
     s, count = samples.s, len(samples.s)
     q = np.empty((count, 6))

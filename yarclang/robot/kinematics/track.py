@@ -55,7 +55,7 @@ from the held angle to the determined one.
 """
 
 EDGE = 1e-8
-"""A joint that exceeds its limit by no more than this [rad or m] counts as on it."""
+"""A joint that exceeds its limit by no more than this [rad or m] counts as at the limit."""
 
 
 @frozen(eq=False)

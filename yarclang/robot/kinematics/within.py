@@ -11,8 +11,8 @@ EDGE = 1e-8
 """A joint that exceeds its limit by no more than this [rad or m] is set to the limit."""
 
 CLEAR = 0.05
-"""Distance that a redundant arm keeps from its limits if it can [rad or m], at most a twentieth of the
-range.
+"""Distance that a redundant arm keeps from its limits if possible [rad or m], but at most a twentieth of the
+joint's range.
 """
 
 

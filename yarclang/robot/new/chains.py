@@ -326,7 +326,9 @@ class _Tree:
 
 
 def _named(links: Sequence[str], patterns: Sequence[str]) -> str:
-    """Return the first link that matches the first pattern that any link matches; empty if there is none."""
+    """Return the first link that matches a pattern; patterns come in the order of preference. Empty if no
+    link matches any of them.
+    """
     for pattern in patterns:
         for link in links:
             if re.search(pattern, link, re.IGNORECASE):

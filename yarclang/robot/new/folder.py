@@ -26,7 +26,7 @@ from yarclang.toml.reading import read_text
 
 @frozen
 class Arm:
-    """A URDF with the chain that is the robot.
+    """A URDF, and the chain in it that is the arm.
 
     Attributes:
         path: the file.
@@ -71,7 +71,7 @@ class Question:
     Attributes:
         option: the option that answers it.
         text: the question.
-        rule: the value without an answer.
+        rule: the rule by which the value is chosen without an answer.
     """
 
     option: str

@@ -24,7 +24,7 @@ INNER = 0.8
 """HOME stays within this share of each joint's range."""
 
 BENT = 0.6
-"""HOME's smallest singular value is at least this share of the arm's usual ones."""
+"""Least ratio of HOME's smallest singular value to a usual value of the arm (the upper quartile)."""
 
 
 def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:

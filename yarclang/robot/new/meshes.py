@@ -61,8 +61,8 @@ def read_mesh(path: Path) -> bytes:
     """Return the content of a mesh file.
 
     Raises:
-        NoMeshError: if it isn't a mesh, isn't an ordinary file, or is too large.
-        OSError: if it can't be read.
+        NoMeshError: the file isn't a mesh, isn't an ordinary file, or is too large.
+        OSError: the file can't be read.
     """
     kind = path.suffix.lower()
     if kind not in MESHES:
@@ -135,7 +135,7 @@ class Surroundings:
 
         Args:
             name: the mesh's name in the URDF.
-            path: the file that the name was found to refer to.
+            path: the file to which the name refers.
         """
         there = path.resolve()
         if any(there.is_relative_to(root) for root in self._roots):

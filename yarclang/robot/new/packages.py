@@ -43,7 +43,9 @@ class Packages:
         return self._found.get(name)
 
     def path(self, filename: str) -> Path | None:
-        """Return the file that a `package://` name refers to by package.xml, or None if there is none."""
+        """Return the file to which a `package://` name refers by package.xml, or None if there is no such
+        file.
+        """
         name = package_of(filename)
         inside = PurePosixPath(unquote(urlparse(filename).path).lstrip("/"))
         if not urlparse(filename).netloc:

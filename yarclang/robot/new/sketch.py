@@ -262,7 +262,9 @@ def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
 
 
 def _rounded_down(value: float) -> float:
-    """Round a limit down to a multiple of 1e-6, so that it never gets wider, apart from conversion errors."""
+    """Round a value down to a multiple of 1e-6, so that no upper limit gets wider. A value within 1e-9 of one
+    with four decimals is rounded to that value: its last digits are an error of the unit's conversion.
+    """
     near = round(value, 4)
     return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6
 

@@ -138,7 +138,7 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
 
 
 def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
-    """Return the statements of the PLC that stops a search when this computer falls silent."""
+    """Return the statements of the PLC that stops a search if this computer falls silent."""
     timer = watchdog(turbo_pmac(robot).coordinate_system)
     return (f"IF({HOMING}=1)", f"IF({timer}<0)", f"{HOMING}=2", f'CMD"#{motor}J/"', "ENDIF", "ENDIF")
 

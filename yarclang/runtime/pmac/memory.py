@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question in one line: for each part, its name and its text."""
+    """A question in one line. Each part of it has a name and a text."""
 
     subjects: tuple[str, ...]
     parts: tuple[str, ...]
@@ -59,6 +59,6 @@ class Memory:
 
 
 def _named(subject: str) -> str:
-    """Return a name with its explanation in brackets, so that the sentence can continue after it."""
+    """Return a name with its explanation in brackets, as a sentence needs it."""
     name, comma, what = subject.partition(", ")
     return f"{name} ({what})" if comma else name

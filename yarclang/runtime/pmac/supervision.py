@@ -404,7 +404,7 @@ class Supervision:
         ]
 
     def found(self, flow: Flow) -> bool:
-        """Return True if the input that ends this motion has the value that is searched for."""
+        """Return True if the input that ends this motion early has its wanted value."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         return self._search is not None and read[self._search.variable] == self._search.value
 

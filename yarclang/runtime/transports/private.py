@@ -29,8 +29,8 @@ _CREDENTIALS = struct.Struct("3i")
 
 
 class ControlError(Trouble):
-    """A run's socket, its folder or a controller's lock can't be used: what is wrong, and what to do about
-    it.
+    """A run's socket, its folder or a controller's lock can't be used. The arguments are what is wrong, and
+    what to do about it.
     """
 
 

@@ -1,4 +1,4 @@
-"""Processes of this user on this computer that own a robot, and the places of their sockets."""
+"""Processes of this user on this computer that control a robot, and the paths of their sockets."""
 
 from __future__ import annotations
 

@@ -16,7 +16,9 @@ _LONE = r"(?![A-Z\d(.$+\-=])"
 
 
 def command_at(text: str, at: int) -> tuple[Action, re.Match[str]] | None:
-    """Return the command that begins at index `at` of a text, and its match; None without one."""
+    """Return the command that begins at index `at` of a text, and its match; None if no command begins
+    there.
+    """
     for pattern, action in _BY_FIRST.get(text[at], ()):
         if found := pattern.match(text, at):
             return action, found

@@ -59,7 +59,7 @@ class Target:
 
 
 class RenameError(ValueError):
-    """The new name isn't allowed; the message says why."""
+    """The new name isn't allowed. The message has the reason."""
 
 
 def target_at(view: View, line: int, column: int) -> Target | None:

@@ -163,7 +163,7 @@ class Display:
 
         Args:
             done: progress of the program [s].
-            now: present time [s].
+            now: current time [s].
         """
         count = bisect_right(self._ahead, done + _SAME, self._next, key=lambda one: one.begins_s)
         last = count == len(self._ahead)

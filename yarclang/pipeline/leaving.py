@@ -41,13 +41,13 @@ _MOST_ROWS = 2000
 def leaving(
     plan: MotionPlan, name: str, number: int, time: float, here: Array, request: Request
 ) -> tuple[Job, ...] | str:
-    """Return the jobs that lead a robot out which was stopped on the path of a motion: the way back, if it is
-    not at the motion's start, and the way out.
+    """Return the jobs by which a robot withdraws that was stopped on the path of a motion: the way back
+    (unless the robot is at the motion's start), and the way out.
 
     Args:
         plan: the program.
         name: the way out.
-        number: the motion on whose path the robot stands.
+        number: the motion on whose path the robot was stopped.
         time: time of the plan that corresponds to the robot's position [s].
         here: (n,) position of the robot [rad or m].
         request: the settings with which the program was planned.

@@ -1,7 +1,8 @@
-"""Kinds of controllers: each is described by one value `BACKEND` in `backend.py` of its package `backend_*`.
+"""Kinds of controllers. Each kind is described by one value `BACKEND` in `backend.py` of its package
+`backend_*`.
 
-Neutral rooms use this value without knowing the kind. `kind` is enough to read a robot; everything else is
-imported when it is needed.
+Rooms that are neutral use this value without knowing the kind. `kind` is enough to read a robot; everything
+else is imported when it is needed.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ class Written:
         target: target of the text.
         loading: instructions for a person who loads the text by hand.
         start: start position: each axis's name and a decimal number in its axis unit, joined as in `A0.5B-3`.
-        segments: used segment times as printed [ms], up to four digits and twelve decimals: none, one, or the
-            smallest and the largest.
+        segments: segment times in the text as printed [ms], up to four digits and twelve decimals: none, one,
+            or the smallest and the largest.
         time: prints a segment time [ms].
         text: returns the whole text with the lines of a header.
     """
@@ -63,7 +64,7 @@ class Sendable:
     Attributes:
         lines: each line with its number in the text.
         guarded: lines after which the controller holds by itself if this computer falls silent.
-        capacity: number of lines that certainly fit into the controller's buffer.
+        capacity: number of lines that are sure to fit into the controller's buffer.
         own: further data for the scripts of this kind.
     """
 
@@ -79,8 +80,9 @@ class Settings:
 
     Attributes:
         text: writes the settings.
-        judge: proves settings, also edited ones. Returns the proved facts as sentences; None with errors.
-        differences: returns the differences of a proved text from the written one.
+        judge: proves settings, including edited ones. Returns the proved facts as sentences; None with
+            errors.
+        differences: returns the differences of a proved text from the text that `text` writes.
         items: returns the values that are read from the controller before anything moves.
         lines: returns the lines of the text that are sent.
     """
@@ -99,7 +101,7 @@ NO_SETTINGS = Settings(
     items=lambda robot: (),  # noqa: ARG005
     lines=lambda text: (),  # noqa: ARG005
 )
-"""The settings of a controller that needs none."""
+"""The settings of a controller that needs no settings."""
 
 
 @frozen(eq=False)
@@ -109,9 +111,9 @@ class LiveWriting:
     Attributes:
         decimals: returns the number of decimals of a robot's positions, for a segment time [s].
         lines: prints positions (k, n) [rad or m] with a number of decimals.
-        points: reads printed positions (k, n) [rad or m] with the judge's reader; an error text if they are
-            wrong.
-        motion: makes a live motion from the robot, its position (n,) and tolerances (n,) [rad or m], the
+        points: reads printed positions (k, n) [rad or m] with the judge's reader; returns an error text if
+            they are wrong.
+        motion: creates a live motion from the robot, its position (n,) and tolerances (n,) [rad or m], the
             segment time [s], the decimals, a name, and the source of the lines.
     """
 
@@ -127,7 +129,7 @@ class Simulated:
 
     Attributes:
         port: its port on this computer.
-        leash: its time, if it waits for its session; otherwise None.
+        leash: its clock, if it waits for its client; otherwise None.
     """
 
     port: int
@@ -151,14 +153,14 @@ class Server(Protocol):
         """Close all connections."""
 
     def tell(self, text: str) -> None:
-        """Report a text at the controller's time."""
+        """Report a text, with the controller's time."""
 
     def differences(self) -> tuple[str, ...]:
         """Return descriptions of features that programs have used and that are simulated differently."""
 
 
 class ServerMaker(Protocol):
-    """Makes a simulated controller for `yarc sim`."""
+    """Function that creates a simulated controller for `yarc sim`."""
 
     def __call__(
         self,
@@ -176,7 +178,7 @@ class ServerMaker(Protocol):
         """Return a simulated controller.
 
         Args:
-            robot: robot for which it is commissioned; None for none.
+            robot: robot for which it is set up; None for none.
             cell: cell with further machines; None for none.
             host: host to listen on.
             port: port to listen on.
@@ -193,8 +195,8 @@ class Bench:
 
     Attributes:
         title: name of a controller without a robot.
-        fault: makes a fault from a text. Raises ValueError with the reason if the text is wrong.
-        server: makes a simulated controller.
+        fault: converts a text to a fault. Raises ValueError with the reason if the text is wrong.
+        server: creates a simulated controller.
     """
 
     title: str

@@ -57,7 +57,7 @@ Message = Dict[str, Any]
 class Refused(Exception):  # noqa: N818  (what a reply says)
     """An order was refused.
 
-    The text says what is wrong. `help` is the remedy and `code` the code of the finding; both may be empty.
+    The text is the reason. `help` is the remedy and `code` the code of the finding; both may be empty.
     """
 
     def __init__(self, error: str, help_: str = "", code: str = "") -> None:
@@ -243,7 +243,7 @@ class Robot:
         return self.ask("release")
 
     def offer(self, text: str) -> Message:
-        """Plan and prove one or more lines or a block from the robot's present position. Nothing moves.
+        """Plan and prove one or more lines or a block from the robot's current position. Nothing moves.
 
         Returns:
             `offer`, which may be None, and `findings`.
@@ -277,15 +277,15 @@ class Robot:
         return self.ask("fill", values=values, number=number)
 
     def wanted(self, patience: float | None = None) -> Message:
-        """Wait until the program takes values, and return the question.
+        """Wait until the program asks for values, and return its question.
 
         The question has `number`, `place`, `registers` with their ranges, and the names that are `needed`.
 
         Args:
-            patience: longest time [s]; None waits without limit. Other events are dropped meanwhile.
+            patience: longest time [s]; None waits without limit. Other events are dropped in the meantime.
 
         Raises:
-            TimeoutError: the program takes no values in time.
+            TimeoutError: the program doesn't ask for values in time.
             Gone: the process isn't there any more.
         """
         until = None if patience is None else time.monotonic() + patience

@@ -1,11 +1,11 @@
-"""The files that work sees: those of the disk, or those of a bundle that came with the work.
+"""The files that some work reads: those of the disk, or those of a bundle that was sent with the work.
 
-Everything that a check reads, looks for or lists goes through this module or `files.read_whole`. So a door
-can record on which files a result depends (`recorded`), and reuse the result as long as all of them are as
-they were; and a process on another machine can do the same work with a bundle of these files (`bundled`).
+Everything that a check reads, searches or lists is requested through this module or `files.read_whole`. So
+the files on which a result depends can be recorded (`recorded`), and the result can be reused as long as they
+are unchanged. A process on another machine can do the same work with a bundle of these files (`bundled`).
 
-The library of this installation is always that of the disk, also for work with a bundle: who compares results
-of two installations compares the installations.
+The library of this installation is always read from the disk, also for work with a bundle. A comparison of
+the results of two installations therefore compares the installations.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Question(NamedTuple):
 
     Attributes:
         kind: one of the kinds below.
-        path: relative to the working directory for all that is in it, otherwise absolute.
+        path: path relative to the working directory if it is inside, otherwise absolute.
     """
 
     kind: str
@@ -37,30 +37,30 @@ class Question(NamedTuple):
 
 
 CONTENT = "content"
-"""The content of a file. Answered by its digest, or by the reason for which it can't be read."""
+"""Question for the content of a file. The answer is its digest, or the reason why it can't be read."""
 
 _FILE, _FOLDER = "file", "folder"
-"""Question whether a file or folder exists, answered by `yes` or `no`."""
+"""Questions whether a file or a folder exists. The answer is `yes` or `no`."""
 
 _NEAREST = "nearest "
-"""Which of a folder and the folders above is the nearest with a file of the name that follows? Answered by
-the number of steps up, or `none`.
+"""Question which of a folder and the folders above is the nearest one with a file of a name, which follows
+this prefix. The answer is the number of steps up, or `none`.
 """
 
 _MODULES = "modules "
-"""Which files of a folder may be the module whose name in upper case follows (`*`: any module)? Answered by
-their names in order.
+"""Question which files of a folder may be the module with a name in upper case, which follows this prefix
+(`*`: any module). The answer is their names in order.
 """
 
 CHANGED = "changed while the work went on"
-"""Answer that no question has: to a question that was answered in two ways."""
+"""Answer that matches no question. It replaces two different answers to the same question."""
 
 Answers = dict[Question, str]
 
 
 @contextmanager
 def recorded() -> Iterator[Answers]:
-    """Record what the work in this block consults. Work in other processes isn't recorded."""
+    """Record which files the work in this block reads. Work in other processes isn't recorded."""
     record: Answers = {}
     token = _RECORD.set(record)
     try:
@@ -73,11 +73,11 @@ _RECORD: ContextVar[Answers | None] = ContextVar("record", default=None)
 
 
 class Bundle(NamedTuple):
-    """Files that came with the work.
+    """Files that were sent with the work.
 
     Attributes:
-        answers: to the questions that are foreseen.
-        contents: of files, by their digests.
+        answers: answers to the questions that are expected.
+        contents: contents of files, by their digests.
     """
 
     answers: Mapping[Question, str]
@@ -85,7 +85,8 @@ class Bundle(NamedTuple):
 
 
 class NotBundledError(BaseException):
-    """A question that the bundle doesn't answer. Not an `Exception`: no stage may take it for a bug.
+    """A question that the bundle doesn't answer. It isn't an `Exception`, so that no stage treats it as a
+    bug.
 
     Attributes:
         question: the question.
@@ -98,10 +99,10 @@ class NotBundledError(BaseException):
 
 @contextmanager
 def bundled(bundle: Bundle) -> Iterator[None]:
-    """Let the work in this block see the files of a bundle alone.
+    """Let the work in this block see only the files of a bundle.
 
     Raises:
-        NotBundledError: the work consults something that the bundle doesn't know.
+        NotBundledError: the work needs a file that isn't in the bundle.
     """
     token = _BUNDLE.set(bundle)
     try:
@@ -124,7 +125,7 @@ def is_folder(path: Path) -> bool:
 
 
 def nearest_folder(folder: Path, name: str) -> Path | None:
-    """Return the nearest of a folder and the folders above that has a file of this name; None without one."""
+    """Return the nearest folder, from a folder upwards, that has a file of this name; None without one."""
     steps = _asked(_NEAREST + name, folder, lambda: _steps_up(folder, name))
     if steps == "none":
         return None
@@ -132,7 +133,7 @@ def nearest_folder(folder: Path, name: str) -> Path | None:
 
 
 def modules_in(folder: Path, name: str = "*") -> list[Path]:
-    """Return the files of a folder that may be a module, in order; none if the folder can't be read.
+    """Return the files of a folder that may be a module, in order; empty if the folder can't be read.
 
     Args:
         folder: the folder.
@@ -143,7 +144,7 @@ def modules_in(folder: Path, name: str = "*") -> list[Path]:
 
 
 def content_of(path: Path, read: Callable[[], bytes]) -> bytes:
-    """Return the content of a file: that of the bundle, or of `read`, which reads it from the disk.
+    """Return the content of a file from the bundle, or else from `read`, which reads it from the disk.
 
     Raises:
         OSError: the file can't be read.
@@ -170,7 +171,7 @@ def content_of(path: Path, read: Callable[[], bytes]) -> bytes:
 
 @contextmanager
 def on_disk(path: Path, content: bytes) -> Iterator[Path]:
-    """Yield a file of the disk with the content that `path` has, for libraries that read files themselves."""
+    """Yield a file on the disk that has the content of `path`, for libraries that read files themselves."""
     if _BUNDLE.get() is None or _is_ours(path):
         yield path
         return
@@ -185,14 +186,14 @@ def on_disk(path: Path, content: bytes) -> Iterator[Path]:
 
 
 def question_of(kind: str, path: Path) -> Question:
-    """Return the question about a path as it is recorded."""
+    """Return a question about a path in the form in which it is recorded."""
     whole, here = _whole(path), str(Path.cwd())
     inside = whole == here or whole.startswith(here.rstrip(os.sep) + os.sep)
     return Question(kind, os.path.relpath(whole, here) if inside else whole)
 
 
 def answer_now(question: Question) -> str:
-    """Return the present answer of the disk to a question."""
+    """Return the answer to a question from the disk as it is now."""
     kind, path = question.kind, Path(question.path)
     if kind == CONTENT:
         return content_now(path)[0]
@@ -206,7 +207,9 @@ def answer_now(question: Question) -> str:
 
 
 def content_now(path: Path) -> tuple[str, bytes]:
-    """Return the answer to the question for a file's content, and the content; empty if it can't be read."""
+    """Return the answer to the question for a file's content, and the content (empty if the file can't be
+    read).
+    """
     try:
         if path.exists() and not path.is_file():
             return CHANGED, b""  # a pipe or a device: what it gave is gone
@@ -217,7 +220,7 @@ def content_now(path: Path) -> tuple[str, bytes]:
 
 
 def digest(content: bytes) -> str:
-    """Return the digest of a content, as 64 hexadecimal digits."""
+    """Return the digest of some content, as 64 hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 
@@ -255,7 +258,7 @@ def _is_ours(path: Path) -> bool:
 
 
 def _whole(path: Path) -> str:
-    """Return an absolute path without `..`; links are kept."""
+    """Return an absolute path without `..`. Links aren't resolved."""
     return os.path.abspath(path)  # noqa: PTH100 (resolve follows links)
 
 

@@ -1,8 +1,8 @@
 """Values that a running program computes at rest from registers, inputs and constants.
 
 A value is a number; a condition is a value that is 0 or 1. Each value has one canonical text, which the map
-of a controller text contains: every nested operation in brackets, registers with a `$`, inputs by their
-variables, as in `($N<3)&(M11=1)`.
+of a controller text contains. In this text, every nested operation is in brackets, registers have a `$`, and
+inputs are named by their variables, as in `($N<3)&(M11=1)`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,9 @@ from dataclasses import field
 from yarclang.frozen import frozen
 
 AGAIN = "again:"
-"""Prefix in the map for a condition that is decided with the inputs as they were read before."""
+"""Prefix in the map of a condition that is evaluated with the input values that were read for an earlier
+condition.
+"""
 
 CONNECTIVES = ("OR", "AND")
 COMPARISONS = ("=", "<>", "<", "<=", ">", ">=")
@@ -35,21 +37,21 @@ UNARY_SIGNS = {"NOT": "!", "-": "-"}
 """Unary operators in canonical text."""
 
 DECIMALS = 9
-"""Decimals of numbers in canonical text."""
+"""Number of decimals of numbers in canonical text."""
 LARGEST = 1_000_000_000
 """Largest absolute value of a register and of every intermediate result."""
 
 MOST_LEAVES = 24
-"""Most registers, inputs and numbers in one value."""
+"""Largest number of registers, inputs and numbers in one value."""
 
 MOST_BITS = 16
-"""Most bits in a group of inputs or outputs."""
+"""Largest number of bits in a group of inputs or outputs."""
 
 LONGEST_NAME = 40
-"""Most characters in the name of a register."""
+"""Largest number of characters in the name of a register."""
 
 DEEPEST = 24
-"""Most levels of nested operations in one value."""
+"""Largest depth of nested operations in one value."""
 
 
 @frozen
@@ -109,8 +111,8 @@ class Register:
         low: smallest allowed value.
         high: largest allowed value.
         first: value at the start of a run.
-        kept: True if the register keeps its value from the run before instead of `first`.
-        outside: True if other programs supply values, which a WAIT or a HOLD takes over.
+        kept: True if the register starts with its value at the end of the previous run instead of `first`.
+        outside: True if other programs supply values. The register gets them at a WAIT or a HOLD.
     """
 
     name: str
@@ -129,8 +131,8 @@ class Watch:
         variable: the controller's variable.
         value: the input's value at which the motion is held.
         name: the input's name in the program.
-        then: name of the SUB on whose way the robot leaves; empty: the motion goes on.
-        way: hash of that way, 16 hex digits.
+        then: name of the SUB with the motions by which the robot withdraws; empty: the motion continues.
+        way: hash of this SUB's steps, 16 hex digits.
     """
 
     variable: str
@@ -141,19 +143,21 @@ class Watch:
 
     @property
     def reaction(self) -> str:
-        """The chosen action of the robot, in words."""
+        """The robot's reaction, in words."""
         return f"hold, then leave by {self.then}" if self.then else "hold"
 
 
 def only_holding(watches: Iterable[Watch]) -> tuple[Watch, ...]:
-    """Return watched inputs that hold the motion, and lead nowhere afterwards: those of ways beside a
-    program.
+    """Return watched inputs that only hold the motion, without a SUB by which the robot withdraws. Programs
+    beside the main program use these.
     """
     return tuple(Watch(one.variable, one.value, one.name) for one in watches)
 
 
 MOST_WATCHES = 8
-"""Most inputs that a program may watch: each progress query to the controller contains all of them."""
+"""Largest number of inputs that a program may watch: each progress query to the controller contains all of
+them.
+"""
 
 
 @frozen
@@ -166,7 +170,7 @@ class Searched:
         value: the input's value that ends the motion.
         name: the input's name in the program.
         flag: register that becomes 1 when the input ends the motion.
-        depth: register that then takes the distance covered by the frame [0.01 mm]; empty for none.
+        depth: register that then gets the distance covered by the frame [0.01 mm]; empty for none.
     """
 
     step: int
@@ -178,15 +182,15 @@ class Searched:
 
 
 SHIFTS = ("X", "Y", "Z", "RZ")
-"""Directions in which a frame is shifted at run time, and the axis about which it is turned."""
+"""Directions in which a frame is shifted at run time, and the axis about which it is rotated."""
 
 
 def shift_in_words(values: Sequence[int], registers: Sequence[str]) -> str:
     """Return a shift in words: `X 12.50 mm, RZ -3.00 deg`.
 
     Args:
-        values: for each of `SHIFTS` the value of its register [0.01 mm or 0.01 deg].
-        registers: their names; empty for a direction without one.
+        values: value of the register for each of `SHIFTS` [0.01 mm or 0.01 deg].
+        registers: their names; empty for a direction without a register.
     """
     return ", ".join(
         f"{axis} {value / 100:.2f} {'deg' if axis == 'RZ' else 'mm'}"
@@ -203,7 +207,7 @@ class Shifted:
         step: index of the OFFSET in the program's steps.
         flag: register that becomes 1 if the motions can be carried out, else 0.
         frame: name of the frame.
-        registers: for each of `SHIFTS` the register with its value [0.01 mm or 0.01 deg]; empty for none.
+        registers: register with the value for each of `SHIFTS` [0.01 mm or 0.01 deg]; empty for none.
     """
 
     step: int
@@ -214,7 +218,7 @@ class Shifted:
 
 @frozen
 class KeptTo:
-    """A rule to which a motion keeps along its whole way (KEEP).
+    """A rule that applies to a motion on its whole path (KEEP).
 
     Attributes:
         step: index of the motion in the program's steps.
@@ -227,7 +231,7 @@ class KeptTo:
 
 @frozen
 class Permitted:
-    """Two bodies that may touch on a motion.
+    """Two bodies that may touch during a motion.
 
     Attributes:
         step: index of the motion in the program's steps.
@@ -241,11 +245,11 @@ class Permitted:
 
 
 class DecisionError(Exception):
-    """A value cannot be computed: a division by zero, or a result beyond the limit of registers."""
+    """A value can't be computed: a division by zero, or a result beyond the limit of registers."""
 
 
 def is_condition(value: Value) -> bool:
-    """Return True if the outermost operator of a value yields true or false."""
+    """Return True if the outermost operator of a value returns true or false."""
     match value:
         case Before(operator=operator) | Between(operator=operator):
             return operator == "NOT" or operator in CONNECTIVES or operator in COMPARISONS
@@ -326,7 +330,7 @@ def is_group(variable: str) -> bool:
 
 
 def shown_variable(variable: str) -> str:
-    """Return a variable as people read it; for a group, its first and last bit: `M70..M77`."""
+    """Return a variable as messages show it; for a group, its first and last bit: `M70..M77`."""
     bits = bits_of(variable)
     return variable if len(bits) == 1 else f"{bits[0]}..{bits[-1]}"
 
@@ -377,7 +381,7 @@ def filled(text: str, registers: Mapping[str, int]) -> str:
 
 
 def in_words(value: Value) -> str:
-    """Return a value as people read it, with the program's names: `N < 3 AND DOOR = ON`."""
+    """Return a value as messages show it, with the program's names: `N < 3 AND DOOR = ON`."""
     match value:
         case Constant(number=number):
             return f"{number:.15g}"

@@ -32,8 +32,8 @@ class Fix:
         title: description of the change.
         edits: the edits of the change.
         by_choice: True for rewrites that fix no error. Applied only when selected explicitly.
-        uncovers: True if the text couldn't be parsed before the fix: later errors were there before, but
-            hidden.
+        uncovers: True if the text couldn't be parsed before the fix. New errors after the fix are then
+            allowed, since they were only hidden before.
     """
 
     title: str
@@ -44,12 +44,13 @@ class Fix:
 
 @frozen
 class Within:
-    """The place in a module at which a finding was made that is shown at the line that called the module.
+    """Original place, in a module, of a finding that is shown at the line that called the module.
 
     Attributes:
         source: the module.
         span: the place in the module.
-        through: further SUBs on the way from that line to the place, in order, such as `APPROACH.IN`.
+        through: further SUBs that are called between that line and the place, in order, such as
+            `APPROACH.IN`.
         fix: change of the module's text; None for an installed module, which nobody edits.
     """
 
@@ -76,7 +77,7 @@ class Diagnostic:
 
     Attributes:
         code: code in the catalogue.
-        message: one sentence with its figures, for people. Programs use `subject`.
+        message: one sentence with its numbers, for people. Programs use `subject`.
         source: the text; None if the finding has no place.
         span: the place in the text; None if the finding has none.
         help: remedy, for people.
@@ -108,9 +109,9 @@ class Diagnostic:
 
     @property
     def shown_at(self) -> Span | None:
-        """Return the span within its lines.
+        """Return the span to show, within the lines of the text.
 
-        For something missing at the end of a line, it is the line's last character.
+        If something is missing at the end of a line, it is the line's last character.
         """
         span = self.span
         if span is None or self.source is None or len(self.source.lines) < span.end_line:
@@ -144,7 +145,7 @@ class Diagnostic:
 
     @property
     def is_error(self) -> bool:
-        """Return True if this finding stops the output."""
+        """Return True if this finding prevents the output."""
         return self.severity == "error"
 
 
@@ -197,7 +198,8 @@ def static_place(place: str) -> str:
 
 
 def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tuple[Diagnostic, ...]:
-    """Return one finding for all that repeat a code at a span: the first one, with the number of others.
+    """Return one finding for all findings with the same code and span: the first one, with the number of the
+    others.
 
     Args:
         diagnostics: the findings.
@@ -209,7 +211,7 @@ def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tup
 def gathered(
     diagnostics: Iterable[Diagnostic], key: Callable[[Diagnostic], Hashable]
 ) -> list[list[Diagnostic]]:
-    """Return findings in groups with equal keys, in the order of the first of each."""
+    """Return findings in groups with equal keys. The groups are in the order of their first findings."""
     groups: dict[Hashable, list[Diagnostic]] = {}
     for one in each(diagnostics):
         groups.setdefault(key(one), []).append(one)
@@ -217,7 +219,7 @@ def gathered(
 
 
 def _repeated(one: Diagnostic) -> Hashable:
-    """Return a key that a finding shares with those that only repeat it."""
+    """Return a key that is equal for findings that only repeat each other."""
     name = one.source.name if one.source else ""
     if not one.place:  # nothing was unrolled: each finding counts
         return one.code, name, one.span, "", one.message
@@ -241,7 +243,7 @@ class FindingError(ValueError):
 
     Args:
         code: code in the catalogue.
-        message: its sentence.
+        message: its message.
         help_: its remedy.
         subject: its facts for programs.
     """
@@ -255,7 +257,9 @@ class FindingError(ValueError):
 
 
 class Collector:
-    """Collects the findings of one source during a stage; `place` is the present place in unrolled code."""
+    """Collector of the findings about one source during a stage; `place` is the current place in unrolled
+    code.
+    """
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source

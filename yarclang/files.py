@@ -1,4 +1,4 @@
-"""Files: read in bounded time and memory, written completely or not at all."""
+"""Read files in bounded time and memory, and write them completely or not at all."""
 
 from __future__ import annotations
 
@@ -19,16 +19,20 @@ LARGEST_LOG = 16_000_000_000
 """Largest size of a run's log [bytes]."""
 
 CACHE = "YARCLANG_CACHE"
-"""Environment variable for another cache folder; if it is empty, nothing is kept."""
+"""Environment variable that names another cache folder. If it is empty, nothing is cached."""
 
 _PIECE = 1 << 20
 
 _LONGEST_PREFIX = 40
-"""Largest number of characters of a file's name in that of its temporary file, whose length is limited."""
+"""Largest number of characters of a file's name that are used in the name of its temporary file. Names of
+files have a limited length.
+"""
 
 
 _OPEN_ALREADY = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
-"""Names of files that this process was given open: a pipe there has a writer."""
+"""Names of files that were already open when this process was started. If such a file is a pipe, it has a
+writer.
+"""
 
 _KINDS = {
     stat.S_IFDIR: "it is a folder, not a file",
@@ -44,7 +48,8 @@ def read_whole(path: Path, most: int) -> bytes:
 
     Raises:
         OSError: the file can't be read, is larger, or is a pipe or device, which may have no end. Files that
-            this process was given open, as by a shell's `<(...)`, are allowed. `strerror` has the reason.
+            were already open when this process was started, as with a shell's `<(...)`, are allowed.
+            `strerror` has the reason.
     """
     return content_of(path, lambda: _read(path, most))
 
@@ -80,14 +85,14 @@ def read_stream(file: BinaryIO, most: int) -> bytes:
 
 
 def replace_file(path: Path, data: bytes) -> None:
-    """Write a file completely or not at all, even if the work is interrupted. A missing folder is made.
+    """Write a file completely or not at all, even if the work is interrupted. A missing folder is created.
 
-    The data goes to a temporary file beside the target, which then takes the target's name. The mode is kept,
-    and the owner if that is allowed. A symbolic link is kept, and its target is written. A device or a pipe
-    is written directly.
+    The data is written to a temporary file beside the target, which is then renamed to the target's name. The
+    mode is kept, and the owner if that is allowed. A symbolic link is kept, and its target is written. A
+    device or a pipe is written directly.
 
     Raises:
-        OSError: the file can't be written, or is write-protected; it is unchanged.
+        OSError: the file can't be written, or is write-protected. It is unchanged then.
     """
     if path.exists() and not path.is_file():
         path.write_bytes(data)
@@ -122,7 +127,7 @@ def _plain_mode() -> int:
 
 
 def cache_folder() -> Path | None:
-    """Return the user's cache folder of yarclang; None if nothing is to be kept."""
+    """Return the user's cache folder of yarclang; None if nothing is to be cached."""
     given = os.environ.get(CACHE)
     if given is not None:
         return Path(given) if given else None
@@ -136,5 +141,5 @@ def cache_folder() -> Path | None:
 
 
 def reason_of(error: OSError) -> str:
-    """Return the system's text of an error, as the end of a sentence."""
+    """Return the system's text of an error, in the form of the end of a sentence."""
     return (error.strerror or str(error)).lower()

@@ -1,8 +1,9 @@
-"""Frozen values with slots, equivalent to `dataclass(frozen=True, slots=True)`, made in a tenth of the time.
+"""Frozen values with slots, equivalent to `dataclass(frozen=True, slots=True)` but created in a tenth of the
+time.
 
-The compiler makes some 350 such classes at each start. A dataclass compiles six methods for each class, which
-took a fifth of the start. Here all classes share five methods, and `__init__` is compiled for the first
-object.
+The compiler creates about 350 such classes at each start. `dataclass` compiles six methods for each class,
+which took a fifth of the start. Here all classes share five methods, and `__init__` is compiled when the
+first object is created.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def frozen(*, eq: bool = True) -> Callable[[type[T]], type[T]]: ...
 
 
 def frozen(cls: type[T] | None = None, /, *, eq: bool = True) -> Any:
-    """Make a class of frozen values from its annotations.
+    """Convert a class with annotations to a class of frozen values.
 
     The class is a dataclass for `dataclasses.fields`, `replace`, `asdict` and pattern matching. Methods that
     the class defines itself are kept.
@@ -63,7 +64,7 @@ def _made(cls: type[Any], *, eq: bool) -> type[Any]:
 
 
 def _first_init(cls: Any) -> Callable[..., None]:
-    """Return an `__init__` that compiles the real one, replaces itself by it, and calls it."""
+    """Return an `__init__` that compiles the final `__init__`, replaces itself by it, and calls it."""
 
     def __init__(self: Any, *args: Any, **named: Any) -> None:  # noqa: N807
         cls.__init__ = _init(cls)
@@ -99,7 +100,7 @@ def _init(cls: Any) -> Callable[..., None]:
 
 
 _MADE_ANEW = object()
-"""Stands for a default value that is made for each object."""
+"""Represents a default value that is created anew for each object."""
 
 
 def _default(one: Field[Any]) -> object:
@@ -107,7 +108,7 @@ def _default(one: Field[Any]) -> object:
 
 
 def _key(names: tuple[str, ...]) -> Callable[[Any], Any]:
-    """Return a function that returns the compared fields of an object as a tuple."""
+    """Return a function that returns the fields of an object that are compared, as a tuple."""
     if not names:
         return lambda _: ()
     return attrgetter(*names, names[0]) if len(names) == 1 else attrgetter(*names)

@@ -1,8 +1,8 @@
-"""The checked program: a closed set of primitives in SI units, with every name resolved.
+"""The checked program: a closed set of primitives in SI units. All names are resolved.
 
 Arrays are float64 and read-only. Joint positions q are (n,) in rad (m for a prismatic joint), poses
 are (4, 4) homogeneous transforms. `base_from_moving` maps coordinates of the moving frame to
-the robot's base {B}; `flange_from_moving` is where the moving frame sits on {FLANGE}.
+the robot's base {B}; `flange_from_moving` is the pose of the moving frame on {FLANGE}.
 """
 
 from __future__ import annotations
@@ -45,7 +45,9 @@ class FrameLink:
     told: Array | None = field(default=None, compare=False)
 
     def is_same(self, other: FrameLink) -> bool:
-        """Return True if both are one frame; a line that was read before has links of its own."""
+        """Return True if both are the same frame. Objects may differ: a line that is read again has new
+        links.
+        """
         if self is other:
             return True
         if self.name != other.name or not np.array_equal(self.parent_from_frame, other.parent_from_frame):
@@ -138,14 +140,15 @@ class JointDelta:
 
 @frozen(eq=False)
 class PoseGoal:
-    """A pose of the moving frame: it shall be at `base_from_moving`.
+    """A goal pose of the moving frame.
 
     Attributes:
         base_from_moving: (4, 4) goal of the moving frame in {B}.
         flange_from_moving: (4, 4) moving frame on {FLANGE}.
-        near: (n,) joint position; the nearest inverse solution is taken. None: the robot's current position.
+        near: (n,) joint position. Of all inverse kinematics solutions, the nearest to it is chosen. None:
+            nearest to the robot's current position.
         told: the pose as it was written; None for a computed pose.
-        shifted: True if the frame of the OFFSET around the motion carries the pose along.
+        shifted: True if the pose moves with the frame of the OFFSET around the motion.
     """
 
     base_from_moving: Array
@@ -157,7 +160,7 @@ class PoseGoal:
 
 @frozen(eq=False)
 class PoseDelta:
-    """A shift and a turn of the moving frame, relative to its current pose, along given axes.
+    """A translation and a rotation of the moving frame, relative to its current pose, along given axes.
 
     The pose (p, Q) becomes (p + R d, R D R^T Q) with d = `shift` [m] and D = `turn` (3, 3).
     R is `axes` if the axes are fixed to {B}. With `axes_on_flange`, R is the flange's rotation at the start
@@ -170,7 +173,7 @@ class PoseDelta:
         axes_on_flange: True if `axes` is given on {FLANGE}.
         flange_from_moving: (4, 4) moving frame on {FLANGE}.
         told: the change as it was written; None for a computed change.
-        shifted: True if the frame of the OFFSET around the motion turns the axes along.
+        shifted: True if the axes turn with the frame of the OFFSET around the motion.
     """
 
     shift: Array
@@ -191,7 +194,7 @@ class Reading:
     Attributes:
         length: the number as a distance [m]; None if the command has no unit of length.
         angle: the number as an angle [rad]; None if the command has no unit of angle.
-        or_less: True if less is acceptable: a blend `BLEND <=10` takes as much as there is room for.
+        or_less: True if a smaller value is allowed: `BLEND <=10` uses as much as there is room for.
     """
 
     length: float | None
@@ -204,12 +207,12 @@ class Timing:
     """Duration of a motion, or how to choose it.
 
     Attributes:
-        duration: motion time [s]; None for the shortest that the limits and `speed` allow.
+        duration: motion time [s]; None for the shortest time that the limits and `speed` allow.
         share: share of the limits of velocity, acceleration and jerk that the shortest motion may use
             (`[50%]`).
         ramp: share of the limits of acceleration and jerk that any motion may use (`ACC 30%`).
         speed: cruise speed of the moving frame's origin (`[V 250]`), or its angular speed if the origin
-            stands still. `duration` is None then.
+            doesn't move. `duration` is None then.
         ceiling: speed [m/s] that the origin of the moving frame, or of the tool, never exceeds (`[V<=250]`),
             in a motion that is otherwise as fast as possible.
     """
@@ -234,7 +237,7 @@ class Allowed:
         row: row of the names in the command, from 0.
         start: first column of the names.
         end: column after the names.
-        cell_line: line of the cell's file that allows it in place of the command.
+        cell_line: line of the cell's file that allows the contact, if not the command does.
     """
 
     first: str
@@ -259,10 +262,10 @@ class MotionHead:
         profile: the time profile.
         timing: the duration, or how to choose it.
         tolerance: largest distance of the moving frame from the path [m]; None for the robot's default.
-        blend: distance or angle from the end at which the path may be left, to flow into the next motion
-            without a stop; None if the motion ends at rest.
+        blend: distance or angle from the end at which the motion may leave the path, to continue with the
+            next motion without a stop; None if the motion ends at rest.
         allowed: pairs of bodies that may touch during the motion.
-        keeps: rules to which the motion keeps along its whole way (KEEP).
+        keeps: rules that apply on the whole path of the motion (KEEP).
     """
 
     __slots__ = ()
@@ -271,7 +274,9 @@ class MotionHead:
 
     @property
     def goals(self) -> tuple[Goal, ...]:
-        """Goals that the command names, the end last; empty for a timetable, whose rows are one array."""
+        """Goals that the command names, with the end as the last one; empty for a timetable, whose rows
+        are one array.
+        """
         raise NotImplementedError
 
     @property
@@ -300,7 +305,7 @@ class Search:
         value: the input's value that ends the motion.
         name: the input's name in the program.
         flag: register that becomes 1 when the input ends the motion.
-        depth: register that then takes the distance covered by the frame [0.01 mm]; empty for none.
+        depth: register that then gets the distance covered by the frame [0.01 mm]; empty for none.
     """
 
     variable: str
@@ -326,7 +331,7 @@ class JointMove(MotionHead):
 
     @property
     def goals(self) -> tuple[JointGoal | JointDelta | PoseGoal]:
-        """The one goal."""
+        """The goal."""
         return (self.goal,)
 
 
@@ -334,8 +339,8 @@ class JointMove(MotionHead):
 class AvoidMove(MotionHead):
     """A motion in joint space to the goal that avoids all obstacles.
 
-    The path is straight if the straight line is free, else a natural cubic spline (as in SplineMove) through
-    way-points that the planner finds.
+    The path is straight if the straight line is free. Otherwise it is a natural cubic spline (as in
+    SplineMove) through way-points that the planner finds.
     """
 
     origin: Origin
@@ -349,13 +354,15 @@ class AvoidMove(MotionHead):
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal]:
-        """The one goal."""
+        """The goal."""
         return (self.goal,)
 
 
 @frozen(eq=False)
 class LineMove(MotionHead):
-    """A motion of the moving frame along a straight line, turning about one fixed axis the short way."""
+    """A motion of the moving frame along a straight line. The frame rotates about one fixed axis by the
+    smaller angle.
+    """
 
     leads_frame = True
     origin: Origin
@@ -370,18 +377,17 @@ class LineMove(MotionHead):
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:
-        """The one goal."""
+        """The goal."""
         return (self.goal,)
 
 
 @frozen(eq=False)
 class ArcMove(MotionHead):
-    """A motion of the moving frame's origin along a circle through its current position and the goal.
+    """A motion of the moving frame's origin along the circular arc from its current position through `via` to
+    the goal.
 
-    The circle also passes `via`.
-
-    The frame turns about one fixed axis the short way, in proportion to the arc length. `via` is (3,) in {B}
-    [m].
+    The frame rotates about one fixed axis by the smaller angle, in proportion to the arc length. `via` is
+    (3,) in {B} [m].
     """
 
     leads_frame = True
@@ -397,7 +403,7 @@ class ArcMove(MotionHead):
 
     @property
     def goals(self) -> tuple[PoseGoal]:
-        """The one goal."""
+        """The goal."""
         return (self.goal,)
 
     @property
@@ -410,12 +416,12 @@ class ArcMove(MotionHead):
 class PoseSplineMove(MotionHead):
     """A C2 curve of the moving frame from its current pose through all way-points.
 
-    All way-points have one `flange_from_moving`. Positions and unit quaternions are natural cubic splines
-    over a parameter u; the quaternions are then normalised. The sign of each quaternion is the one nearer to
-    the quaternion before.
+    All way-points have the same `flange_from_moving`. Positions and unit quaternions are natural cubic
+    splines over a parameter u; the quaternions are then normalised. Of the two signs of each quaternion, the
+    one nearer to the previous quaternion is used.
 
     From one way-point to the next, u grows by sqrt(distance^2 + (`TURN_CHORD` * angle)^2). Neighbours for
-    which u would grow by 1 um or less count as one.
+    which u would grow by 1 um or less count as one way-point.
     """
 
     leads_frame = True
@@ -442,7 +448,7 @@ TURN_CHORD = 0.1
 class SplineMove(MotionHead):
     """A natural cubic spline in joint space from the current position through all way-points.
 
-    The parameter is the chord length in joint space; equal neighbours count as one.
+    The parameter is the chord length in joint space. Equal neighbours count as one way-point.
     """
 
     origin: Origin
@@ -514,10 +520,10 @@ class TimedMove(MotionHead):
         table: the rows as written.
         within: (n,) largest deviation of each joint from the table at the same time [rad or m].
         stretch: factor that multiplies all times.
-        timing: `duration` is the last time, stretched.
-        profile: empty: the table defines the speeds.
-        tolerance: None: `within` replaces it.
-        blend: None: the motion ends at rest.
+        timing: `duration` is the last time, multiplied by `stretch`.
+        profile: empty, since the table defines the speeds.
+        tolerance: None, since `within` replaces it.
+        blend: None, since the motion ends at rest.
         file: the file with the table, as named in the program; empty if the rows are in the program itself.
     """
 
@@ -535,12 +541,12 @@ class TimedMove(MotionHead):
 
     @property
     def asked(self) -> Timetable:
-        """The table with its times stretched."""
+        """The table with its times multiplied by `stretch`."""
         return self.table.stretched(self.stretch)
 
     @property
     def goals(self) -> tuple[()]:
-        """Empty: the table has its positions in one array."""
+        """Empty, since the table has its positions in one array."""
         return ()
 
     @property
@@ -592,10 +598,10 @@ class Dwell:
 
 @frozen
 class SetOutput:
-    """An output that takes a value after the motion before has ended.
+    """An output that gets a value after the previous motion has ended.
 
-    `tool` is set if the output is a tool changer's lock, and TOOL says which tool is on the flange afterwards;
-    empty for none.
+    `tool` is set if the output is the lock of a tool changer: it is the tool that is on the flange afterwards
+    according to TOOL; empty for none.
     """
 
     origin: Origin
@@ -606,7 +612,9 @@ class SetOutput:
 
 @frozen
 class WaitInput:
-    """A wait at rest until an input has a value; a fault after `timeout` [s] (None: never)."""
+    """A wait at rest until an input has a value. After `timeout` [s] the wait becomes a fault (None:
+    never).
+    """
 
     origin: Origin
     input: Signal
@@ -616,7 +624,7 @@ class WaitInput:
 
 @frozen
 class WaitUntil:
-    """A wait at rest until a condition holds; a fault after `timeout` [s] (None: never).
+    """A wait at rest until a condition holds. After `timeout` [s] the wait becomes a fault (None: never).
 
     Each evaluation reads all inputs of the condition once.
     """
@@ -640,10 +648,11 @@ class Hold:
 
 @frozen
 class Say:
-    """A message to the operator, without a wait. `{N}` in the text stands for the value of the register N.
+    """A message to the operator, without a wait. `{N}` in the text is replaced by the value of the register
+    N.
 
-    If `teaches` isn't empty, the text is a name, and what is told, and kept under it, is where the robot stands:
-    its joints, or the pose of {TCP} in {B}.
+    If `teaches` isn't empty, the text is a name. The robot's position (its joints, or the pose of {TCP} in
+    {B}) is shown, and stored under this name.
     """
 
     origin: Origin
@@ -658,9 +667,9 @@ class Offset:
     Attributes:
         name: name of the frame in the program.
         base_from_frame: (4, 4) the frame as it is declared, in {B}.
-        registers: for each of `SHIFTS` the register with its value [0.01 mm or 0.01 deg]; empty for none.
+        registers: register with the value for each of `SHIFTS` [0.01 mm or 0.01 deg]; empty for none.
         flag: register that becomes 1 if the branch can be carried out there.
-        parts: names of the cell's parts that lie in the frame.
+        parts: names of the cell's parts that are placed in the frame.
         link: the frame and its parents.
     """
 
@@ -674,15 +683,16 @@ class Offset:
 
 @frozen
 class When:
-    """The start of a branch: the steps up to the matching Else or EndWhen are done if a condition holds.
+    """The start of a branch: the steps up to the matching Else or EndWhen are carried out if a condition
+    holds.
 
     Attributes:
         origin: the command.
         condition: the condition.
-        again: True if the condition is decided with the inputs read by the enclosing WHEN, in whose second
-            branch this one is the first step. A CASE thus reads its inputs only once.
+        again: True if the condition uses the input values that the enclosing WHEN has read. This When is then
+            the first step in the second branch of that WHEN. A CASE thus reads its inputs only once.
         within: time [s] for which the robot waits at rest until the condition holds; None: decide at once.
-        offset: the frame that is shifted in the first branch, which is planned and proved anew before the
+        offset: the frame that is shifted in the first branch, which is planned and proved again before the
             decision; None for an ordinary branch.
     """
 
@@ -695,7 +705,7 @@ class When:
 
 @frozen
 class Else:
-    """The start of the second branch, which is done if the condition of the When does not hold."""
+    """The start of the second branch, which is carried out if the condition of the When doesn't hold."""
 
     origin: Origin
 
@@ -761,7 +771,7 @@ class EndLoop:
 
 @frozen
 class Assign:
-    """A register or output that takes a value, computed while the robot stands still."""
+    """A register or output that gets a value, which is computed while the robot is at rest."""
 
     origin: Origin
     target: str | Signal
@@ -774,7 +784,7 @@ class Output:
 
     Attributes:
         signal: the output.
-        safe: value that the output takes at any stop, hold or fault; None: it keeps its value.
+        safe: value that the output gets at any stop, hold or fault; None: it keeps its value.
         step: size of one step of an analogue output, whose values are numbers of steps; None for others.
     """
 
@@ -818,9 +828,9 @@ Step = Motion | Action | Stop | Gap
 
 @frozen(eq=False)
 class WayOut:
-    """A way on which the robot leaves after a watched input has held a motion.
+    """The steps by which the robot withdraws after a watched input has held a motion.
 
-    It begins at rest, where the motion has begun, and ends the program.
+    They begin at rest, where that motion has begun. The program ends after them.
 
     Attributes:
         name: the SUB with its commands; `Watch.then` of the inputs.
@@ -841,7 +851,7 @@ class Program:
         source: the source file.
         start: (n,) joint positions at the start [rad or m], within the joint limits.
         steps: the primitives in order. A Gap marks an error: the program is still planned, to find further
-            errors, but never emitted.
+            errors, but no controller text is written.
         outputs: the declared outputs.
         cell: the surroundings that a CELL line names; None without one.
         is_cut: True if loops and calls were only partly expanded, because of errors or because only a quick
@@ -849,7 +859,7 @@ class Program:
         cells: for a part of another program: the cell during each motion, by the index of its step.
         registers: the declared registers.
         watches: the inputs that hold a motion.
-        ways_out: the ways on which the robot leaves after an input has held a motion.
+        ways_out: the steps by which the robot withdraws after an input has held a motion.
     """
 
     source: SourceFile

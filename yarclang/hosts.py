@@ -1,8 +1,8 @@
-"""Check that a browser's request is for this server, and comes from the server's own pages.
+"""Check that a browser's request is meant for this server, and comes from the server's own pages.
 
-Any page in the same browser can send requests to this machine, and its site can claim this machine's address
-(DNS rebinding): the browser then takes both for one site. But the Host header still has the name to which the
-browser connected, and the Origin header that of its page.
+Any page in the same browser can send requests to this machine. Its site can also give its own name this
+machine's address (DNS rebinding), so that the browser treats both as one site. But the Host header still has
+the name to which the browser connected, and the Origin header still has the origin of the page.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def is_own(origin: str | None, host: str | None, scheme: str = "http") -> bool:
     """Return True if a page may connect.
 
     Args:
-        origin: origin of the page; None if it isn't a page that connects.
+        origin: origin of the page; None if the client isn't a page.
         host: Host header of the connection.
         scheme: http or https, of the connection.
     """
@@ -61,7 +61,7 @@ def is_own(origin: str | None, host: str | None, scheme: str = "http") -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """Return True if only this machine reaches a server that listens at a host."""
+    """Return True if a server that listens at a host can only be reached from this machine."""
     try:
         return ipaddress.ip_address(host.partition("%")[0]).is_loopback
     except ValueError:

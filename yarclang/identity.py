@@ -1,4 +1,6 @@
-"""Hashes and keys of programs and steps: equal for equal behaviour, wherever the commands are in the text."""
+"""Hashes and keys of programs and steps. They are equal for equal behaviour, wherever the commands are in
+the text.
+"""
 
 from __future__ import annotations
 
@@ -37,19 +39,21 @@ from yarclang.memory import NO_MEMORY, Forgetful, Memory
 def flat(*parts: Any) -> bytes:
     """Serialise numbers, texts, bytes and tuples of them to bytes.
 
-    One bytes object is hashed and compared at once, while a tuple calls each of its parts.
+    A bytes object is hashed and compared in one operation, while a tuple needs one for each part.
     Equal bytes mean equal parts. Equal parts may give different bytes (a numpy float is written differently
-    from a float), which only costs a cache miss.
+    from a float), but this only causes a cache miss.
     """
     return marshal.dumps(parts, _WITHOUT_REFERENCES)
 
 
 _WITHOUT_REFERENCES = 2
-"""Version of the marshal format that writes values only, without references to shared objects."""
+"""Version of the marshal format that writes only values, without references to shared objects."""
 
 
 def key_of(step: Motion) -> bytes:
-    """Return a key of what a motion does and which frame it moves, without its position in the text."""
+    """Return a key of the behaviour of a motion and the frame that it moves, without its position in the
+    text.
+    """
     timing, speed = step.timing, step.timing.speed
     search = step.search if isinstance(step, JointMove | LineMove) else None
     return flat(
@@ -62,22 +66,22 @@ def key_of(step: Motion) -> bytes:
             timing.share,
             timing.ramp,
             None if speed is None else _key_of_reading(speed),
-            # Written only if there is a ceiling, so that keys of programs without one stay as they were
-            # before ceilings existed.
+            # Add the ceiling only if there is one, so that the keys of programs without a ceiling don't
+            # change.
             *(() if timing.ceiling is None else (timing.ceiling,)),
         ),
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
         _key_of_link(step.origin.tool),
-        # Written only if an input may end the motion, like the ceiling.
+        # Add the search only if an input may end the motion, for the same reason.
         *(
             ()
             if search is None
             else ((search.variable, search.value, search.name, search.flag, search.depth),)
         ),
-        # Written only if bodies may touch, likewise.
+        # Add the pairs only if bodies may touch, for the same reason.
         *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
-        # Written only if the motion keeps to rules, likewise.
+        # Add the rules only if there are any, for the same reason.
         *((tuple([("keep", one.told) for one in step.keeps]),) if step.keeps else ()),
     )
 
@@ -136,7 +140,7 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
     if program.ways_out:
         _feed(digest.update, program.ways_out)
     if program.cell is not None:
-        # The cell's names need no hash of their own: the steps contain those that are used.
+        # Names of the cell need no hash of their own: the steps contain the meanings of those that are used.
         _feed(digest.update, program.cell.obstacles)
         _feed(digest.update, program.cell.zones)
         if program.cell.parts:
@@ -152,17 +156,17 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
 
 
 def way_fingerprint(way: WayOut) -> str:
-    """Compute a hash of what the robot does on a way out, as 16 hex digits."""
+    """Compute a hash of the robot's behaviour on a way out, as 16 hex digits."""
     digest = hashlib.sha256()
     _feed(digest.update, way.steps)
     return digest.hexdigest()[:16]
 
 
 def _fed(step: Motion, memory: Memory) -> bytes:
-    """Return the bytes that a motion contributes to the hash, cached by the identity of its fields.
+    """Return the bytes that a motion adds to the hash, cached by the identity of its fields.
 
-    A step recalled from an earlier run shares its field objects with the earlier step, if it is in no loop
-    and no SUB (semantics/recalling.py).
+    A step from the cache shares its field objects with the earlier step, unless it is in a loop or a SUB
+    (semantics/recalling.py).
     """
     label = step.origin.label
     _, *parts = (getattr(step, name) for name in step.__dataclass_fields__)
@@ -183,7 +187,8 @@ def _bytes_of(step: Step) -> bytes:
         and step.within is None
         and (compared := simple(step.condition)) is not None
     ):
-        # Write a condition that only compares an input with a value in the older form, to keep old hashes.
+        # Write a condition that only compares an input with a value in the older form, so that hashes don't
+        # change.
         one, value = compared
         step_parts = (step.origin, Signal(one.name, one.variable), value)
         fed.append(b"When(")
@@ -249,9 +254,9 @@ A default value is left out of the hash, so that the hash of an older program do
 
 @cache
 def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
-    """Return the opening bytes and the compared field names of a dataclass.
+    """Return the opening bytes and the names of the compared fields of a dataclass.
 
-    None for Origin, which contributes its label only, and for all other types.
+    None for Origin, which adds only its label, and for all other types.
     """
     if issubclass(kind, Origin) or not is_dataclass(kind):
         return None

@@ -1,4 +1,4 @@
-"""Exceptions that are no fault of the user, as findings with a report to copy."""
+"""Convert exceptions that are no fault of the user to findings with a report to copy."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PACKAGE = Path(__file__).parent
 def internal_error(
     error: BaseException, source: SourceFile | None = None, span: Span | None = None
 ) -> Diagnostic:
-    """Make a finding of an exception.
+    """Convert an exception to a finding.
 
     Args:
         error: the caught exception.
@@ -30,7 +30,7 @@ def internal_error(
 
     Raises:
         KeyboardInterrupt: the exception was caused by one. Python wraps exceptions of `__set_name__` while it
-            makes a class.
+            creates a class.
     """
     if isinstance(error.__cause__, KeyboardInterrupt):
         raise error.__cause__
@@ -43,7 +43,7 @@ def internal_error(
 
 
 def _report(error: BaseException, source: SourceFile | None, span: Span | None) -> str:
-    """Return a report for a developer, without names of folders."""
+    """Return a report for a developer. It contains no names of folders."""
     import platform
     import traceback
 
@@ -78,7 +78,7 @@ def frames_of(error: BaseException) -> Iterator[tuple[FrameType, int]]:
 
 
 def _file(frame: FrameType) -> str:
-    """Return the path of a call's module, beginning at the package."""
+    """Return the path of a call's module, relative to the package."""
     path = Path(frame.f_code.co_filename)
     return str(path.relative_to(_PACKAGE.parent) if path.is_relative_to(_PACKAGE) else Path(*path.parts[-2:]))
 

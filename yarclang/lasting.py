@@ -1,10 +1,10 @@
 """Duration of a program: the time that is known before it runs, and the number of its waits.
 
-Motions and dwells take a known time. A WAIT for an input and a HOLD end at an unknown time, so they are
-counted instead. The two branches of a WHEN may take different times; a program then has a shortest and a
-longest time. The number of passes of a loop is unknown as well: the longest time contains one pass of each
-loop, or the fewest passes that lead to its end, and the text of the duration says so. All rooms and commands
-take their times from this module.
+Motions and dwells have a known duration. A WAIT for an input and a HOLD end at an unknown time, so they are
+counted instead. The two branches of a WHEN may have different durations; a program then has a shortest and a
+longest time. The number of passes of a loop is unknown as well. The longest time contains one pass of each
+loop, or the fewest passes that lead to its end, and the text of the duration states this. All rooms and
+commands get their times from this module.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class Lasting:
     Attributes:
         least: known time of motions and dwells along the shortest branches [s].
         most: known time of motions and dwells along the longest branches [s].
-        fewest: fewest waits for an input or the operator along any branches.
-        waits: most waits for an input or the operator along any branches.
+        fewest: smallest number of waits for an input or the operator along any branches.
+        waits: largest number of waits for an input or the operator along any branches.
         loops: True if these values count each loop once.
     """
 
@@ -58,7 +58,7 @@ class Lasting:
         )
 
     def either(self, other: Lasting) -> Lasting:
-        """Return the duration of either this part or another part, whichever is done."""
+        """Return the duration if either this part or another part is carried out."""
         return Lasting(
             min(self.least, other.least),
             max(self.most, other.most),
@@ -68,14 +68,14 @@ class Lasting:
         )
 
     def times(self, count: int) -> Lasting:
-        """Return the duration of doing this part `count` times."""
+        """Return the duration if this part is carried out `count` times."""
         return Lasting(
             count * self.least, count * self.most, count * self.fewest, count * self.waits, self.loops
         )
 
     @property
     def varies(self) -> bool:
-        """True if the shortest and the longest time differ in print."""
+        """True if the shortest and the longest time differ when printed."""
         return self.most - self.least > _PRINTED
 
     def text(self, seconds: Callable[[float], str] | None = None) -> str:
@@ -126,10 +126,10 @@ class Schedule:
 
     Attributes:
         lasting: the duration of the whole program.
-        places: start of each part, and the end of the program [s], with the branches of a WHEN one after the
-            other, as a chart draws them. Each place in the program has a time of its own.
+        places: start of each part, and the end of the program [s]. The branches of a WHEN are placed one
+            after the other, as a chart draws them, so that each place in the program has a time of its own.
         clocks: latest known time at which the program reaches each part and its end [s]. Both branches of a
-            WHEN begin at one time, and the part after them begins after the longer one.
+            WHEN begin at one time, and the part after them begins after the longer branch.
     """
 
     lasting: Lasting
@@ -179,7 +179,7 @@ class _Clock:
     endings: list[Lasting] = field(default_factory=list)
 
     def take(self, mark: Mark) -> None:
-        """Visit a part without a known time."""
+        """Process a part without a known time."""
         match mark:
             case "wait" | "hold":
                 self.so_far = self.so_far.then(Lasting(fewest=1, waits=1))
@@ -207,9 +207,9 @@ class _Clock:
                 pass
 
     def _since(self, depth: int) -> Lasting:
-        """Return the time since the body of the open item `depth` - 1 began.
+        """Return the time since the body of the open item with index `depth` - 1 began.
 
-        For 0, it is the time since the program's start.
+        For depth 0, it is the time since the program's start.
         """
         whole = self.so_far
         for one in reversed(self.open[depth:]):
@@ -239,7 +239,7 @@ class _Clock:
             self.so_far, self.clock = when.before.then(self.so_far.either(other)), max(self.clock, end)
 
     def _left(self, loop: _Open) -> None:
-        """Continue after a loop, which takes one pass and more, or only the way to its exit."""
+        """Continue after a loop. Its duration is one pass or more, or only the part up to its exit."""
         took = None if self.ends else self.so_far
         if loop.other is not None:
             took = loop.other if took is None else took.either(loop.other)

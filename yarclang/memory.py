@@ -1,9 +1,9 @@
-"""Earlier results, stored by everything that determines them, so that after an edit only changes are
+"""Cache of earlier results, by everything that determines them, so that after an edit only changes are
 computed.
 
-A memory is passed to a stage as an argument. Results don't depend on it: a key contains everything that a
-result depends on, by value (`bytes` of arrays) or by identity (a robot, or a path that was itself recalled;
-the memory holds a reference, so that no other object can take its place).
+A memory is passed to a stage as an argument. Results don't depend on it. A key contains everything on which a
+result depends, by value (`bytes` of arrays) or by identity (a robot, or a path that came from the memory
+itself). For keys by identity the memory holds a reference, so that no other object can get the same id.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 class Memory(Protocol):
-    """Stores results by key, as long as it likes."""
+    """Stores results by key, and may drop them at any time."""
 
     def get(self, key: Hashable) -> Any:
         """Return the stored result, or None."""
@@ -27,7 +27,7 @@ class Memory(Protocol):
 
 
 class Forgetful:
-    """Stores nothing: the choice of every stage without repetition."""
+    """Stores nothing, for stages whose work isn't repeated."""
 
     def get(self, key: Hashable) -> Any:
         """Return None."""
@@ -42,7 +42,7 @@ NO_MEMORY = Forgetful()
 class Recent:
     """Stores the most recently used results, at most `most` of them.
 
-    Two threads may use it at a time; at worst, a result is computed twice.
+    Two threads may use it at the same time. The worst effect is that a result is computed twice.
     """
 
     def __init__(self, most: int) -> None:
@@ -66,7 +66,8 @@ class Recent:
             return None
         self.hits += 1
         self._used.add(key)
-        # Below this size, nothing is dropped for long, and keeping the order would cost more than the access.
+        # Below this size, nothing will be dropped soon, and updating the order would cost more than the
+        # access.
         if 2 * len(self._kept) > self._most:
             try:
                 self._kept.move_to_end(key)
@@ -86,14 +87,13 @@ class Recent:
         """Drop old results after a run.
 
         Args:
-            least: number of results that stay in any case. Up to twice as many as the largest of the last
-                runs used stay.
+            least: number of results that are always kept. Otherwise up to twice the largest number of results
+                that one of the last runs used is kept.
         """
         used, self._used = self._used, set()
         self._uses.append(len(used))
         self._before.append(used)
-        # Updating the order costs as much as checking some lines, therefore it is done for several runs at a
-        # time.
+        # Updating the order takes as long as checking some lines, so it is done once for several runs.
         most = max(least, 2 * max(self._uses))
         if len(self._before) >= _LOOKS_AT_ONCE or len(self._kept) > most + least // 8:
             self._put_in_order()
@@ -123,21 +123,22 @@ class Recent:
 
 
 _LOOKS_AT_ONCE = 8
-"""Number of runs after which the order of use is updated at the latest."""
+"""Largest number of runs after which the order of use is updated."""
 
 _LOOKS = 32
-"""Number of last runs that determine how much is kept."""
+"""Number of last runs that determine how many results are kept."""
 
 
 class Lately(Generic[T]):
     """A function of texts and numbers that caches its latest results.
 
-    There are two tables. Once the younger one is full, it becomes the older one, and results of the latter
-    that weren't used since are dropped. Two threads may use it at a time, as with `Recent`.
+    There are two tables. When the younger table is full, it becomes the older one, and results in the former
+    older table that weren't used since are dropped. Two threads may use it at the same time, as with
+    `Recent`.
 
     Args:
         make: computes a result.
-        least: least number of results in a full table.
+        least: smallest number of results in a full table.
     """
 
     def __init__(self, make: Callable[..., T], least: int) -> None:
@@ -164,7 +165,7 @@ class Lately(Generic[T]):
         return len(self._young) + len(self._old)
 
     def expect(self, number: int) -> None:
-        """Prepare for this many different results in a row: they are kept until they are used again."""
+        """Prepare for this many different results in a row. They are kept until they are used again."""
         self._enough = max(self._least, 2 * number)
 
     def cache_clear(self) -> None:
@@ -173,7 +174,7 @@ class Lately(Generic[T]):
 
 
 def recall(memory: Memory, key: Hashable, make: Callable[[], T]) -> T:
-    """Return the stored result of a key, or compute it by `make` and store it."""
+    """Return the stored result for a key, or compute it by `make` and store it."""
     found: T | None = memory.get(key)
     if found is None:
         found = make()

@@ -1,4 +1,4 @@
-"""Open sets by name: commands, profiles, findings, rules, robots. Each name means one thing."""
+"""Extensible sets by name: commands, profiles, findings, rules, robots. Each name has one meaning."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ T = TypeVar("T")
 
 
 class NamedTwice(ValueError):  # noqa: N818 - it is said in a sentence: a finding is named twice
-    """Two things of a set have one name, so that the second would silently replace the first."""
+    """Two items of a set have the same name, so that the second would silently replace the first."""
 
 
 def by_name(kind: str, found: Iterable[tuple[str, str, T]]) -> dict[str, T]:
-    """Return the things of a set by name, in the given order.
+    """Return the items of a set by name, in the given order.
 
     Args:
-        kind: noun for one of them, for the message.
-        found: name, place (module or folder) and thing of each.
+        kind: noun for an item, for the message.
+        found: name, place (module or folder) and value of each item.
 
     Raises:
-        NamedTwice: a name is given twice.
+        NamedTwice: two items have the same name.
     """
     places: dict[str, str] = {}
     things: dict[str, T] = {}

@@ -1,11 +1,11 @@
-"""Independent pieces of work on many cores, in forked processes that see all data and send back their
-results.
+"""Distribute independent pieces of work to many cores, in forked processes that see all data and send back
+their results.
 
-A door sets the number of processes (`on_cores`); long work below it distributes its pieces (`mapped`).
+A command sets the number of processes (`on_cores`), and long work inside distributes its pieces (`mapped`).
 Results and their order don't depend on the number.
 
-A fork contains only the thread that forks, and locks of other threads stay locked in it. A door therefore
-sets the number only if other threads do nothing that the work needs.
+A fork contains only the thread that forks, and locks that other threads hold stay locked in it. A command
+therefore sets the number only if the work needs no lock that another thread may hold.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _PROCESSES: ContextVar[int] = ContextVar("processes", default=1)
 
 @contextmanager
 def on_cores(processes: int | None = None) -> Iterator[None]:
-    """Let the work in this block use a number of processes; None for the number of cores."""
+    """Let the work in this block use a number of processes; None for one per core."""
     token = _PROCESSES.set(cores() if processes is None else processes)
     try:
         yield
@@ -52,8 +52,9 @@ def mapped(work: Callable[[T], R], items: Sequence[T]) -> Iterator[R]:
     """Yield the result of `work` for each item, in order.
 
     Args:
-        work: must neither change shared data nor depend on earlier calls, because another process may run it.
-        items: each takes long enough to be worth sending back its result.
+        work: function of an item. It must neither change shared data nor depend on earlier calls, because it
+            may run in another process.
+        items: the items. The work for each must take longer than sending back its result.
     """
     number = min(_PROCESSES.get(), len(items))
     if number < 2 or not hasattr(os, "fork"):
@@ -67,23 +68,24 @@ def mapped(work: Callable[[T], R], items: Sequence[T]) -> Iterator[R]:
             while waited_for in done:
                 yield done.pop(waited_for)
                 waited_for += 1
-    # Items of killed processes are computed here.
+    # The items of killed processes are computed in this process.
     for place in range(waited_for, len(items)):
         yield done.pop(place) if place in done else work(items[place])
 
 
 @contextmanager
 def _workers(work: Callable[[T], R], items: Sequence[T], number: int) -> Iterator[Iterator[tuple[int, R]]]:
-    """Start processes, and end them in any case."""
+    """Start processes, and always end them."""
     from multiprocessing import get_context
 
     context = get_context("fork")
     started: list[tuple[ForkProcess, Connection]] = []
-    # Processes share the pages that none of them writes to.
+    # The processes share all pages of memory to which none of them writes.
     gc.freeze()
     try:
         for _ in range(number):
-            # If no more processes can be started, the existing ones do the work, or this one alone.
+            # If no further process can be started, the existing processes do the work, or else this process
+            # alone.
             with suppress(OSError):
                 ours, theirs = context.Pipe()
                 others = [*(line for _, line in started), ours]
@@ -102,8 +104,8 @@ def _workers(work: Callable[[T], R], items: Sequence[T], number: int) -> Iterato
 
 
 def _results(lines: list[Connection], count: int) -> Iterator[tuple[int, Any]]:
-    """Distribute the places of items, and yield their results. A connection that ends belongs to a killed
-    process.
+    """Distribute the indices of items, and yield their results. If a connection ends, its process was
+    killed.
     """
     from multiprocessing.connection import wait
 
@@ -137,10 +139,10 @@ def _hand_out(line: Connection, waiting: Iterator[int], busy: list[Connection]) 
 def _serve(
     work: Callable[[Any], Any], items: Sequence[Any], line: Connection, others: list[Connection]
 ) -> None:
-    """Serve requests until there are no more. Nothing is flushed at the end, since the buffers are the
-    parent's.
+    """Process requests until there are no more. Buffers aren't flushed at the end, since they belong to
+    the parent.
     """
-    # Ctrl-C reaches the parent, which ends this process.
+    # Ignore Ctrl-C: the parent receives it too, and ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     for other in others:

@@ -1,6 +1,6 @@
-"""Progress of work: reported to a listener, who may end the work.
+"""Report progress of work to a listener, who may cancel the work.
 
-Doors listen during a piece of work (`told_to`); long loops below them report how much is done (`tell`), or
+A command listens during a piece of work (`told_to`). Long loops inside report how much is done (`tell`), or
 that they continue (`go_on`). An exception that the listener raises ends the work. Results don't depend on a
 listener.
 """
@@ -15,15 +15,15 @@ from typing import TypeVar
 T = TypeVar("T")
 
 Listener = Callable[[str, int, int], None]
-"""Called with the present work, the amount done, and the total amount (0: unknown)."""
+"""Function that is called with the current work, the amount done, and the total amount (0: unknown)."""
 
 
 class GivenUp(BaseException):
-    """The work was cancelled. This is no failure, so that handlers of failures don't catch it."""
+    """The work was cancelled. This isn't an `Exception`, so that handlers of failures don't catch it."""
 
 
 def unless(is_over: Callable[[], bool]) -> Listener:
-    """Return a listener that cancels the work once `is_over` returns True."""
+    """Return a listener that cancels the work when `is_over` returns True."""
 
     def listen(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a listener
         if is_over():
@@ -33,7 +33,7 @@ def unless(is_over: Callable[[], bool]) -> Listener:
 
 
 class _Told:
-    """A listener, and the last report to it."""
+    """A listener, and the last report that it received."""
 
     __slots__ = ("done", "listener", "total", "what")
 
@@ -47,7 +47,7 @@ _TOLD: ContextVar[_Told | None] = ContextVar("told", default=None)
 
 @contextmanager
 def told_to(listener: Listener | None) -> Iterator[None]:
-    """Let a listener hear the work of this thread in this block; with None, keep the present one."""
+    """Report the work of this thread in this block to a listener; None keeps the current listener."""
     if listener is None:
         yield
         return
@@ -60,7 +60,7 @@ def told_to(listener: Listener | None) -> Iterator[None]:
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Let nobody listen in this block."""
+    """Report the work in this block to nobody."""
     token = _TOLD.set(None)
     try:
         yield
@@ -70,7 +70,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def within() -> Iterator[None]:
-    """Let reports in this block only repeat the last report before it."""
+    """Replace all reports in this block by a repetition of the last report before it."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -81,7 +81,7 @@ def within() -> Iterator[None]:
 
 @contextmanager
 def part(title: str) -> Iterator[None]:
-    """Report work in this block as a part of something: `title: what is done`."""
+    """Report the work in this block with a title: `title: what is done`."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -92,7 +92,7 @@ def part(title: str) -> Iterator[None]:
 
 
 def tell(what: str, done: int, total: int = 0) -> None:
-    """Report the present work and how much of it is done.
+    """Report the current work and how much of it is done.
 
     Args:
         what: the work.
@@ -106,7 +106,7 @@ def tell(what: str, done: int, total: int = 0) -> None:
 
 
 def go_on(done: int | None = None, total: int = 0) -> None:
-    """Repeat the last report, perhaps with a new amount. Called often during long work."""
+    """Repeat the last report, optionally with a new amount. Called often during long work."""
     told = _TOLD.get()
     if told is not None:
         if done is not None:
@@ -119,7 +119,7 @@ _EVERY = 32
 
 
 def each(items: Iterable[T]) -> Iterator[T]:
-    """Yield the items, and report progress every few of them."""
+    """Yield the items, and report progress once every few items."""
     for number, item in enumerate(items):
         if number % _EVERY == 0:
             go_on()

@@ -17,7 +17,7 @@ class Box:
     """A box around its frame's origin.
 
     Attributes:
-        size: (3,) whole edges along x, y, z [m].
+        size: (3,) full edge lengths along x, y, z [m].
     """
 
     size: Array
@@ -49,11 +49,11 @@ class Cylinder:
 
 @frozen
 class Capsule:
-    """All points within a distance of a piece of the frame's z axis, with its middle at the origin.
+    """All points within a distance of a segment of the frame's z axis, whose middle is the origin.
 
     Attributes:
         radius: the distance [m].
-        length: length of the piece, without the caps [m].
+        length: length of the segment, without the caps [m].
     """
 
     radius: float
@@ -69,8 +69,8 @@ class Mesh:
         unit: length of the file's unit [m].
         digest: SHA-256 of the file's bytes.
         scale: further factors of x, y and z.
-        pieces: largest number of convex pieces that stand for it; 0 to use the hull for links and tools, and
-            the triangles for everything else.
+        pieces: largest number of convex pieces that replace the mesh; 0 to use the hull for links and tools,
+            and the triangles for everything else.
     """
 
     path: Path

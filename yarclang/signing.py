@@ -1,4 +1,4 @@
-"""Signatures of what a user keeps in a cache folder: nobody else can make an entry that is taken for the user's.
+"""Sign the user's entries in a cache folder, so that nobody else can add an entry that counts as the user's.
 
 A signature is an HMAC-SHA256 with a secret of 32 bytes in a file that only the user can read.
 """
@@ -17,8 +17,8 @@ SIZE = 32
 
 
 def secret_file() -> Path:
-    """Return the file with the secret of the user's entries. It isn't in the cache folder, which others may be
-    given.
+    """Return the file with the secret of the user's entries. It isn't in the cache folder, which the user may
+    share with others.
     """
     given = os.environ.get("XDG_STATE_HOME", "")
     return (
@@ -29,7 +29,7 @@ def secret_file() -> Path:
 
 
 def own_secret() -> bytes | None:
-    """Return the user's secret; None if it can't be made, or others can read it."""
+    """Return the user's secret; None if it can't be created, or if others can read it."""
     try:
         return secret_in(secret_file())
     except OSError:
@@ -37,7 +37,10 @@ def own_secret() -> bytes | None:
 
 
 def signature(secret: bytes, contents: Iterable[bytes | memoryview]) -> bytes:
-    """Return the signature of some contents; the first of them tells where they end."""
+    """Return the signature of several contents, one after the other.
+
+    Where one content ends and the next begins isn't signed, so this must follow from the first content.
+    """
     code = hmac.new(secret, digestmod="sha256")
     for content in contents:
         code.update(content)
@@ -50,10 +53,10 @@ def is_signed(code: bytes | memoryview, secret: bytes, contents: Iterable[bytes 
 
 
 def secret_in(path: Path) -> bytes:
-    """Return the secret in a file that only its owner can read; made once, by whichever process is first.
+    """Return the secret in a file that only its owner can read. The first process that needs it creates it.
 
     Raises:
-        OSError: it can't be read or made, or others could have read it.
+        OSError: the secret can't be read or created, or others could have read it.
     """
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     if not path.exists():

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 
 class Span(NamedTuple):
-    """A stretch of source text, perhaps of several lines.
+    """A range of source text, possibly of several lines.
 
     Attributes:
         line: first line, from 1.
         column: first column, from 1, counted in characters.
         end_line: last line.
-        end_column: first column after the stretch.
+        end_column: first column after the range.
     """
 
     line: int
@@ -25,7 +25,7 @@ class Span(NamedTuple):
 
     @staticmethod
     def on_line(line: int, column: int, end_column: int) -> Span:
-        """Return the columns `column` to `end_column` (excluded) of one line."""
+        """Return the span from `column` to `end_column` (exclusive) of one line."""
         return Span(line, column, line, end_column)
 
 
@@ -33,7 +33,7 @@ _LINE = re.compile(r"[^\r\n]*+(?:\r\n|\r|\n)|[^\r\n]++")
 
 
 def lines_with_ends(text: str) -> list[str]:
-    """Return the lines of a text with their ends: LF, CRLF or CR, and no other character."""
+    """Return the lines of a text with their line ends. Only LF, CRLF and CR are line ends."""
     return _LINE.findall(text)
 
 
@@ -45,8 +45,8 @@ class SourceFile:
         name: name of the file in messages.
         text: its text.
         module: name of a module in upper case, as in USE; empty for a program.
-        is_installed: True for a module of the standard library, which nobody edits and which people know by
-            its name, not by its path.
+        is_installed: True for a module of the standard library. Users don't edit it, and know it by its name,
+            not by its path.
     """
 
     name: str
@@ -56,7 +56,7 @@ class SourceFile:
 
     @property
     def called(self) -> str:
-        """Return the name that people know: an installed module's own name, otherwise that of the file."""
+        """Return the name that users know: an installed module's own name, otherwise the name of the file."""
         return self.module if self.is_installed else self.name
 
     @cached_property

@@ -11,10 +11,10 @@ from yarclang.units import Kind
 
 @frozen
 class Name:
-    """A name that isn't known, or doesn't fit its place.
+    """A name that is unknown, or isn't allowed at its place.
 
     Attributes:
-        name: the name as programs compare names: in upper case, without braces.
+        name: the name in the form in which names are compared: in upper case, without braces.
         meant: similar known name, as it is written; empty without one.
         others: further similar names.
     """
@@ -44,7 +44,7 @@ class MissingUnit:
 
 @frozen
 class LeftOut:
-    """Something that a command needs and lacks.
+    """Something that a command needs, but doesn't have.
 
     Attributes:
         what: its name, such as `the motion time`.
@@ -57,7 +57,7 @@ Subject = Name | MissingUnit | LeftOut
 
 
 def unknown(text: str, known: Iterable[str] = ()) -> Name:
-    """Return a word of a program as a name that isn't one of `known`."""
+    """Return a word of a program as a name that isn't among `known`."""
     meant, *others = near(text, known) or ("",)
     return Name(text.strip("{}$() ").upper(), meant, tuple(others))
 

@@ -1,4 +1,4 @@
-"""The known name that is most similar to a mistyped word."""
+"""Find the known name that is most similar to a mistyped word."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 _LONGEST_NAME = 200
-"""Largest number of characters of a name; nobody means a name by a longer word."""
+"""Largest number of characters of a word that is compared with names. A longer word isn't a mistyped name."""
 
 
 _NEAR = 0.6
-"""Least similarity of a mistyped word and a name: difflib's ratio."""
+"""Smallest similarity of a mistyped word and a name: difflib's ratio."""
 
 _SHORTEST_SLIP = 3
-"""Least number of letters of a word in which one may be missing; a shorter word is another word."""
+"""Smallest number of letters of a word in which one may be missing. A shorter word counts as another word."""
 
 _AS_NEAR = 0.08
-"""Names less similar by up to this are as likely as the most similar one."""
+"""Names whose similarity is smaller by at most this are as likely as the most similar name."""
 
 _MOST_LIKELY = 12
-"""Number of names whose longest common subsequence with a mistyped word is computed, the most similar ones by
-their letters.
+"""Number of names whose longest common subsequence with a mistyped word is computed. They are the most
+similar names by their letters.
 """
 
 _MOST_COMPARED, _COMPARED_LETTERS = 5, 150
-"""Number of names that difflib compares with a mistyped word, and the total of their letters. The time grows
-with the square of the letters.
+"""Largest number of names that difflib compares with a mistyped word, and of their letters in total. The time
+grows with the square of the letters.
 """
 
 
@@ -37,15 +37,16 @@ def nearest(word: str, known: Iterable[str]) -> str:
 def near(word: str, known: Iterable[str]) -> tuple[str, ...]:
     """Return the known names similar to a mistyped word, regardless of case.
 
-    The first one is the most similar, the others are hardly less so.
+    The first name is the most similar. The others are nearly as similar.
     """
     return _near(word.upper(), tuple(known))
 
 
 def is_slip(word: str, name: str) -> bool:
-    """Return True if a word is a name with one letter missing, one too many, or two exchanged.
+    """Return True if a word is a name with one letter missing, one letter too many, or two letters exchanged.
 
-    Another letter or another number makes another name: PICK2 is not PICK1, and SIDE_B not SIDE_A.
+    A changed letter or number doesn't count, since it makes another name: PICK2 isn't PICK1, and SIDE_B isn't
+    SIDE_A.
     """
     one, other = word.upper(), name.upper()
     if len(one) == len(other):
@@ -58,7 +59,7 @@ def is_slip(word: str, name: str) -> bool:
     if len(longer) != len(shorter) + 1 or len(shorter) < _SHORTEST_SLIP:
         return False
     at = next((at for at, letter in enumerate(shorter) if letter != longer[at]), len(shorter))
-    # A letter at the end distinguishes names, as in PART and PARTS, unless it repeats the last one.
+    # A letter at the end distinguishes names, as in PART and PARTS, unless it repeats the last letter.
     if at == len(shorter):
         return longer[-1].isalpha() and longer[-1] == longer[-2]
     return longer[at].isalpha() and shorter[at:] == longer[at + 1 :]
@@ -74,7 +75,7 @@ def _near(word: str, known: tuple[str, ...]) -> tuple[str, ...]:
     close = get_close_matches(word, _likely(word, names, letters), n=5, cutoff=_NEAR)
     if not close:
         return ()
-    # Of equally similar names, prefer the one with the same letters in another order.
+    # If names are equally similar, prefer the name with the same letters in another order.
     close.sort(key=lambda name: sorted(name) != sorted(word))
     if sorted(close[0]) == sorted(word):
         return tuple(names[name] for name in close if sorted(name) == sorted(word))
@@ -105,8 +106,8 @@ def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str
     from heapq import nlargest
 
     mine, length, begin = _letters(word), len(word), word[: len(word) // 2]
-    # 2 common >= near (length + other), and other >= common: so many of the word's letters are in the name,
-    # each counted once
+    # 2 common >= near (length + other), and other >= common. So at least this many of the word's letters
+    # occur in the name, each counted once.
     fewest = mine.bit_count() - length + _NEAR / (2.0 - _NEAR) * length
     pairs = [
         (name, theirs)
@@ -159,7 +160,7 @@ def _common(places: dict[str, int], length: int, name: str) -> int:
 
 @lru_cache(maxsize=2048)
 def _letters(word: str) -> int:
-    """Return a bit for each letter of a word; letters may share one."""
+    """Return a bit for each letter of a word. Several letters may share one bit."""
     bits = 0
     for letter in word:
         bits |= 1 << (ord(letter) & 63)

@@ -1,4 +1,4 @@
-"""Rotations from roll pitch yaw and from quaternions."""
+"""Compute rotations from roll pitch yaw and from quaternions."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 QUATERNION_TOLERANCE = 1e-3
-"""Largest difference of a given quaternion's norm from 1."""
+"""Largest allowed difference of a given quaternion's norm from 1."""
 
 
 def rpy_rotation(rpy: Array) -> Array:
-    """Return Rz(yaw) Ry(pitch) Rx(roll) (3, 3) of `rpy` (3,), roll pitch yaw [rad]."""
+    """Return the rotation Rz(yaw) Ry(pitch) Rx(roll) (3, 3) for `rpy` (3,), roll pitch yaw [rad]."""
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy).tolist(), np.cos(rpy).tolist()
     return np.array(
         [
@@ -26,7 +26,9 @@ def rpy_rotation(rpy: Array) -> Array:
 
 
 _STRAIGHT = 1e-9
-"""If the cosine of the pitch is smaller than this, roll and yaw turn about one axis, and yaw stays 0."""
+"""If the cosine of the pitch is smaller than this, roll and yaw rotate about the same axis (gimbal lock). Yaw
+is set to 0 then.
+"""
 
 
 def pose_matrix(values: Sequence[float]) -> Array:
@@ -37,7 +39,7 @@ def pose_matrix(values: Sequence[float]) -> Array:
 
 
 def roll_pitch_yaw(rotation: Array) -> Array:
-    """Return roll pitch yaw (3,) [rad] of a rotation (3, 3), the inverse of `rpy_rotation`."""
+    """Return roll pitch yaw (3,) [rad] of a rotation (3, 3). This is the inverse of `rpy_rotation`."""
     cosine = float(np.hypot(rotation[0, 0], rotation[1, 0]))
     pitch = np.arctan2(-rotation[2, 0], cosine)
     if cosine < _STRAIGHT:
@@ -52,7 +54,9 @@ def roll_pitch_yaw(rotation: Array) -> Array:
 
 
 def quaternion_rotation(quaternion: Array) -> Array:
-    """Return the rotation (3, 3) of a quaternion (4,) x y z w, which is divided by its norm (not 0)."""
+    """Return the rotation (3, 3) of a quaternion (4,) x y z w. The quaternion is divided by its norm,
+    which must not be 0.
+    """
     x, y, z, w = quaternion / np.linalg.norm(quaternion)
     return np.array(
         [
@@ -64,10 +68,10 @@ def quaternion_rotation(quaternion: Array) -> Array:
 
 
 def quaternions(turns: Array) -> Array:
-    """Return rotations (..., 3, 3) as unit quaternions x y z w (..., 4), w not negative.
+    """Return rotations (..., 3, 3) as unit quaternions x y z w (..., 4), with w not negative.
 
-    The largest component is computed from the diagonal, the others from it (Shepperd, 1978): this is exact
-    for turns by any angle.
+    The largest component is computed from the diagonal, and the others from this component (Shepperd, 1978).
+    This is accurate for all angles.
     """
     xx, yy, zz = turns[..., 0, 0], turns[..., 1, 1], turns[..., 2, 2]
     x, y, z = (turns[..., 2, 1], turns[..., 0, 2], turns[..., 1, 0])
@@ -89,14 +93,14 @@ def quaternions(turns: Array) -> Array:
 
 
 def constant(values: Array) -> Array:
-    """Return the values as a read-only array of floats."""
+    """Return values as a read-only array of floats."""
     values = np.asarray(values, dtype=np.float64, order="C")
     values.setflags(write=False)
     return values
 
 
 def sealed(values: Array) -> Array:
-    """Return a read-only copy in row order."""
+    """Return a read-only copy in row-major order."""
     return constant(np.array(values))
 
 

@@ -56,7 +56,7 @@ def number_text(value: float, digits: int) -> str:
 
     Args:
         value: the number.
-        digits: decimal places; a negative number rounds before the point.
+        digits: number of decimal places; a negative number rounds to tens, hundreds and so on.
     """
     text = f"{round(value, digits) + 0.0:.{max(digits, 0)}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text

@@ -1,4 +1,4 @@
-"""A state that is followed through a program with branches, loops and early ends."""
+"""Follow a state through a program with branches, loops and early ends."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.hir import Else, EndLoop, EndWhen, Exit, Finish, Loop, NextPass, S
 T = TypeVar("T")
 
 Turn = When | Else | EndWhen | Finish | Loop | NextPass | Exit | EndLoop
-"""Steps after which a program does not always continue with the next step."""
+"""Steps after which a program doesn't always continue with the next step."""
 
 
 @frozen(eq=False)
@@ -55,7 +55,7 @@ class Ways(Generic[T]):
                 a matching open WHEN or loop changes nothing.
             meet: merges two states. Its arguments are the state of the branch that comes first in the
                 program, the state of the other branch, and the step that began both (or the NextPass that
-                repeats a loop). `meet` itself handles states that cannot be merged.
+                repeats a loop). `meet` itself handles states that can't be merged.
         """
         top = self.open[-1] if self.open else None
         match step:
@@ -107,8 +107,8 @@ class Ways(Generic[T]):
 def line_to(steps: Iterable[Step]) -> list[Step]:
     """Return one straight sequence of steps that leads to the last step, without the Turn steps.
 
-    The sequence takes the first branch of an ended WHEN that continues, the current branch of an open WHEN,
-    and one pass of a loop up to its first EXIT.
+    The sequence contains the first branch that continues of each ended WHEN, the current branch of an open
+    WHEN, and one pass of a loop up to its first EXIT.
     """
     line: list[Step] = []
     walked = Ways[tuple[Step, ...]](())

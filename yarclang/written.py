@@ -1,4 +1,4 @@
-"""Values as they stand in a line of a program, and fixes that replace them."""
+"""Values in the form in which a program's line has them, and fixes that replace them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from yarclang.hir import Origin, TimedMove
 
 
 def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
-    """Return a share of a programmed speed as it would be written, and a fix that writes it.
+    """Return a share of a programmed speed in the form of the program, and a fix that writes it.
 
     Args:
         share: share of the speed in the line, above 0.
         origin: the command.
 
     Returns:
-        Text such as `[V 20]`; no fix if the speed isn't a plain number of the line itself.
+        Text such as `[V 20]`. There is no fix if the speed isn't a plain number of the line itself.
     """
     if (written := written_speed(origin)) is None or origin.time_span is None:
         return f"{share * 100:.3g} % of this speed", None

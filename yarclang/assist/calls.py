@@ -45,13 +45,13 @@ class Calls:
 
 
 def callable_at(view: View, line: int, column: int) -> Caller | None:
-    """Return the SUB whose name stands at a place (from 1), in its declaration or in a CALL."""
+    """Return the SUB whose name is at a place (from 1), in its declaration or in a CALL."""
     target = target_at(view, line, column)
     return _of(target) if target is not None and target.symbol.kind == "sub" else None
 
 
 def outside(view: View) -> Caller:
-    """Return the lines of a file that belong to no SUB."""
+    """Return the lines of a file that are outside of all SUBs."""
     return _caller(view.sketch, 0)
 
 

@@ -56,8 +56,8 @@ class Candidate:
         kind: kind of the candidate.
         detail: a few words that are shown beside the label.
         documentation: documentation in Markdown.
-        text: text to insert, with holes such as `${1:x}`.
-        span: the stretch that the text replaces.
+        text: text to insert, with placeholders such as `${1:x}`.
+        span: the range that the text replaces.
         rank: sort key; candidates with smaller ranks come first.
     """
 
@@ -71,17 +71,17 @@ class Candidate:
 
     @property
     def plain(self) -> str:
-        """Return the text to insert, without holes."""
+        """Return the text to insert, without placeholders."""
         return plain_text(self.text)
 
 
 class NameMaker:
-    """Makes candidates of the names that are known at a place.
+    """Creates candidates from the names that are known at a place.
 
     Args:
         view: the text and its analysis.
         cursor: the place.
-        span: the stretch that a candidate replaces.
+        span: the range that a candidate replaces.
         behind: the character after the place.
     """
 
@@ -92,14 +92,14 @@ class NameMaker:
         self.behind = behind
 
     def numbers(self) -> Iterator[Candidate]:
-        """Yield the names that stand for a number."""
+        """Yield the names of numbers."""
         for symbol in self.symbols():
             if symbol.kind in _AMOUNTS and not symbol.is_frame:
                 yield self._symbol(symbol)
         yield from self._of_modules("number")
 
     def tables(self) -> Iterator[Candidate]:
-        """Yield the tables, with a hole for the index."""
+        """Yield the tables, with a placeholder for the index."""
         for symbol in self.symbols():
             if symbol.kind == "table":
                 yield replace(self._symbol(symbol), text=f"{symbol.name}[${{1:0}}]")
@@ -195,7 +195,7 @@ class NameMaker:
         return self.view.sketch.names.known_in(self.cursor.line)
 
     def _is_own(self, name: str, is_frame: bool) -> bool:
-        """Return True if the file declares a name anywhere, even if the name isn't known at the place."""
+        """Return True if the file declares a name anywhere, even if the name isn't known at this place."""
         return any((one.name, one.is_frame) == (name, is_frame) for one in self.view.sketch.names.symbols)
 
     def _symbol(self, symbol: Symbol) -> Candidate:

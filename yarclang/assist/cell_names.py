@@ -21,7 +21,9 @@ _FRAME_KEYS = ("parent", "frame", "grips", "leads_to", "leaves")
 
 
 def cell_of_name(view: View, named: Symbol | Use) -> Place | None:
-    """Return the place where the cell of a program declares a frame or joint position; None if it doesn't."""
+    """Return the place where the cell of a program declares a frame or joint position; None if the cell
+    doesn't declare it.
+    """
     scope = view.scope
     if scope is None or target_of(view, named) is not None:
         return None
@@ -105,7 +107,9 @@ def _check(source: SourceFile, named: Symbol | Use, name: str) -> None:
 
 
 def _keeps_to(view: View, cell: Path) -> bool:
-    """Return True if a program's CELL line names the cell or, without a CELL line, its project does."""
+    """Return True if a program uses a cell: its CELL line names the cell or, without a CELL line, its
+    project does.
+    """
     folder = Path(view.sketch.source.name).parent
     for statement in view.sketch.module.statements:
         if statement.name.name == "CELL":

@@ -1,4 +1,4 @@
-"""Changes from one text to another by few edits, so that an editor keeps its cursor in unchanged lines."""
+"""Convert one text to another by few edits, so that an editor keeps its cursor in unchanged lines."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from yarclang.source import SourceFile, Span, lines_with_ends
 from yarclang.syntax.form import usual_form
 
 _MOST_LINES = 3_000
-"""Largest number of lines that are compared. A longer stretch is replaced as a whole, because comparing takes
-too long.
+"""Largest number of lines that are compared. A longer range is replaced as a whole, because comparing it
+takes too long.
 """
 
 
@@ -37,9 +37,9 @@ def changes_to(source: SourceFile, text: str) -> tuple[Edit, ...]:
 
 
 def _edit(lines: list[str], begin: int, end: int, text: str) -> Edit:
-    """Return an edit that replaces the lines `begin` to `end` (excluded, from 0).
+    """Return an edit that replaces the lines `begin` to `end` (exclusive, from 0).
 
-    If the last line has no line end, the position after it is the end of this line.
+    If the last line has no line end, the range ends after its last character.
     """
     return Edit(Span(*_at(lines, begin), *_at(lines, end)), text)
 

@@ -1,6 +1,7 @@
-"""Completion: the commands, names, frames, units, options and modules that may stand at a place.
+"""Completion: the commands, names, frames, units, options and modules that are possible at a place.
 
-A text to insert contains holes such as `${1:x}` for its values. Clients that can't fill holes use `plain`.
+A text to insert contains placeholders such as `${1:x}` for its values. Clients that don't support
+placeholders use `plain`.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
 
 
 class _Maker(NameMaker):
-    """Makes all candidates for a place."""
+    """Creates all candidates for a place."""
 
     def candidates(self) -> Iterator[Candidate]:
         cursor = self.cursor
@@ -83,7 +84,7 @@ class _Maker(NameMaker):
         else:
             yield from self._parts()
 
-    # The word that begins a statement.
+    # Candidates for the first word of a statement.
 
     def _heads(self) -> Iterator[Candidate]:
         """Yield the commands and, without an index, the words of declarations."""
@@ -113,7 +114,7 @@ class _Maker(NameMaker):
                 3,
             )
 
-    # The parts after it.
+    # Candidates for the parts after the first word.
 
     def _parts(self) -> Iterator[Candidate]:
         head = self.cursor.head
@@ -125,7 +126,7 @@ class _Maker(NameMaker):
             yield from self._of_command(head)
 
     def _proposed(self, word: WordSpec) -> Iterator[Candidate]:
-        """Yield the names of the kind that a word refers to."""
+        """Yield the names of the kind that must follow a word."""
         match word.proposes:
             case "robots":
                 for one in list_robots():
@@ -181,7 +182,7 @@ class _Maker(NameMaker):
                     )
 
     def _slots(self, slots: tuple[Slot, ...]) -> Iterator[Candidate]:
-        """Yield inputs, outputs or states, whichever the value at this place is."""
+        """Yield inputs, outputs or states, depending on the value that is needed at this place."""
         at = len(self.cursor.before) - 1
         if self.cursor.head == "ON" and at == len(slots) and self.cursor.before[-1].name == "CALL":
             yield from self.known(Routine, "sub")
@@ -231,7 +232,7 @@ class _Maker(NameMaker):
                 text = f"{one.word}={{${{1:{one.word}}}}}" if one.name.startswith("{") else f"{one.word}="
                 yield self.make(f"{one.word}=", "word", one.written, one.meaning, text)
 
-    # Brackets.
+    # Candidates in brackets.
 
     def _times(self) -> Iterator[Candidate]:
         if self.cursor.inside:
@@ -245,7 +246,7 @@ class _Maker(NameMaker):
             yield self.make(name, "time", entry.summary, entry_text(name, entry), text + closing)
 
     def _units(self) -> Iterator[Candidate]:
-        """Yield the units of kinds that have no unit yet."""
+        """Yield the units of all kinds for which the brackets have no unit yet."""
         there = {UNITS[one.text.lower()].kind for one in self.cursor.inside if one.text.lower() in UNITS}
         for number, unit in enumerate(UNITS.values()):
             if unit.kind not in there:
@@ -253,7 +254,7 @@ class _Maker(NameMaker):
                     unit.name, "unit", f"a unit of {unit.kind}", unit_text(unit.name), unit.name, number
                 )
 
-    # Comments.
+    # Candidates in comments.
 
     def _suppressions(self) -> Iterator[Candidate]:
         """Yield the codes of findings, in a comment that suppresses findings."""
@@ -281,8 +282,8 @@ _OF_TABLES = ("STRETCH", "TOL", "ALLOW")
 
 
 def _options(spec: CommandSpec, cursor: Cursor) -> Iterator[tuple[str, Entry]]:
-    """Yield the options that a command may still take. After the time of a way-point, also the words for
-    joint speeds.
+    """Yield the options that can still be added to a command. After the time of a way-point, also yield the
+    words for joint speeds.
     """
     names = [one.name for one in cursor.before]
     if spec.is_timed:

@@ -1,4 +1,4 @@
-"""The place in a statement at which somebody is typing; the statement may be incomplete."""
+"""The place in a statement at which the user is typing. The statement may be incomplete."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ _VALUES = {"number", "word", "frame", "string"}
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """The part of a statement in front of a place.
+    """The part of a statement before a place.
 
     Attributes:
         line: line of the place, from 1.
         start: column at which the piece that is being typed begins.
         text: this piece, up to the place; empty between two pieces.
         kind: kind of this piece; empty between two pieces.
-        before: the pieces in front of it, from the beginning of the statement, without the index.
+        before: the previous pieces, from the beginning of the statement, without the index.
         has_index: True if the statement has an index.
         head: first word of the statement, in upper case; empty if it isn't complete yet.
         bracket: innermost open bracket: `[`, `(`, `$(` or empty.
         inside: the pieces in this bracket.
-        is_glued: True if a `$` stands immediately in front of the piece.
+        is_glued: True if a `$` is immediately before the piece.
     """
 
     line: int
@@ -53,7 +53,7 @@ class Cursor:
 
     @property
     def is_expression(self) -> bool:
-        """Return True if an expression stands here."""
+        """Return True if the place is in an expression."""
         if self.bracket == "$(" or (self.bracket == "[" and self._is_index):
             return True
         if self.head == "IF":
@@ -62,7 +62,7 @@ class Cursor:
 
     @property
     def _is_index(self) -> bool:
-        """Return True if the open `[` stands inside an expression, after a table's name."""
+        """Return True if the open `[` is in an expression, after a table's name."""
         opened: list[str] = []
         for one in self.before:
             if one.text in {"[", "(", "$("}:
@@ -73,7 +73,7 @@ class Cursor:
 
     @property
     def is_decided(self) -> bool:
-        """Return True if an expression stands here whose value is known only while the program runs."""
+        """Return True if the place is in an expression that is evaluated at run time."""
         marks = {"SET": {"="}, **dict.fromkeys(("WHEN", "WAIT", "WHILE", "UNTIL"), _OF_CONDITIONS)}.get(
             self.head, set()
         )
@@ -81,7 +81,7 @@ class Cursor:
 
     @property
     def values(self) -> tuple[Lexeme, ...]:
-        """Return the complete values in front of the place, in its way-point."""
+        """Return the complete values before the place, in its way-point."""
         lexemes: list[Lexeme] = []
         depth = 0
         for one in self.before[1:]:
@@ -102,18 +102,18 @@ class Cursor:
 
     @property
     def option(self) -> str:
-        """Return the option whose argument comes next; empty if none."""
+        """Return the option whose argument is expected next; empty if there is none."""
         if self.before and not self.bracket and self.before[-1].kind == "word":
             return self.before[-1].name if self.before[-1].name in OPTIONS else ""
         return ""
 
     def has(self, mark: str) -> bool:
-        """Return True if a mark stands in front of the place."""
+        """Return True if a mark is before the place."""
         return any(one.text == mark for one in self.before)
 
 
 def cursor_at(sketch: Sketch, line: int, column: int) -> Cursor:
-    """Return the part of the statement in front of a column (from 1)."""
+    """Return the part of the statement before a column (from 1)."""
     begin = sketch.begin_of(line)
     pieces: list[Lexeme] = []
     for number in range(begin, line):

@@ -1,4 +1,4 @@
-"""The meaning of declared names, in Markdown."""
+"""Describe declared names, in Markdown."""
 
 from __future__ import annotations
 
@@ -174,7 +174,9 @@ def _base_from(link: FrameLink) -> Array:
 
 
 def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
-    """Return the frame that a line declares. In a block, the frame of a command that uses it."""
+    """Return the frame that a line declares. If the line is in a block, the frame is found by a command
+    that uses it.
+    """
     if view.scope is not None and sketch is view.sketch:
         frame = view.scope.frame(symbol.name)
         if frame and frame.link and frame.link.span and frame.link.span.line == symbol.statement.line:
@@ -219,7 +221,7 @@ def sub_lines(sketch: Sketch, name: str) -> list[str]:
 
 
 def module_lines(sketch: Sketch) -> list[str]:
-    """Return a module's reference in short."""
+    """Return a module's reference in a short form."""
     module = describe_module(sketch.module)
     lines = [f"**{module.name}**: a module", "", *(f"{one}\n" for one in module.paragraphs)]
     return [*lines, *(f"- `{module.name}.{sub.head}`: {sub.purpose}" for sub in module.subs)]

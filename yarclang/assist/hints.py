@@ -16,15 +16,15 @@ from yarclang.identity import fingerprint
 from yarclang.source import SourceFile, Span
 
 _KEPT = 1024
-"""Number of shortest times that are kept: those of the motions used last."""
+"""Number of shortest times that are cached: those of the most recently used motions."""
 
 _SHORTER = 0.02
-"""A motion counts as shortest if it takes less than this share more than the shortest time."""
+"""A motion counts as shortest if it exceeds the shortest time by less than this share."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """A few words after the end of a line.
+    """A few words that are shown after the end of a line.
 
     Attributes:
         line: from 1.
@@ -40,7 +40,7 @@ class Hint:
 
 
 class ShortestTimes:
-    """Cache of shortest times: an edit elsewhere in the text leaves them valid."""
+    """Cache of shortest times. They stay valid when other parts of the text are edited."""
 
     def __init__(self) -> None:
         self._known: dict[Any, float | None] = {}
@@ -48,8 +48,8 @@ class ShortestTimes:
     def of(self, view: View, number: int) -> float | None:
         """Return the shortest time of a motion [s].
 
-        None if no time works, if the motion isn't planned, or if it flows into another motion and has no time
-        of its own.
+        None if no time works, if the motion isn't planned, or if it is blended with another motion and so has
+        no time of its own.
         """
         planned = view.motion(number)
         step, robot = view.step(number), view.robot
@@ -72,7 +72,7 @@ class ShortestTimes:
 def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterator[Hint]:
     """Yield the hints of the lines `first` to `last`.
 
-    Only motions with a plan for their present text have hints.
+    Only motions whose plan belongs to the current text have hints.
     """
     for line in range(first, last + 1):
         statement, planned_at = view.sketch.statement_at(line), view.planned_at(line)

@@ -26,7 +26,7 @@ class Hover:
 
     Attributes:
         text: in Markdown.
-        span: the stretch that the text explains.
+        span: the range that the text explains.
     """
 
     text: str
@@ -53,7 +53,7 @@ def hover_at(view: View, line: int, column: int) -> Hover | None:
 
 
 def _of_word(view: View, statement: Statement | None, line: int, lexeme: Lexeme) -> Iterator[str]:
-    """Yield the paragraphs for a word of the language and its command. Numbers stand for their command."""
+    """Yield the paragraphs for a word of the language and its command. For a number, explain its command."""
     word = lexeme.name
     if statement is None:
         text = command_text(word) or word_text(word) or unit_text(word)
@@ -107,9 +107,9 @@ def finding_text(finding: Finding) -> str:
 
 
 def command_lines(view: View, line: int) -> Iterator[str]:
-    """Yield what is known of the motion in a line, in Markdown; nothing for other lines.
+    """Yield what is known about the motion in a line, in Markdown; nothing for other lines.
 
-    May plan the motion once more.
+    This may plan the motion once more.
     """
     known, there = view.planned_at(line) or (view, line)
     steps = known.steps_in(there)

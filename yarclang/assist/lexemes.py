@@ -1,4 +1,4 @@
-"""The words of a line. Lines that the parser rejects are split as well."""
+"""Split a line into words, even if the parser rejects the line."""
 
 from __future__ import annotations
 
@@ -62,18 +62,18 @@ def _read(line: str) -> tuple[Lexeme, ...]:
 
 
 _KEPT = 1024
-"""Least number of lines that are kept, at 1 to 2 kB each. For longer texts that are coloured, all lines are
-kept.
+"""Smallest number of lines that the cache holds, at 1 to 2 kB each. For longer texts that are coloured, it
+holds all lines.
 """
 
 lexemes_of = Lately(_read, _KEPT)
-"""Return the pieces of one line. Cached, because the same lines are read again and again."""
+"""Return the pieces of one line. Cached, because the same lines are read many times."""
 
 
 def lexeme_at(line: str, column: int) -> Lexeme | None:
-    """Return the piece at a column (from 1), or the one that ends there; None between two pieces."""
+    """Return the piece at a column (from 1), or the piece that ends there; None between two pieces."""
     touched = [one for one in lexemes_of(line) if one.start <= column <= one.end]
-    # Of two pieces that touch, prefer the one with a name, as in `{B}|` or `$|X`.
+    # If two pieces touch, prefer the piece with a name, as in `{B}|` or `$|X`.
     named = [one for one in touched if one.kind not in {"mark", "comment"}]
     inside = [one for one in named if column < one.end]
     return next(iter(inside or named or touched), None)

@@ -14,10 +14,10 @@ from yarclang.syntax.ast import Text, Word
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A stretch of a program that names a file.
+    """A range of a program that names a file.
 
     Attributes:
-        span: the stretch.
+        span: the range.
         path: the file.
         what: kind of the file, in words.
     """

@@ -31,10 +31,10 @@ class MotionFacts:
         base: frame of the programmed values, without braces.
         in_base: (4, 4) moving frame in `base` at the end; None if `base` is the robot's base.
         in_world: (4, 4) moving frame in {B} at the end.
-        joints: (n,) joint positions at the end [rad or m]; None if errors hide them.
+        joints: (n,) joint positions at the end [rad or m]; None if they are unknown because of errors.
         begins: time at which the motion begins [s]; None if the motion isn't planned.
         duration: duration [s]; None if the motion isn't planned.
-        smallest: smallest singular value on the way; None if the motion isn't planned.
+        smallest: smallest singular value during the motion; None if the motion isn't planned.
         certificate: proved properties; None if nothing was proved.
     """
 
@@ -52,7 +52,7 @@ class MotionFacts:
 
     @property
     def load(self) -> tuple[str, Load] | None:
-        """Return the most used of the limits that slow a motion down, with the limit's name."""
+        """Return the limit that the motion uses most, with its name."""
         return None if self.certificate is None else most_used(self.certificate)
 
     @property
@@ -107,7 +107,7 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
 def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Array]:
     """Return the name of the frame that a command moves, and flange_from_frame (4, 4).
 
-    For joint motions, this is the frame of DEFAULT, or else that of the robot.
+    For joint motions, this is the moving frame of DEFAULT, or else the robot's own.
     """
     if link is not None:
         return link.name, chain_pose(link)
@@ -140,7 +140,7 @@ def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: 
 def pace_in(view: View, number: int) -> Pace | None:
     """Return the limit that determines a motion's time, and the shortest time that works.
 
-    The values are those of `yarc inspect`; the motion is planned again.
+    The values are equal to those of `yarc inspect`. The motion is planned again.
     """
     step, planned = view.step(number), view.motion(number)
     checked = view.checked
@@ -154,5 +154,5 @@ def pace_in(view: View, number: int) -> Pace | None:
 
 
 def first_motion(view: View, numbers: Iterable[int]) -> int | None:
-    """Return the first of some steps that is a motion."""
+    """Return the first step that is a motion."""
     return next((number for number in numbers if isinstance(view.step(number), Motion)), None)

@@ -1,4 +1,4 @@
-"""Declarations and uses of names, in a file and in its users; renaming."""
+"""Find declarations and uses of names, in a file and in the files that use it; rename them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A stretch of a file.
+    """A range of a file.
 
     Attributes:
         source: the file.
-        span: the stretch.
+        span: the range.
     """
 
     source: SourceFile
@@ -48,7 +48,9 @@ class Target:
         return Place(self.sketch.source, self.symbol.span)
 
     def is_same(self, other: Target | None) -> bool:
-        """Return True if the other target is this declaration, even in another sketch of an equal text."""
+        """Return True if the other target is the same declaration, possibly in another sketch of an equal
+        text.
+        """
         return (
             other is not None
             and self.sketch.source.name == other.sketch.source.name
@@ -57,7 +59,7 @@ class Target:
 
 
 class RenameError(ValueError):
-    """The new name isn't allowed; the message says why."""
+    """The new name isn't allowed. The message has the reason."""
 
 
 def target_at(view: View, line: int, column: int) -> Target | None:
@@ -203,5 +205,5 @@ def _check(target: Target, views: list[View], name: str) -> None:
 
 
 def _meet(one: Symbol, other: Symbol) -> bool:
-    """Return True if two declarations are known in a common line."""
+    """Return True if there is a line in which both declarations are known."""
     return one.first <= other.last and other.first <= one.last

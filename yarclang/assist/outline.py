@@ -1,4 +1,4 @@
-"""The outline of a file as a tree, and its blocks that can be folded."""
+"""Build the outline of a file as a tree, and find its blocks that can be folded."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Entry:
         detail: text that is shown after the name.
         kind: kind of the part.
         span: the whole part.
-        name_span: the stretch that an editor goes to.
+        name_span: the range that an editor selects.
         children: the parts inside.
     """
 
@@ -52,7 +52,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """A range of lines of which only the first one is shown when folded.
+    """A range of lines that can be folded; only the first line is then shown.
 
     Attributes:
         first: first line, from 1.
@@ -66,11 +66,15 @@ class Fold:
 
 
 MOST_COMMANDS = 2_000
-"""Largest number of commands in an outline. Longer lists are useless, and each edit would build them anew."""
+"""Largest number of commands in an outline. Longer outlines are useless, and would be rebuilt after each
+edit.
+"""
 
 
 def outline(sketch: Sketch) -> tuple[Entry, ...]:
-    """Return declarations, SUBs and other blocks with their contents, and commands unless too many."""
+    """Return declarations, SUBs and other blocks with their contents, and commands unless there are too
+    many.
+    """
     symbols = {one.statement.line: one for one in sketch.names.symbols if one.kind != "parameter"}
     maker = _Maker(sketch, symbols, len(sketch.module.statements) - len(symbols) <= MOST_COMMANDS)
     return tuple(maker.entries(sketch.nodes))
@@ -118,8 +122,8 @@ def _code(sketch: Sketch, statement: Statement) -> str:
 
 
 def folds(sketch: Sketch) -> tuple[Fold, ...]:
-    """Return the ranges of blocks up to their ELSE or END, of way-point lists and of comments of several
-    lines.
+    """Return the ranges that can be folded: blocks up to their ELSE or END, lists of way-points, and comments
+    of several lines.
     """
     return tuple(
         sorted((*_block_folds(sketch.nodes), *_list_folds(sketch), *_comment_folds(sketch)), key=_order)

@@ -1,4 +1,4 @@
-"""Poses and joint positions in Markdown."""
+"""Format poses and joint positions in Markdown."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ def joints_text(robot: Robot, q: Array) -> str:
 
 
 def chain_lines(link: FrameLink) -> Iterator[str]:
-    """Yield a frame, the frames it hangs on with values, and its pose in the last one."""
+    """Yield a line for a frame and for each frame in which it is given in turn, with values, and a line for
+    its pose in the last of these frames.
+    """
     chain = chain_of(link)
     for one in chain:
         if one.parent is not None:

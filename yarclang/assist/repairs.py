@@ -1,5 +1,5 @@
-"""Repairs for findings: the finding's own fix, a similar name, the missing unit, a comment that suppresses
-it.
+"""Find repairs for findings: the finding's own fix, a similar name, the missing unit, or a comment that
+suppresses the finding.
 
 `yarc check --fix` may apply a finding's own fix. The other repairs are for a person to choose.
 """
@@ -25,7 +25,7 @@ _IGNORE = re.compile(r"!\s*yarc\s*:\s*ignore\s*\[[^\]]*(?=\])", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A change that answers a finding.
+    """A change that removes a finding.
 
     Attributes:
         finding: the finding.
@@ -69,7 +69,7 @@ def _meant(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
 
 
 def _units(sketch: Sketch, finding: Diagnostic, others: Iterable[Diagnostic]) -> Iterator[Fix]:
-    """Yield fixes that insert all units missing in a line."""
+    """Yield fixes that insert all missing units of a line."""
     kind = _kind(finding)
     statement = sketch.statement_at(finding.span.line) if finding.span else None
     if kind is None or statement is None or finding.span is None:
@@ -103,7 +103,7 @@ def _with_units(statement: Statement, names: str) -> Edit:
 
 
 def _suppressed(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
-    """Yield the fix that suppresses the finding by a comment."""
+    """Yield the fix that adds a comment to suppress the finding."""
     if finding.span is None:
         return
     line = finding.span.line

@@ -1,4 +1,4 @@
-"""Growing selections around a place, from a word to the whole file."""
+"""Find growing selections around a place, from a word to the whole file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _GROUP = re.compile(r"\[[^\]]*\]|\{[^}]*\}|\([^()]*\)|[^;\[\]{}()]+")
 
 
 def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
-    """Return the stretches around a place (from 1), the smallest first.
+    """Return the ranges around a place (from 1), the smallest first.
 
     They are word, group, way-point, statement, blocks, and the whole text.
     """
@@ -29,7 +29,7 @@ def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
     found.append(Span(1, 1, last, len(source.line(last)) + 1))
     spans: list[Span] = []
     for span in found:
-        # Each stretch contains the one before.
+        # Each range contains the previous one.
         if not spans or (
             _begin(span) <= _begin(spans[-1]) and _end(span) >= _end(spans[-1]) and span != spans[-1]
         ):

@@ -1,4 +1,4 @@
-"""The values of a line: their names and units, and the one that is being typed."""
+"""Describe the values of a line: their names and units, and which one is being typed."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Signature:
 
 
 def signature_at(view: View, line: int, column: int) -> Signature | None:
-    """Return the signature of the values at a place (from 1); None if no values stand there."""
+    """Return the signature of the values at a place (from 1); None if no values are expected there."""
     cursor = cursor_at(view.sketch, line, column)
     if cursor.is_head or cursor.is_comment or cursor.bracket in {"[", "("} or _is_behind(cursor):
         return None
@@ -95,14 +95,14 @@ def signature_at(view: View, line: int, column: int) -> Signature | None:
 
 
 def _has_frame(cursor: Cursor) -> bool:
-    """Return True if a moving frame stands in front of the values of the first way-point."""
+    """Return True if a moving frame is before the values of the first way-point."""
     return len(cursor.before) > 1 and cursor.before[1].kind == "frame" and not cursor.way_point
 
 
 def _is_behind(cursor: Cursor) -> bool:
-    """Return True if a time, units, the base frame or an option in front of the place ends the values."""
+    """Return True if the values end before the place, by a time, units, the base frame or an option."""
     depth = 0
-    # Each way-point of a timetable has a time, and values begin again after a semicolon.
+    # Each way-point of a timetable has a time. After a semicolon, values begin again.
     begins = max((number for number, one in enumerate(cursor.before) if one.text == ";"), default=0)
     for number, one in enumerate(cursor.before[begins + 1 :], begins + 1):
         if one.text == "[" or (one.text == "(" and not depth):
@@ -130,7 +130,7 @@ def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
 
 
 def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, ...]:
-    """Return the names of values with their units in a line."""
+    """Return the names of values, with the units that they have in a line."""
     robot = view.robot
     names = joint_labels(robot.joint_names) if robot else _WITHOUT_ROBOT
     kinds: tuple[Kind, ...] = tuple(
@@ -148,7 +148,7 @@ def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, 
 
 
 def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
-    """Return the unit of each kind in a line: the line's own or that of DEFAULT, else the kind's name."""
+    """Return the unit of each kind in a line: the line's own, or that of DEFAULT, or else the kind's name."""
     found = dict(_DEFAULT_UNITS)
     for statement in (sketch.default, sketch.statement_at(line)):
         for item in statement.units.items if statement and statement.units else ():

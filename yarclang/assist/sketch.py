@@ -1,4 +1,4 @@
-"""The structure of a text without evaluation: statements, blocks, names. Every text has one, even with
+"""The structure of a text without evaluation: statements, blocks, names. It exists even for a text with
 errors.
 """
 
@@ -41,7 +41,7 @@ class Sketch:
 
     @cached_property
     def ends(self) -> dict[int, int]:
-        """Return the last line of each block by the block's first line."""
+        """Return the last line of each block, by the block's first line."""
         return ends_of(self.nodes)
 
     @cached_property
@@ -49,11 +49,13 @@ class Sketch:
         return {one.line + row: one for one in self.module.statements for row in range(max(one.rows, 1))}
 
     def statement_at(self, line: int) -> Statement | None:
-        """Return the statement that a line belongs to, if it can be parsed."""
+        """Return the statement to which a line belongs; None if it can't be parsed."""
         return self._by_line.get(line)
 
     def begin_of(self, line: int) -> int:
-        """Return the first line of the way-point list that a line continues; otherwise the line itself."""
+        """Return the first line of the list of way-points that a line continues; otherwise the line
+        itself.
+        """
         above = line - 1
         begin = line
         while above > 0:
@@ -75,7 +77,7 @@ class Sketch:
     def named_at(self, line: int, column: int) -> Symbol | Use | None:
         """Return the declaration or use of a name at a place (from 1).
 
-        The place after the name, and a frame's braces, count as well.
+        The place directly after the name, and a frame's braces, belong to the name.
         """
         named: list[Symbol | Use] = [*self.names.symbols, *self.names.uses]
         found = [one for one in named if _touches(one.span, line, column, int(one.is_frame))]

@@ -1,4 +1,4 @@
-"""Snippets: lines with holes for the values."""
+"""Snippets: lines with placeholders for the values."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _FILLED = re.compile(
 
 
 def plain_text(snippet: str) -> str:
-    """Return a snippet with the proposed value in each hole."""
+    """Return a snippet with the proposed value in each placeholder."""
     return _HOLE.sub(lambda match: match[1] or "", snippet)
 
 
 def next_index(sketch: Sketch, line: int) -> str:
-    """Return an index for a command in a line: after the one above and, if there is room, before the one
-    below.
+    """Return an index for a command in a line: greater than the index above and, if possible, less than
+    the index below.
     """
     numbers = [(one.line, int(one.index.text[1:])) for one in sketch.module.statements if one.index]
     above = max((number for at, number in numbers if at < line), default=0)
@@ -43,7 +43,7 @@ def next_index(sketch: Sketch, line: int) -> str:
 
 
 def command_snippet(view: View, name: str) -> str:
-    """Return a command with holes for its values, without those that DEFAULT gives."""
+    """Return a command with placeholders for its values, except those that DEFAULT gives."""
     found = command_of(name)
     if found is None:
         return name
@@ -73,7 +73,7 @@ class _Holes:
         self._count = 0
 
     def hole(self, proposed: str) -> str:
-        """Return the next hole."""
+        """Return the next placeholder."""
         self._count += 1
         return f"${{{self._count}:{proposed}}}"
 
@@ -90,7 +90,7 @@ def _way_points(view: View, spec: CommandSpec, values: Values, numbers: _Holes) 
 
 
 def declaration_snippet(example: str) -> str:
-    """Return a declaration with holes for its names and numbers. A block gets its END."""
+    """Return a declaration with placeholders for its names and numbers. A block gets its END."""
     head, _, line = example.partition(" ")
     holes = _Holes()
     text = f"{head} {_FILLED.sub(lambda match: holes.hole(match[0]), line)}".rstrip()

@@ -1,7 +1,7 @@
 """The names of a file: their declarations, the lines in which they are known, and their uses.
 
-As in the language, frames have a namespace of their own. Nothing is evaluated, so that texts with errors and
-blocks that never run are covered too.
+As in the language, frames have separate names. Nothing is evaluated, so that texts with errors and
+blocks that never run are included.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Symbol:
         statement: the declaration.
         first: line after which the name is known.
         last: last line in which the name is known.
-        inside: the SUB that contains the declaration; empty outside.
+        inside: the SUB that contains the declaration; empty outside of SUBs.
     """
 
     kind: Kind
@@ -94,8 +94,8 @@ class Use:
         name: in upper case.
         is_frame: True if it names a frame.
         span: place of the name.
-        module: module in front of the name; empty without one.
-        sub: the SUB whose parameter is named in a CALL, in upper case; empty otherwise.
+        module: module that is written before the name; empty without one.
+        sub: the SUB, in upper case, if the name is that of a parameter in a CALL; else empty.
         symbol: its declaration, if it is in this file.
     """
 
@@ -126,21 +126,23 @@ class Names:
         self._by_name.setdefault((symbol.name, symbol.is_frame), []).append(symbol)
 
     def known_in(self, line: int) -> Iterator[Symbol]:
-        """Yield the symbols that are known in a line, the last declared first."""
+        """Yield the symbols that are known in a line, beginning with the last declared."""
         return (one for one in reversed(self.symbols) if one.is_known_in(line))
 
     def meant(self, name: str, is_frame: bool, line: int) -> Symbol | None:
-        """Return the symbol that a name without a module means in a line."""
+        """Return the symbol to which a name without a module refers in a line."""
         named = reversed(self._by_name.get((name, is_frame), []))
         return next((one for one in named if one.is_known_in(line)), None)
 
     def declared(self, name: str, is_frame: bool) -> Symbol | None:
-        """Return the symbol that a name means to users of the module: it is declared outside of blocks."""
+        """Return the symbol to which a name refers for users of the module; it is declared outside of
+        blocks.
+        """
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.last == _END and not one.inside), None)
 
     def parameter(self, sub: str, name: str, is_frame: bool) -> Symbol | None:
-        """Return the parameter of a SUB; None if it has none of this name."""
+        """Return the parameter of a SUB with a name; None if there is none."""
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.kind == "parameter" and one.inside == sub), None)
 
@@ -162,7 +164,7 @@ class _Reader:
     def __init__(self) -> None:
         self.names = Names()
         self._behind: dict[tuple[str, bool], int] = {}
-        """The names that are known after the surrounding IF, and the last line in which each is known."""
+        """Names that stay known after the surrounding IF, with the last line in which each is known."""
 
     def nodes(self, nodes: tuple[Node, ...], last: int, inside: str) -> None:
         for node in nodes:
@@ -182,8 +184,8 @@ class _Reader:
                 self._repeat(head, end, inside)
             case _:
                 self._speak_of_all(head)
-        # A name that both branches of an IF declare is one name: its first line declares it, the second one
-        # uses it.
+        # A name that both branches of an IF declare is one symbol. Its first line declares the name, its
+        # second line uses it.
         left = known_behind(block) if head.name.name == "IF" else ()
         before, self._behind = self._behind, {one: self._behind.get(one, last) for one in left}
         self.nodes(block.body, turn, inside)
@@ -237,7 +239,7 @@ class _Reader:
         elif isinstance(own, Word):
             self._declare(_BY_WORD[word], own.name, statement.span(own.place), statement, last, inside)
 
-    # Declarations.
+    # Readers of declarations.
 
     def _declare(
         self, kind: Kind, name: str, span: Span, statement: Statement, last: int, inside: str = ""
@@ -265,7 +267,7 @@ class _Reader:
         line = statement.line + statement.rows - 1
         self._add(Symbol(kind, frame.name, True, span, statement, line, last, inside))
 
-    # Uses.
+    # Readers of uses.
 
     def _speak_of_all(self, statement: Statement, own: object = None) -> None:
         word = statement.name.name
@@ -300,7 +302,7 @@ class _Reader:
                 self._expression(expression, statement)
 
     def _use_parameter(self, word: Word, is_frame: bool, statement: Statement) -> None:
-        """Add the use of a parameter's name in front of its argument."""
+        """Add the use of a parameter's name that is written before its argument."""
         called = values_of(statement)[0]
         if not isinstance(called, Word):
             return
@@ -337,7 +339,7 @@ def _inner(statement: Statement, frame: FrameName) -> Span:
 
 
 def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
-    """Return the last line of each block by the block's first line."""
+    """Return the last line of each block, by the block's first line."""
     found: dict[int, int] = {}
     for node in nodes:
         if isinstance(node, Block):
@@ -347,7 +349,9 @@ def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
 
 
 def _last_line(block: Block) -> int:
-    """Return the last line of a block. Without an END, the statements that follow belong to the block."""
+    """Return the last line of a block. If its END is missing, the statements that follow belong to the
+    block.
+    """
     return max((_end_of(one) for one in (*block.body, *(block.otherwise or ()))), default=block.head.line)
 
 

@@ -1,4 +1,4 @@
-"""The kind of each word of a text, for editors that colour it."""
+"""Find the kind of each word of a text, for editors that colour it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _OF_SYMBOL: dict[str, Tint] = {
 
 @dataclass(frozen=True, slots=True)
 class Tinted:
-    """A stretch of a line.
+    """A range of a line.
 
     Attributes:
         line: from 1.
@@ -121,8 +121,8 @@ def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bo
 
 
 def _plain(piece: Lexeme, *, is_head: bool, is_called: bool) -> Tint | None:
-    """Return the kind of a word that is no declared name. `MIN` is a time, or a function if a bracket
-    follows.
+    """Return the kind of a word that isn't a declared name. `MIN` is a time, or a function if a bracket
+    follows it.
     """
     match piece.kind:
         case "comment" | "string" | "number" | "index":

@@ -1,4 +1,4 @@
-"""The lines of a text that an edit has left unchanged."""
+"""Find the lines of a text that an edit has left unchanged."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unchanged:
-    """The common lines of two texts.
+    """The lines that two texts have in common.
 
     Attributes:
         first: number of common lines at the beginning.
@@ -23,13 +23,13 @@ class Unchanged:
     after: int
 
     def now(self, line: int) -> int | None:
-        """Return the newer number of a line of the older text; None if the line was changed."""
+        """Return the number in the newer text of a line of the older text; None if the line was changed."""
         if line <= self.first:
             return line
         return line + self.after - self.before if line > self.before - self.last else None
 
     def then(self, line: int) -> int | None:
-        """Return the older number of a line of the newer text; None if the line was changed."""
+        """Return the number in the older text of a line of the newer text; None if the line was changed."""
         return Unchanged(self.first, self.last, self.after, self.before).now(line)
 
 

@@ -1,5 +1,5 @@
-"""The state of a text when a question about it is asked: its structure, and the results of the pipeline so
-far.
+"""The structure of a text and the results of the pipeline so far, from which questions about the text are
+answered.
 """
 
 from __future__ import annotations
@@ -51,10 +51,11 @@ class View:
         return self.checked is not None and self.checked.plan is not None
 
     def planned_at(self, line: int) -> tuple[View, int] | None:
-        """Return the view and the step in which the motions of a line are planned.
+        """Return the view and the step with the planned motions of a line.
 
-        This is the present text or, if errors or a missing plan hide the motions, the last version that could
-        be planned, provided that the line is unchanged. None otherwise.
+        The view is that of the current text. If its motions aren't planned, because of errors or because the
+        plan isn't ready, it is the view of the last version that could be planned. None if neither has them,
+        or if the line has changed since that version.
         """
         if self.is_planned:
             return self, line
@@ -107,7 +108,7 @@ class View:
 
     @cached_property
     def flowing(self) -> frozenset[int]:
-        """Return the steps whose motions begin or end without a stop."""
+        """Return the steps of motions that begin or end without a stop."""
         plan = self.checked.plan if self.checked else None
         motions = plan.motions if plan else ()
         begins = [later.step for before, later in pairwise(motions) if before.flows]

@@ -1,4 +1,6 @@
-"""The words of the language with a line of documentation each. Commands and profiles document themselves."""
+"""The words of the language with a line of documentation each. Commands and profiles have their own
+documentation.
+"""
 
 from __future__ import annotations
 
@@ -125,7 +127,7 @@ FRAMES: Mapping[str, Entry] = MappingProxyType(
 
 @cache
 def command_names() -> tuple[str, ...]:
-    """Return all names of commands, with every suffix that each command takes."""
+    """Return all names of commands, with every suffix that each command allows."""
     names: list[str] = []
     for spec in commands().values():
         laws = ("", *profile_names()) if spec.is_motion and not spec.is_timed else ("",)
@@ -189,7 +191,7 @@ def unit_text(name: str) -> str:
 
 
 def word_text(word: str) -> str:
-    """Return the meaning of a word of the language at any place, in Markdown; empty if there is none."""
+    """Return the meaning of any word of the language, in Markdown; empty if there is none."""
     for table in (OPTIONS, RATES, TIMES, OTHERS):
         if word in table:
             return entry_text(word, table[word])

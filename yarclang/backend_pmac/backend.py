@@ -1,5 +1,5 @@
-"""The Turbo PMAC backend: everything that the neutral packages ask of it. Each part is imported
-on first use.
+"""The Turbo PMAC backend: everything that the neutral packages need of a kind of controller. Each part is
+imported when it is first used.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """Barriers as controller text: places where a program waits for an input or the operator, or where its
-branches part and meet.
+branches divide and join.
 
-A rotary buffer knows no branches. There a STOP ends the execution; the program that feeds the buffer
-evaluates the barrier, decides what comes next, and sends R. In a program buffer, the controller evaluates the
-barrier itself (spline-recipe 9). An R would continue after a STOP there; the loops make sure that no one
-passes a condition that does not hold.
+A rotary buffer can't have branches. In its text, a STOP ends the execution at a barrier; the program that
+feeds the buffer evaluates the barrier, decides what comes next, and sends R. In a program buffer, the
+controller evaluates the barrier itself (spline-recipe 9). After a STOP in a program buffer, an R would
+continue with the next line. The text therefore has loops that stop again as long as the condition does not
+hold.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ _LONGEST_TEXT = 80
 
 
 def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, ...]:
-    """Return the lines of a barrier; the robot is at rest there.
+    """Return the lines of a barrier. The robot is at rest there.
 
     Args:
         barrier: the barrier.

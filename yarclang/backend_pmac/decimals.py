@@ -10,8 +10,8 @@ from yarclang.robot.kinematics.reach import reach_radii
 from yarclang.robot.model import Robot, Tolerance
 
 MOST_DECIMALS = 9
-"""Largest number of decimals. The controller's constants have 36 bits of mantissa: more decimals
-are noise.
+"""Largest number of decimals. The controller's constants have 36 bits of mantissa, so that further decimals
+have no effect.
 """
 
 _COUNT_SHARE = 0.25
@@ -38,7 +38,7 @@ def decimals_for(robot: Robot, segment: float, tolerance: Tolerance, speed: floa
     counts = np.abs(counts_per_joint(robot) * units).sum(axis=1).max()
     acceleration = (limits.acceleration / units).min() * HEADROOM["acceleration"]
     jerk = (limits.jerk / units).min() * HEADROOM["jerk"]
-    # A joint that is off by e moves the flange by at most e times the radius of its reach.
+    # A joint with an error e moves the flange by at most e times the radius of its reach.
     reach = reach_radii(robot.chain, limits, np.eye(4)) * units
     path = min(
         2.0 * _PATH_SHARE * tolerance.position / reach.sum(),

@@ -181,7 +181,7 @@ def _moves(program: PmacProgram, memory: Memory) -> Iterator[str]:
 
 
 def _point(program: PmacProgram, point: NDArray[np.float64]) -> str:
-    """Return the move line to one point (axes,)."""
+    """Return the move line to one point (axes,) [axis units]."""
     return next(move_lines(program.axes, program.decimals, [point[None]])).rstrip("\n")
 
 
@@ -234,7 +234,7 @@ def _open_rotary(program: PmacProgram) -> Iterator[str]:
 
 
 def _open_prog(program: PmacProgram) -> Iterator[str]:
-    """Yield the opening of a program buffer that continues only once every motor is at the start.
+    """Yield the opening of a program buffer. The program continues only when every motor is at the start.
 
     After each STOP, all motors are checked again.
     """

@@ -1,4 +1,4 @@
-"""The segment times that may be used, from the robot's description and the user's request."""
+"""The segment times that a plan may use, from the robot's description and the user's request."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
 
     Args:
         robot: the robot.
-        tm: longest segment time allowed [ms]; None: no limit of its own.
+        tm: longest segment time that the user allows [ms]; None if the user sets no limit.
 
     Returns:
-        None and a finding if the controller would round or clip `tm`, or can't calculate such segments in
-        time.
+        The segment times; None, with a finding, if the controller would round or clip `tm`, or can't
+        calculate such segments fast enough.
     """
     smallest, largest = robot.controller.smallest_segment, robot.controller.largest_segment
     if tm is None:

@@ -1,5 +1,5 @@
-"""The guard of the rotary buffer: how many lines must lie ahead, and where a program arms and disarms the
-guard.
+"""The guard of the rotary buffer: the number of lines that must be ahead, and the places at which a program
+arms and disarms the guard.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Watermarks:
 def watermarks(robot: Robot, segment: float) -> Watermarks:
     """Compute the marks of the rotary buffer.
 
-    A hold consumes half the hold time of the program, so this much must lie ahead. A line takes one word per
-    axis; two more per line allow for statements between the lines.
+    A hold consumes lines for half of the hold time, so at least these lines must be ahead. A line takes one
+    word per axis; two more words per line allow for statements between the lines.
 
     Args:
         robot: the robot.

@@ -79,7 +79,7 @@ def _check(file: TomlFile, table: Any, size: int) -> None:
 
 
 def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) -> None:
-    """Check the axes or the feedback variables: each must be legal and must occur once."""
+    """Check the axes or the feedback variables: each must be allowed, and none may occur twice."""
     from yarclang.robot.drive_checks import check_twice
     from yarclang.toml.file import right_length
 

@@ -22,7 +22,7 @@ from yarclang.runtime.pmac.loading import Loading, capacity_of
 from yarclang.units import MS
 
 _LEAD = 12
-"""Lines ahead beyond I16: they allow for a late host."""
+"""Number of lines ahead above I16, as an allowance for a late host."""
 
 
 def _decimals(robot: Robot, segment: float) -> int:

@@ -1,5 +1,5 @@
-"""Lowering a plan to a controller program: sequences of SPLINE1 moves, including the controller's own end
-pieces.
+"""Lowering of a plan to a controller program: sequences of SPLINE1 moves. The controller adds its own pieces
+at both ends of a sequence.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    # Shorter segments, and less travel per segment at a speed to be kept, need more decimals.
+    # Shorter segments need more decimals, and so does a low speed that must be kept.
     steps = [(_kept_speed(plan, motion), motion.curve.segment) for motion in plan.motions]
     slowest = min(steps, key=lambda one: one[0] * one[1], default=None)
     needed = [] if slowest is None else [(np.inf, shortest), slowest]
@@ -80,7 +80,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     if target == "rotary":
         body = _guarded(body, marks)
     first = segments[0] if segments else shortest
-    # The motion starts at the printed start, which is rounded.
+    # The motion begins at the start as printed, which is rounded.
     start = _printed(plan.program.start / robot.axis_units, decimals)
     unit = 32 * turbo_pmac(robot).ixx08
     return PmacProgram(
@@ -115,7 +115,8 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
 def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
     """Return the flange speed that a motion must keep [m/s]; infinite if there is none.
 
-    Speed ceilings of the motion, and of the slowest zone that it may pass through, count as well.
+    This is the least of the motion's programmed speed, as far as it is reached, the motion's ceiling, and the
+    speed of the cell's slowest zone.
     """
     step, cell = plan.program.steps[motion.step], plan.program.cell
     speed = step.timing.speed if isinstance(step, Motion) else None
@@ -151,10 +152,10 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
     """Yield the program after its opening, which leaves the robot at the start, in SPLINE1.
 
     A sequence ends with the program, at a dwell, or where the segment time changes. There the controller adds
-    the end piece, and a start piece to the next sequence, so the last two of the three equal points of a stop
-    are not written. Inside a sequence they are written. After a motion that flows into the next one, outputs
-    are set in step with the line whose segment begins in the middle of the overlap: the first line of the
-    next motion.
+    an end piece, and a start piece before the next sequence. The last two of the three equal points of a stop
+    are therefore not written at the end of a sequence, but only inside it. After a motion that flows into the
+    next one, outputs are set in step with the line whose segment begins in the middle of the overlap, which
+    is the first line of the next motion.
     """
     steps, units = plan.program.steps, plan.robot.axis_units
     motions = {motion.step: motion for motion in plan.motions}
@@ -215,8 +216,8 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
 
 
 def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
-    """Return the move lines of each motion that stops inside a sequence, by its step. All of them are rounded
-    in one call.
+    """Return the move lines of each motion that stops inside a sequence, by its step. One call rounds all
+    of them.
     """
     points = [motion.curve.points[3:] for motion in plan.motions]
     if not points:
@@ -281,9 +282,9 @@ def _printed(values: Array, decimals: int) -> Array:
 
 
 def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
-    """Return the body with the guard armed and disarmed in each stretch between two barriers.
+    """Return the body with lines that arm and disarm the guard in each stretch between two barriers.
 
-    At a barrier the buffer runs empty on purpose, so no guard may be armed there.
+    At a barrier the buffer runs empty on purpose, so the guard may not be armed there.
     """
     guarded: list[Item] = []
     stretch: list[Item] = []
@@ -298,8 +299,8 @@ def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
 def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
     """Return a stretch with the guard armed before its first move and disarmed near its end.
 
-    The guard is disarmed while the last lines, fewer than would count as low, are still ahead. A stretch that
-    fits between the marks needs no guard: it is loaded as a whole.
+    The guard is disarmed before the number of lines ahead falls below the low mark. A stretch with at most
+    `full` + 2 lines needs no guard: it is loaded as a whole.
     """
     lines = sum(len(item.values) for item in body if isinstance(item, Moves))
     before_disarming = lines - (marks.low + 2)
@@ -329,10 +330,11 @@ def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
 def _start_slack(robot: Robot, segment: float) -> Array:
     """Compute the allowed deviation of each motor from the start [counts].
 
-    Within it, no joint is off by more than adds a small share of the joint's acceleration limit in the first
-    segment.
+    Within this deviation, the first segment needs only a small additional share of each joint's acceleration
+    limit.
     """
-    # A joint that begins off by d gets up to d / h^2 more acceleration in the first segment of h.
+    # A joint that begins with a deviation d needs up to d / h^2 more acceleration in the first segment of
+    # duration h.
     joints = START_SHARE * robot.limits.acceleration * segment**2
     matrix = counts_per_joint(robot)
     slack = np.abs(matrix) @ joints

@@ -1,4 +1,4 @@
-"""Move lines as text, formatted with whole-array operations: all numbers of many commands at once."""
+"""Move lines as text. Whole-array operations format all numbers of many commands at once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _ROWS_AT_ONCE = 4096
-# Two expressions, zeros first and then the point, take half the time of one for both.
+# Two expressions, applied in sequence (zeros, then the point), take half the time of a single one for both.
 _ZEROS = re.compile(r"0+(?=[A-Z\n])")
 _POINT = re.compile(r"\.(?=[A-Z\n])")
 
@@ -19,7 +19,7 @@ def move_lines(axes: Sequence[str], decimals: int, commands: Sequence[NDArray[np
 
     Args:
         axes: the letter of each axis.
-        decimals: how many the numbers have at most; trailing zeros aren't written.
+        decimals: largest number of decimals; trailing zeros aren't written.
         commands: the values (k, axes) of each command [axis units], rounded to `decimals`.
     """
     block: list[NDArray[np.float64]] = []
@@ -48,7 +48,7 @@ def _split(text: bytes, commands: Sequence[NDArray[np.float64]]) -> Iterator[str
 _LINE_FEED, _MINUS, _POINT_BYTE, _ZERO = b"\n-.0"
 
 _MOST = 4e9
-"""Numbers beyond this, in units of the last decimal, are not formatted by the fast path."""
+"""Largest number, in units of the last decimal, that the fast path formats."""
 
 
 def _lines(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
@@ -102,7 +102,7 @@ def _last_digit(numbers: NDArray[np.uint32]) -> tuple[NDArray[np.uint32], NDArra
 
 
 def _printed(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
-    """Return the move lines by formatting each number; slower, but without a limit on their size."""
+    """Return the move lines by formatting each number. This is slower, but numbers may have any size."""
     row = "".join(f"{axis}%.{decimals}f" for axis in axes) + "\n"
     text = (row * len(values)) % tuple(values.ravel().tolist())
     return _POINT.sub("", _ZEROS.sub("", text)).encode("ascii")

@@ -1,4 +1,4 @@
-"""The purpose of each line of a text for a PMAC. Nothing is proved here."""
+"""The purpose of each line of a text for a PMAC. This module proves nothing."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ from yarclang.units import MS
 
 _NEVER = 0
 _MOST_DECIMALS = 20
-"""Largest number of decimals of a coefficient. Anything smaller moves no motor."""
+"""Largest number of decimals of a coefficient. A smaller part of a coefficient moves no motor."""
 _CLEARANCE = 0.01
 """Minimum distance from a motor's reach to its software limit [counts].
 
@@ -149,8 +149,8 @@ def _rate(value: float) -> str:
 
 
 def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
-    """Compute the rate that all motors of a coupling may reach at the same time, in the worst combination of
-    signs.
+    """Compute the largest rate that all motors of a coupling may have at the same time, with the worst
+    combination of signs.
 
     Args:
         robot: the robot.
@@ -187,7 +187,8 @@ def _count_limits(robot: Robot) -> tuple[Array, Array]:
 def _software_limit(reach: float) -> int:
     """Return the first count beyond the largest position of a motor.
 
-    0 switches a limit off, for motors without one; a limit at 0 is therefore written as 1 (TSRM 96).
+    The value 0 switches the limit off, for motors without a limit. A limit at 0 is therefore written as 1
+    (TSRM 96).
     """
     if not np.isfinite(reach):
         return _NEVER
@@ -222,7 +223,8 @@ def _feedback(robot: Robot) -> Iterator[str]:
     """
     actuation, controller = robot.actuation, turbo_pmac(robot)
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
-    # joint = sum of share * (counts - offset) / gear over the motors; shares of rounding only are left out.
+    # joint = sum of share * (counts - offset) / gear over the motors; shares that are only rounding are left
+    # out
     for variable, row in zip(controller.feedback, inverse, strict=True):
         terms = ""
         least = 1e-12 * np.abs(row).max()
@@ -242,8 +244,8 @@ def _feedback(robot: Robot) -> Iterator[str]:
 
 
 def _offset(counts: float) -> str:
-    """Print an offset with its sign: ten digits if these give it to a thousandth of a count, else
-    all digits.
+    """Print an offset with its sign: with ten digits if these are accurate to a thousandth of a count, else
+    with all digits.
     """
     text = f"{counts:+.10g}"
     near = "e" not in text and abs(float(text) - counts) < 5e-4
@@ -258,6 +260,6 @@ def _guard(robot: Robot) -> Iterator[str]:
     """
     system = turbo_pmac(robot).coordinate_system
     yield f"{HEARTBEAT}={HEARTBEAT}+1"
-    # The flag goes from 1 to 2 with the hold, so that each arming commands it only once.
+    # With the hold, the flag changes from 1 to 2, so that each arming commands only one hold.
     for flag, condition in ((ARMED, f"{ROTARY_FULL}=0"), (WATCHED, f"{watchdog(system)}<0")):
         yield from (f"IF({flag}=1)", f"IF({condition})", f"{flag}=2", f'CMD"&{system}H"', "ENDIF", "ENDIF")

@@ -1,4 +1,4 @@
-"""Reading the settings text of a Turbo PMAC back: the proved facts, differences from the robot, and questions
+"""Reading of the settings text of a Turbo PMAC: the proved facts, differences from the robot, and questions
 for a controller.
 """
 
@@ -16,7 +16,7 @@ from yarclang.runtime.inspection import Item, Kind
 from yarclang.source import SourceFile, Span
 
 _SET_BY_PROGRAMS = ("I16", "I17")
-"""I-variables that each program sets for itself: a controller may have any value."""
+"""I-variables that each program sets for itself, so that a controller may have any value."""
 
 
 def _written(robot: Robot) -> SourceFile:
@@ -24,7 +24,7 @@ def _written(robot: Robot) -> SourceFile:
 
 
 def _content(robot: Robot) -> SettingsText:
-    """Return the robot's own settings, which were proved before."""
+    """Prove the robot's own settings text, and return its content."""
     judged = certify_settings(_written(robot), robot)
     assert judged.value is not None
     return judged.value.content
@@ -84,8 +84,8 @@ def _printed(content: SettingsText) -> Iterator[tuple[str, tuple[int, str]]]:
 
 
 def _items(robot: Robot) -> tuple[Item, ...]:
-    """List the settings that a controller must have for a robot: each lasting line of `yarc settings`, as a
-    question.
+    """Return the settings that a controller must have for a robot. Each lasting line of `yarc settings` is
+    one question.
     """
     remedy = f"download `yarc settings {robot.name}` and SAVE"
     content = _content(robot)

@@ -1,4 +1,4 @@
-"""A simulated Turbo PMAC in this process, with a robot on it."""
+"""A simulated Turbo PMAC with a robot, in this process."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from yarclang.simulator.network.server import SimulatorServer
 
 @contextmanager
 def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | None) -> Iterator[Simulated]:
-    """Yield the simulator; it runs until the context ends.
+    """Yield the simulator, which runs until the context ends.
 
     Args:
         robot: the robot.
-        stands: (n,) where the robot stands at first [rad or m].
+        stands: (n,) the robot's first joint positions [rad or m].
         rate: seconds of the simulator per second.
         cell: machines around the robot; None: there are none.
     """
@@ -36,7 +36,9 @@ def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | No
 
 
 class _Server(SimulatorServer):
-    """A simulated Turbo PMAC that reports the words of programs that it treats differently."""
+    """A simulated Turbo PMAC that reports words of programs which it executes differently from a real
+    controller.
+    """
 
     def differences(self) -> tuple[str, ...]:
         """Return the words that a program uses and that behave differently on a real controller; empty if

@@ -1,4 +1,4 @@
-"""From a motion plan to the text of a program for a Turbo PMAC."""
+"""Conversion of a motion plan to the text of a program for a Turbo PMAC."""
 
 from __future__ import annotations
 
@@ -32,7 +32,9 @@ from yarclang.units import MS
 
 
 def streamed_only(program: Program) -> Diagnostic | None:
-    """Return the finding for a program that a program buffer alone cannot execute; None if it can."""
+    """Return the finding for a program that a program buffer can't execute without the runtime; None if it
+    can.
+    """
     for one in program.watches:
         message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
@@ -133,7 +135,7 @@ def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
             flows = flowing.get(number, False)
         elif flows and not step.output.variable.startswith("M"):
             origin, output = step.origin, step.output
-            if (origin.source, origin.span) in told:  # in another round of a loop
+            if (origin.source, origin.span) in told:  # reported before, for another pass of a loop
                 continue
             told.add((origin.source, origin.span))
             message = (

@@ -1,4 +1,5 @@
-"""Calibrations with the arm itself: the tip of a tool, a frame, the zeros of the joints.
+"""Calibrations that use the arm itself as the measuring device: the tip of a tool, a frame, the zeros of the
+joints.
 
-These are computations only; nothing here moves.
+This package only computes; it moves nothing.
 """

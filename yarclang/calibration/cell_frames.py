@@ -1,4 +1,4 @@
-"""A frame's measured pose as a change of a cell.toml, read back by the cell's reader."""
+"""Writing of a frame's measured pose to a cell.toml. The new text is checked with the cell's reader."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ from yarclang.toml.changes import ChangeError
 from yarclang.units import DEG, MM
 
 _NEAR = 5e-6
-"""Largest difference from rounding when the text is read back [m, and of rotation matrices]."""
+"""Largest rounding error that is accepted when the text is read back [m, and entries of rotation
+matrices].
+"""
 
 
 class CellFrameError(ValueError):
-    """The text can't hold the frame.
+    """Raised if the text can't hold the frame.
 
     Attributes:
-        help: what can be done.
-        what: part that is wrong: `form`, `frame`, `name`, `parent`, or the code of a finding.
+        help: the remedy.
+        what: the part that is wrong: `form`, `frame`, `name`, `parent`, or the code of a finding.
     """
 
     def __init__(self, message: str, help_: str, what: str) -> None:
@@ -43,7 +45,7 @@ class CellWithFrame:
     Attributes:
         text: the whole file.
         what: description of the change.
-        findings: of the cell's reader.
+        findings: findings of the cell's reader.
     """
 
     text: str
@@ -52,7 +54,7 @@ class CellWithFrame:
 
 
 def read_frame_cell(source: SourceFile, place: Path, names: Names) -> Cell:
-    """Return the cell of a text.
+    """Return the cell that a text describes.
 
     Raises:
         CellFrameError: the text can't be read.
@@ -67,14 +69,14 @@ def read_frame_cell(source: SourceFile, place: Path, names: Names) -> Cell:
 def with_measured_frame(
     source: SourceFile, place: Path, names: Names, name: str, base_from_frame: Array, parent: str
 ) -> CellWithFrame:
-    """Return a cell.toml with the pose of a frame. Comments, order and all other bytes stay.
+    """Return a cell.toml with the pose of a frame. Comments, order and all other bytes stay unchanged.
 
     Args:
         source: the present text.
         place: path of the file.
-        names: names that the cell's names are checked against.
+        names: the language's words and the robot, for the check of the cell's names.
         name: name of the frame, in upper case.
-        base_from_frame: (4, 4) its pose in {B} [m].
+        base_from_frame: (4, 4) pose of the frame in {B} [m].
         parent: parent of a new frame, one of the cell's stationary frames, or B; an existing frame keeps its
             own.
 
@@ -120,7 +122,7 @@ def with_measured_frame(
 
 
 def _key(text: str, name: str) -> str:
-    """Return a frame's name as the file writes it. New names are in upper case."""
+    """Return a frame's name with the spelling of the file. New names are in upper case."""
     tables = tomllib.loads(text).get("frames", {})
     return next((one for one in tables if one.upper() == name), name) if isinstance(tables, dict) else name
 
@@ -135,7 +137,7 @@ def _standing(cell: Cell, name: str) -> Array:
 
 
 def moves_text(name: str, old: Array, new: Array) -> str:
-    """Return by how much a frame moves from one pose (4, 4) [m] to another."""
+    """Return the distance and angle between two poses (4, 4) [m] of a frame, in words."""
     shift = float(np.linalg.norm(new[:3, 3] - old[:3, 3])) / MM
     cosine = (float(np.trace(old[:3, :3].T @ new[:3, :3])) - 1.0) / 2.0
     turn = float(np.arccos(np.clip(cosine, -1.0, 1.0))) / DEG

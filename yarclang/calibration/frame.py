@@ -13,7 +13,7 @@ from yarclang.transforms import constant
 from yarclang.units import DEG, MM
 
 LEAST_LENGTH = 10.0 * MM
-"""Least distance of points from the origin: nearer ones give no accurate direction."""
+"""Least distance of points from the origin. Nearer points give no accurate direction."""
 LEAST_ANGLE = 5.0 * DEG
 """Least angle between the x axis and the direction to a point of the plane."""
 LARGEST_HEIGHT = 0.5 * MM
@@ -25,9 +25,9 @@ class FrameCalibration:
     """A calibrated frame.
 
     Attributes:
-        base_from_frame: (4, 4) [m].
-        heights: (k,) signed distances of all points from its x-y plane, in the order given [m]; zero for
-            three points, which are always in a plane.
+        base_from_frame: (4, 4) pose of the frame [m].
+        heights: (k,) signed distances of all points from its x-y plane, in the order of the points [m]; zero
+            for three points, which are always in a plane.
     """
 
     base_from_frame: Array
@@ -38,7 +38,7 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
     """Compute a frame from its origin, a point on its x axis, and points of its plane.
 
     Args:
-        origin: (3,) in {B} [m].
+        origin: (3,) origin of the frame, in {B} [m].
         on_x: (3,) a point on the positive x axis, in {B} [m].
         on_plane: one or more points (3,) of the x-y plane with y > 0, in {B} [m]. With more than one, the
             plane through the origin fits all points best (least squares of their distances), and the x axis
@@ -46,7 +46,7 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
 
     Returns:
         The frame, with a warning if the points aren't in a plane; None, with a finding, if points are too
-        near to each other or in a line.
+        near to each other or on a line.
     """
     names = ["the point on x", *(f"point {number} of the plane" for number in range(1, len(on_plane) + 1))]
     if not on_plane:
@@ -75,6 +75,8 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
         return _refused("Y1903", message, "touch a point well beside the x axis")
     first = int(np.argmax(angles)) + 1
     upwards = np.cross(along[0], along[first])
+    # Total least squares: the normal of the best plane through the origin is the direction of the smallest
+    # singular value. Its sign makes the frame right-handed.
     *_, directions = np.linalg.svd(along)
     z = directions[2] * (1.0 if directions[2] @ upwards > 0 else -1.0)
     x = along[0] - (along[0] @ z) * z

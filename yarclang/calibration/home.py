@@ -15,7 +15,9 @@ from yarclang.transforms import constant
 from yarclang.units import DEG, MM
 
 LARGEST_SPREAD = {"deg": 0.05 * DEG, "mm": 0.05 * MM}
-"""Difference of visits of a mark from their mean above which they are reported, by the unit of the joint."""
+"""Distance of a visit of a mark from the mean above which the visits are reported, by the unit of the
+joint.
+"""
 
 
 @frozen(eq=False)
@@ -39,18 +41,18 @@ def find_offsets(
 ) -> Result[OffsetCalibration]:
     """Compute the offsets with which the joints read the positions of their marks.
 
-    counts = K J q + a0 (the paper's eq. 5). Joints without a mark keep the positions that they read now, even
-    if a motor follows several joints.
+    counts = K J q + a0 (eq. 5 of the paper). Joints without a mark keep their present positions, even if one
+    of their motors depends on several joints.
 
     Args:
         robot: the robot with its current offsets.
         counts: (k, n) motor positions [counts], one row for each visit of the marks. Several visits, each
             with a new approach, show the repeatability of the marks.
-        marks: joint position at the mark [rad or m], by the joint's name.
+        marks: joint positions at the marks [rad or m], by the joints' names.
 
     Returns:
-        The offsets, with a warning if visits differ; None, with a finding, without a visit or a mark, or for
-        a joint that the robot doesn't have.
+        The offsets, with a warning if visits differ; None, with a finding, if there is no visit or no mark,
+        or if the robot doesn't have one of the joints.
     """
     rows = np.asarray(counts, dtype=np.float64).reshape(-1, robot.size)
     if not len(rows) or not marks:
@@ -67,6 +69,7 @@ def find_offsets(
     mean = read.mean(axis=0)
     marked = np.array([name in marks for name in robot.joint_names])
     target = np.array([marks.get(name, mean[at]) for at, name in enumerate(robot.joint_names)])
+    # counts = K J q + a0, solved for a0, with the target positions as q.
     offsets = rows.mean(axis=0) - counts_per_joint(robot) @ target
     spread = np.where(marked, np.abs(read - mean).max(axis=0), 0.0)
     found = OffsetCalibration(constant(offsets), constant(target - mean), constant(spread))

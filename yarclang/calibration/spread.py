@@ -1,8 +1,9 @@
-"""Propagation of the errors of touches to errors of a tip or a frame, and the touch that would reduce them.
+"""Propagation of the errors of touches to errors of a tip or a frame, and search for a touch that reduces
+them.
 
-The errors of touches are independent, equally distributed in all directions, and larger than `error` in 5 of
-100 touches. Results have the same confidence: the true tip is outside of the reported ellipsoid in at most 5
-of 100 calibrations.
+The errors of touches are assumed to be independent, equally distributed in all directions, and larger than
+`error` in 5 of 100 touches. Results have the same confidence: the true tip is outside of the reported
+ellipsoid in at most 5 of 100 calibrations.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from yarclang.transforms import constant, turn_about
 from yarclang.units import DEG, MM
 
 ERROR = 0.5 * MM
-"""Error of one touch that is assumed without an estimate from the touches: by eye, with a pointed tip."""
+"""Error of one touch that is assumed if the touches give no estimate: for touching by eye, with a pointed
+tip.
+"""
 LEAST_ERROR = 0.1 * MM
-"""Least error of one touch that is assumed if touches agree better than an eye can see."""
+"""Least error of one touch. It is used if the touches agree better than an eye can see."""
 LARGEST_TIP = 1.5 * MM
 """Largest error of a tip along any direction, above which other touches are needed."""
 LARGEST_TURN = 0.3 * DEG
@@ -29,15 +32,18 @@ FAR = 500.0 * MM
 
 _ANGLES = (20.0, 30.0, 45.0)
 _TELLING = 6
-"""Least degrees of freedom to estimate the error of a touch from residuals: those of four touches."""
+"""Least degrees of freedom for an estimate of the error of a touch from residuals: those of four touches."""
 _SHARE = 0.95
 _ASSUMED = 2.7955
-"""Radius of the sphere that holds `_SHARE` of a normal distribution in space, in its standard deviations.
+"""Radius of the sphere that contains the share `_SHARE` of a normal distribution in space, in standard
+deviations.
 
 It is the square root of the chi-square quantile for 3 degrees of freedom.
 """
 _NOTHING = 1e-9
-"""Information about a direction, relative to a single touch, below which nothing is known about it."""
+"""Information about a direction, relative to that of a single touch, below which nothing counts as known
+about it.
+"""
 
 
 @frozen(eq=False)
@@ -74,7 +80,8 @@ class FrameSpread:
 
     Attributes:
         origin: error of its origin [m].
-        turns: (3,) errors of its orientation about x, y and z [rad]; infinite if nothing is known about one.
+        turns: (3,) errors of its orientation about x, y and z [rad]; infinite for an axis about which nothing
+            is known.
         base: distance of the point on x from the origin [m].
         width: largest distance of a point of the plane from the x axis [m].
     """
@@ -87,7 +94,8 @@ class FrameSpread:
     def at(self, distance: float) -> float:
         """Return the largest error [m] of a point at a distance [m] from the origin, in the worst direction.
 
-        The errors of the origin and of the turns are correlated. Their sum is an upper bound for any points.
+        The errors of the origin and of the turns are correlated. Their sum is an upper bound for any
+        correlation.
         """
         return self.origin + float(np.sqrt(np.sum(self.turns**2))) * distance
 
@@ -95,7 +103,7 @@ class FrameSpread:
 def touch_error(squares: float, freedom: int) -> float:
     """Estimate the error of one touch [m] from residuals.
 
-    Few residuals give a poor estimate, which the quantile of Hotelling's T-squared distribution takes into
+    Few residuals give a poor estimate. The quantile of Hotelling's T-squared distribution takes this into
     account.
 
     Args:
@@ -113,8 +121,9 @@ def touch_error(squares: float, freedom: int) -> float:
 def tip_information(rotations: Array, error: float = ERROR) -> Array:
     """Return the information about the tip from touches: the matrix of the ellipsoid around it.
 
-    Each touch gives R p + t = c + e. Eliminating the point c leaves sum (R - mean)^T (R - mean) p = ... for
-    the tip p.
+    Each touch gives R p + t = c + e, with the tip p, the fixed point c and the error e. Eliminating c by
+    subtracting the mean over all touches gives the normal equations sum (R - mean)^T (R - mean) p = ...,
+    whose matrix is the information.
 
     Args:
         rotations: (k, 3, 3) rotations of the flange.
@@ -144,9 +153,10 @@ def tip_spread(rotations: Array, error: float = ERROR) -> TipSpread:
 
 
 def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
-    """Return the smallest tilt from the last touch to a further one that makes the tip known well enough.
+    """Return the smallest tilt from the last touch to a further touch with which the tip is known accurately
+    enough.
 
-    If there is none, return the tilt that reduces the uncertainty most.
+    If there is no such tilt, return the tilt that reduces the uncertainty most.
 
     Args:
         rotations: (k, 3, 3) rotations of the flange, at least one.
@@ -159,7 +169,8 @@ def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
     finite = [one for one in tilts if np.isfinite(one.longest)]
     if finite:
         return min(finite, key=lambda one: one.longest)
-    # No single tilt determines the tip: tilt about the axis most nearly perpendicular to the worst direction.
+    # No single tilt determines the tip. Tilt about the axis that is most nearly perpendicular to the worst
+    # direction.
     worst = tip_spread(rotations, error).directions[0]
     return Tilt(int(np.argmin(np.abs(worst))), 30.0 * DEG, np.inf)
 
@@ -172,7 +183,8 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
             for sign in (1.0, -1.0):
                 angle = sign * degrees * DEG
                 apart = rotations[-1] @ turn_about(axis, angle) - mean
-                # one more term of the sum, which also moves the mean
+                # The further touch adds one term to the sum and also moves the mean, hence the factor k / (k
+                # + 1).
                 with_it = information + apart.T @ apart * (known / (known + 1)) / error**2
                 least = float(np.linalg.eigvalsh(with_it)[0])
                 told = least > _NOTHING / error**2
@@ -182,9 +194,9 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
 def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
     """Return the uncertainty of a frame after touches.
 
-    To first order, errors of the points turn the frame by w: dh = w_x y - w_y x for the heights of all points
-    (least squares), and w_z = dy / x for the point on the x axis. All are relative to the origin, whose own
-    error shifts them.
+    To first order, errors of the points turn the frame by w. The errors dh of the heights of all points give
+    w_x and w_y by least squares, dh = w_x y - w_y x. The error dy of the point on the x axis gives w_z = dy /
+    x. All errors are relative to the origin, whose own error adds to each of them.
 
     Args:
         points: (k, 3) the origin, a point on x, and points of the plane; at least one point [m].
@@ -206,14 +218,16 @@ def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
         return FrameSpread(error, constant(turns), base, width)
     heights = np.column_stack((flat[:, 1], -flat[:, 0]))
     solve = np.linalg.pinv(heights)
-    # heights of the points, and of the origin relative to all of them
+    # Columns: the errors of the points' heights, and the error of the origin, to which all heights are
+    # relative.
     errors = np.column_stack((solve, -solve.sum(axis=1)))
     turns[:2] = error * np.sqrt(np.sum(errors**2, axis=1))
     return FrameSpread(error, constant(turns), base, width)
 
 
 def _in_plane(along: Array) -> Array:
-    """Return points (k, 2) in the axes of the frame that they define; the first one is on x."""
+    """Return points (k, 2) in the axes of the frame that they define. The first point is on the x axis."""
+    # directions[2] is the normal of the best plane through the origin (total least squares).
     *_, directions = np.linalg.svd(along)
     x = along[0] - (along[0] @ directions[2]) * directions[2]
     x /= np.linalg.norm(x)

@@ -15,7 +15,7 @@ from yarclang.units import DEG, MM
 
 FEWEST_TOUCHES = 4
 LEAST_TILT = 15.0 * DEG
-"""Least spread of the orientations, for the direction of the tool that turns least."""
+"""Least spread of the orientations [rad], measured for the tool direction that turns least."""
 LARGEST_MISS = 1.0 * MM
 """Distance of a touch from the point above which it is reported."""
 
@@ -41,15 +41,15 @@ class TipCalibration:
 
     @property
     def worst(self) -> int:
-        """Index of the touch with the largest miss."""
+        """Index of the touch with the largest distance from the point."""
         return int(np.argmax(self.misses))
 
 
 def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration]:
-    """Compute the tip that touched one point in several poses.
+    """Compute the tip that has touched one point in several poses.
 
-    Each pose gives R p + t = c, with the tip p in {FLANGE} and the point c in {B}. This linear system for
-    both is solved by least squares.
+    Each pose gives R p + t = c, with the tip p in {FLANGE} and the point c in {B}. These linear equations are
+    solved for p and c by least squares.
 
     Args:
         base_from_flange: k poses (4, 4) of the flange [m], at least four.
@@ -76,6 +76,7 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
             message,
             f"tilt the tool by {LEAST_TILT / DEG:g} deg or more to several sides between the touches",
         )
+    # Three equations R p - c = -t for each touch, with the unknowns p and c.
     matrix = np.concatenate([np.concatenate(rotation), -np.tile(np.eye(3), (count, 1))], axis=1)
     solution, *_ = np.linalg.lstsq(matrix, -place.reshape(-1), rcond=None)
     errors = (matrix @ solution + place.reshape(-1)).reshape(-1, 3)
@@ -95,15 +96,17 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
 
 
 def _least_tilt(rotation: Array) -> tuple[float, Array]:
-    """Return the spread of orientations for the direction of the tool that turns least.
+    """Return the spread of the orientations, measured for the tool direction that turns least.
 
     Args:
-        rotation: (k, 3, 3) the orientations.
+        rotation: (k, 3, 3) orientations.
 
     Returns:
-        Largest angle between two images of the direction [rad], and the direction (3,) in {FLANGE}.
+        The largest angle between two images of this direction [rad], and the direction (3,) in {FLANGE}.
     """
     apart = rotation - rotation.mean(axis=0)
+    # The direction of the smallest singular value is the one whose images differ least, in the sum of
+    # squares.
     *_, directions = np.linalg.svd(np.concatenate(apart))
     axis: Array = directions[-1] * np.sign(directions[-1][np.argmax(np.abs(directions[-1]))])
     images = rotation @ axis

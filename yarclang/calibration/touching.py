@@ -19,7 +19,7 @@ from yarclang.units import MM
 
 
 class Touching(ABC):
-    """A calibration.
+    """A calibration in progress.
 
     Args:
         robot: the robot that touches.
@@ -27,13 +27,13 @@ class Touching(ABC):
 
     Attributes:
         fewest: least number of touches.
-        joints: joint values (n,) at each touch [rad or m].
+        joints: joint positions (n,) at each touch [rad or m].
         findings: findings about the touches so far.
     """
 
     fewest = 1
     named: tuple[str, ...] = ()
-    """Names of the first touches, each of which has a meaning of its own."""
+    """Names of the first touches. Each of these touches has a meaning of its own."""
 
     def __init__(self, robot: Robot, name: str) -> None:
         self.robot = robot
@@ -45,8 +45,8 @@ class Touching(ABC):
         """Add or replace a touch.
 
         Args:
-            joints: (n,) joint values of the robot [rad or m].
-            at: index of the touch to replace; None to add one.
+            joints: (n,) joint positions of the robot [rad or m].
+            at: index of the touch to replace; None to add a touch.
         """
         if at is None:
             self.joints.append(joints)
@@ -55,9 +55,10 @@ class Touching(ABC):
         self.solve()
 
     def can_go(self, at: int) -> bool:
-        """Return True if a touch, by its index, can be removed.
+        """Return True if the touch with an index can be removed.
 
-        Named touches can be removed only as the last one, since the next one would take their place.
+        A named touch can be removed only if it is the last one, since otherwise the next touch would get its
+        name.
         """
         return at >= len(self.named) or at == len(self.joints) - 1
 
@@ -76,7 +77,7 @@ class Touching(ABC):
         return max(0, self.fewest - len(self.joints))
 
     def solve(self) -> None:
-        """Compute the result of the touches, and `findings`."""
+        """Compute the result of the touches, and update `findings`."""
         self.findings = ()
         self.forget()
         if not self.missing:
@@ -88,7 +89,7 @@ class Touching(ABC):
 
     @abstractmethod
     def find(self) -> None:
-        """Compute the result from enough touches."""
+        """Compute the result. There must be enough touches."""
 
     @abstractmethod
     def next_step(self) -> str:
@@ -217,7 +218,7 @@ class FrameTouching(Touching):
         """Return the distance of each point from the plane (k,) [mm]; None for three points."""
         if self.value is None or len(self.joints) <= self.fewest:
             return None
-        # The height of the origin is zero, since the plane goes through it.
+        # The height of the origin is zero, because the plane goes through the origin.
         heights: Array = np.abs(self.value.heights) / MM
         return heights
 
@@ -251,7 +252,7 @@ class HomeTouching(Touching):
         return f"bring {self.name} to {marks}{', approached anew' if self.joints else ''}"
 
     def result_text(self) -> str:
-        """Return the errors of the joints' positions so far, and the repeatability of the marks, in words."""
+        """Return the present errors of the joints' positions and the repeatability of the marks, in words."""
         if self.value is None:
             return ""
         shift, spread = (values / self.robot.axis_units for values in (self.value.shift, self.value.spread))
@@ -270,7 +271,7 @@ class HomeTouching(Touching):
     def residuals(self) -> Array | None:
         """Return the distance of each visit from the mean, for the joint that differs most (k,) [deg or mm].
 
-        None for a single visit.
+        The result is None for a single visit.
         """
         if self.value is None or len(self.joints) < 2:
             return None

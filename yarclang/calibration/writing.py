@@ -17,11 +17,11 @@ from yarclang.units import DEG, MM, UNITS, Unit
 
 
 def frame_line(name: str, pose: Array, parent: str) -> str:
-    """Return `FRAME {NAME} x y z roll pitch yaw (mm,deg) {PARENT}`, to 1 um and 0.0001 deg.
+    """Return the line `FRAME {NAME} x y z roll pitch yaw (mm,deg) {PARENT}`, rounded to 1 um and 0.0001 deg.
 
     Args:
         name: name of the frame.
-        pose: (4, 4) its pose in the parent [m].
+        pose: (4, 4) pose of the frame in the parent [m].
         parent: name of the parent.
     """
     values = [*_printed(pose[:3, 3] / MM, 3), *_printed(roll_pitch_yaw(pose[:3, :3]) / DEG, 4)]
@@ -29,19 +29,19 @@ def frame_line(name: str, pose: Array, parent: str) -> str:
 
 
 def with_offsets(robot_toml: SourceFile, offsets: Array) -> str:
-    """Return the text of a robot.toml with other offsets a0 (n,) [counts], rounded to 0.01 count."""
+    """Return the text of a robot.toml with new offsets a0 (n,) [counts], rounded to 0.01 count."""
     return with_value(robot_toml, ("actuation", "a0"), _rounded(offsets, 2))
 
 
 def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
-    """Return the text of a robot.toml with the origin of a frame on the flange, to 1 um.
+    """Return the text of a robot.toml with the origin of a frame on the flange, rounded to 1 um.
 
-    A frame that the file has already keeps its orientation. A new one has that of the flange.
+    A frame that is already in the file keeps its orientation. A new frame has the orientation of the flange.
 
     Args:
-        robot_toml: the text.
+        robot_toml: text of the file.
         name: name of the frame.
-        flange_from_tip: (3,) its origin in {FLANGE} [m].
+        flange_from_tip: (3,) origin of the frame in {FLANGE} [m].
     """
     xyz = _rounded(flange_from_tip / MM, 3)
     if ("frames", name) in find_places(robot_toml).keys:
@@ -60,16 +60,17 @@ def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
 
 
 def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, parent: str) -> str:
-    """Return the text of a cell.toml with the pose of a frame, to 1 um and 0.0001 deg, in the table's units.
+    """Return the text of a cell.toml with the pose of a frame, rounded to 1 um and 0.0001 deg, in the units
+    of the frame's table.
 
     Args:
         cell_toml: a text that tomllib accepts.
-        name: name of the frame. If the file has it already, spelled like this, it keeps its parent.
-        parent_from_frame: (4, 4) [m].
+        name: name of the frame. A frame that is already in the file with this spelling keeps its parent.
+        parent_from_frame: (4, 4) pose of the frame in its parent [m].
         parent: parent of a new frame.
 
     Raises:
-        ChangeError: if the form of the file doesn't allow the change.
+        ChangeError: the file is written in a form that doesn't allow the change.
     """
     path: Path = ("frames", name)
     data = tomllib.loads(cell_toml.text)
@@ -96,7 +97,7 @@ def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, paren
 
 
 _LENGTH, _ANGLE = 1e-6, 2e-6
-"""Approximate resolution of written lengths [m] and angles [rad]."""
+"""Approximate resolution of written lengths [m] and of written angles [rad]."""
 
 
 def _units(text: object) -> Iterator[Unit]:
@@ -107,10 +108,10 @@ def _units(text: object) -> Iterator[Unit]:
 
 
 def _digits(factor: float, step: float) -> int:
-    """Return the number of decimals of a value for a resolution.
+    """Return the number of decimals with which a value has a given resolution.
 
     Args:
-        factor: size of its unit [m or rad].
+        factor: size of the value's unit [m or rad].
         step: the resolution [m or rad].
     """
     return max(0, math.ceil(math.log10(factor / step) - 1e-9))
@@ -122,5 +123,5 @@ def _rounded(values: Array, decimals: int) -> list[float]:
 
 
 def _printed(values: Array, decimals: int) -> list[str]:
-    """Return numbers as texts, without trailing zeros, and without a minus before a zero."""
+    """Return numbers as texts, without trailing zeros, and without a minus sign before zero."""
     return [f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in np.round(values, decimals) + 0.0]

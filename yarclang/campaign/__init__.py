@@ -1,3 +1,5 @@
-"""Random programs over robots, judged by an independent reading of what they compile to: `drawing.py`, `chains.py` and `timetables.py` draw,
-`judging.py` judges, `state.py` keeps what is done, and `report.py` says what was found.
+"""Random programs for robots, and an independent check of the texts to which they compile.
+
+`drawing.py`, `chains.py` and `timetables.py` draw the programs, `judging.py` checks them, `state.py` stores
+the progress, and `report.py` reports the results.
 """

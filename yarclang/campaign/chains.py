@@ -1,4 +1,4 @@
-"""Chains of short pieces drawn by chance: the longest programs."""
+"""Random chains of short pieces. They are the longest random programs."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from yarclang.independent.timetable import numbers
 
 
 def drawn_chain(arm: Arm, random: np.random.Generator) -> Drawn:
-    """Draw a program of chains of short pieces: lines, arcs, splines of poses, increments, turns of the tool; with stops, outputs and waits between."""
+    """Draw a program of chains of short pieces: lines, arcs, splines of poses, increments and turns of the
+    tool, with stops, outputs and waits between them.
+    """
     middle = middle_of(arm)
     (point,), turns = arm.poses(middle[None])
     lines, said = begun(arm, middle)
     step, turn, begin = len(said), turns[0], point
-    # parts of up to 40 motions are tried in several ways, which takes seconds
+    # The compiler tries several ways to plan parts of up to 40 motions, which takes seconds.
     is_long = random.random() < 0.7
     count = int(random.integers(43, 52)) if is_long else 3
     stops = {count - 3} if is_long and random.random() < 0.4 else set()
@@ -38,7 +40,7 @@ def drawn_chain(arm: Arm, random: np.random.Generator) -> Drawn:
             else float(random.uniform(0.7, 3.0)) * (1.0 if kind in ("line", "delta") else 2.0)
         )
         tilt = turning * np.sign((number // 12) % 2 - 0.5) * size + (2.0 if number == still else 0.0)
-        # a single short piece, or one of a few, may be too short for its speed
+        # A single short piece, or a few of them, may be too short to reach a given speed.
         common: dict[str, Any] = {
             "time": str(times[number * 2 // count]) if is_long and number < count - 2 else "[MIN]",
             "tol": 0.05,

@@ -1,4 +1,4 @@
-"""Programs drawn by chance: all motions, profiles, times and blends."""
+"""Random programs with all motions, profiles, times and blends."""
 
 from __future__ import annotations
 
@@ -17,14 +17,18 @@ from yarclang.independent.timetable import numbers
 PROFILES = ("", "_LSPB", "_POLY5", "_SCURVE", "_TOPP")
 TIMES = ("[MIN]", "[MIN]", "[4.7]", "[3]", "[6]", "[5]", "[50%]")
 SPEEDS = ("[V 20]", "[V 50]", "[V 80]")
-"""None so slow that a motion has thousands of segments, which take long and ask no more."""
+"""Speeds of Cartesian motions. Slower speeds would give motions with thousands of segments, which take long
+and test nothing new.
+"""
 
 BENT = {
     "INDUSTRIAL6": np.array([0, -5, -20, 10, 40, 0]),
     "TIAGO": np.array([100, 20, 0, 0, 0, 0, 0, 0]),
 }
-"""Positions near which programs are drawn for arms that lack room around HOME [deg, mm]: the wrist of one is straight there, and the
-shoulder of the other is beside its column as long as the column is low."""
+"""Offsets from HOME to the position around which programs are drawn [deg, mm], for arms that lack room around
+HOME: at HOME, the wrist of INDUSTRIAL6 is straight, and the shoulder of TIAGO is beside its column as long as
+the column is low.
+"""
 
 KINDS = (
     "joints",
@@ -41,31 +45,35 @@ KINDS = (
 
 @dataclass
 class Drawn:
-    """A program's text, and what each of its motions says, by step."""
+    """A program's text, and the requirements on each of its motions, by step."""
 
     text: str
     said: dict[int, Said]
 
 
 def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
-    """Draw a program of a few motions about the arm's middle."""
+    """Draw a program of a few motions around the arm's middle position."""
     middle = middle_of(arm)
     room = np.minimum(arm.upper - middle, middle - arm.lower)
     (point,), turns = arm.poses(middle[None])
     reach = np.linalg.norm(point) / 10.0
     lines, said = begun(arm, middle)
     step = len(said)
-    # way-points as far apart as a joint that turns once and more allows lead nearly all splines of such an arm into itself
+    # Limit the distance of way-points. If a joint can turn by more than a revolution, way-points anywhere in
+    # its range would make nearly every spline collide with the arm itself.
     spread = np.where(room > 180.0, 100.0, room)
     can_follow = len(middle) >= 6
-    # an arm of many joints soon runs into one of their limits: most of what is drawn would be refused
+    # Keep the goals of arms with many joints nearer. Otherwise most programs would be refused, because one of
+    # the joints reaches a limit.
     near = 0.5 if len(middle) > 7 else 1.0
     reach *= near
 
     poses = 0
 
     def written(shift: Array, rpy: Array) -> str:
-        """Return the values of a pose: of every third motion under a name that stands for it, of others out of a table."""
+        """Return the values of a pose. Two of three poses are written indirectly: by the name of a POSE, or
+        as elements of a TABLE.
+        """
         nonlocal poses
         text = numbers([*shift, *rpy])
         if step % 3 == 2:
@@ -149,12 +157,13 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
         step += 1
         if random.random() < 0.15:
             state, index = random.choice(["ON", "OFF"]), f"P{(step + 1) * 10:04d}"
-            # which makes three steps, at rest
+            # A PULSE has three steps, at rest.
             is_pulse = step % 4 == 0
             lines.append(f"{index} PULSE LAMP [0.2]" if is_pulse else f"{index} SET LAMP {state}")
             step += 3 if is_pulse else 1
     if random.random() < 0.25:
-        # from the middle, wherever the motions before lead to; into a WAIT nothing flows
+        # The timetable begins at the middle position, wherever the motions before end. Nothing flows into a
+        # WAIT.
         lines.append(f"P{(step + 1) * 10:04d} WAIT [0.1]")
         step += 1
         lines.append(f"P{(step + 1) * 10:04d} MOVEJ {numbers(middle)} [MIN]")
@@ -170,7 +179,7 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
 
 
 def begun(arm: Arm, middle: Array) -> tuple[list[str], dict[int, Said]]:
-    """Return the first lines of a program, and what is said there by step."""
+    """Return the first lines of a program, and the requirements on the motions in them by step."""
     lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
     if (middle == arm.data["positions"]["HOME"]).all():
         return lines, {}
@@ -178,10 +187,10 @@ def begun(arm: Arm, middle: Array) -> tuple[list[str], dict[int, Said]]:
 
 
 def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield for each motion of a program its step and what it is counted as: its kind, law and time, and what is said
-    besides these.
+    """Yield each motion of a program as its step and the names under which it is counted: kind, law and time,
+    and its options.
 
-    The last motion has nothing to flow into, so its BLEND isn't counted.
+    The BLEND of the last motion isn't counted, because no motion follows.
     """
     steps = sorted(program.said)
     for step in steps:
@@ -196,7 +205,7 @@ def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
             time = "seconds"
         else:
             time = "share" if one.share < 1.0 else "shortest time"
-        # a WAIT stands after the last one drawn if a timetable follows
+        # If the program ends with a timetable, the last drawn motion before it is followed by a WAIT.
         flows = step != (steps[-3] if program.said[steps[-1]].kind == "timed" else steps[-1])
         beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and flows}
         if one.kind == "timed":

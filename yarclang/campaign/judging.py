@@ -1,4 +1,4 @@
-"""Draw random programs, compile them, and judge what comes out."""
+"""Drawing, compiling and checking of random programs."""
 
 from __future__ import annotations
 
@@ -29,22 +29,22 @@ from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 
 MOST = 6
-"""Largest number of motions that are drawn for a program that is no chain."""
+"""Largest number of motions that are drawn for a program that isn't a chain."""
 
 CHAINS = 20
-"""One of so many programs is a chain of short pieces."""
+"""One of `CHAINS` programs is a chain of short pieces."""
 
 CERTIFICATE = "11"
-"""Family of findings about a text: the compiler writes none that has one."""
+"""Family of the findings of the certificate. The compiler must never write a text that has one."""
 
 
 @frozen
 class Task:
-    """What is drawn for.
+    """Robots and cell for which programs are drawn.
 
     Attributes:
         robots: names or paths of the robots.
-        cell: path of a cell.toml; None without one.
+        cell: path of a cell.toml; None if there is none.
     """
 
     robots: tuple[str, ...]
@@ -57,17 +57,17 @@ class Task:
 
 @frozen
 class Program:
-    """A drawn program, and what became of it.
+    """A random program, and the result of its check.
 
     Attributes:
-        seed: of the program.
-        robot: its name or path.
-        text: of the program.
-        refused: code of the first error of a program that doesn't compile; empty if it compiles.
-        faults: what is wrong, as sentences.
-        worst: the largest shares of what is allowed, by name, as `independent.judging.Judgement`.
+        seed: seed of the program.
+        robot: name or path of its robot.
+        text: text of the program.
+        refused: code of the first error if the program doesn't compile; empty if it compiles.
+        faults: faults of the compiled text, as sentences.
+        worst: the largest shares of what is allowed, by name, as in `independent.judging.Judgement`.
         duration: time of all motions [s].
-        features: for each motion, what it is.
+        features: for each motion, the names under which it is counted.
     """
 
     seed: int
@@ -81,7 +81,7 @@ class Program:
 
 
 def judged_chunk(chunk: tuple[int, int], task: Task) -> Piece:
-    """Draw and judge the programs of a chunk: its first seed, and their number."""
+    """Draw and check the programs of a chunk, given by its first seed and the number of programs."""
     first, count = chunk
     begin = process_time()
     piece = Piece(first, count)
@@ -100,12 +100,13 @@ def _robot(name: str) -> Robot:
 
 
 def judged_program(seed: int, task: Task, robot: Robot | None = None) -> Program:
-    """Draw and judge the program of a seed; its robot is read if it isn't given."""
+    """Draw and check the program of a seed. Its robot is read if it isn't given."""
     name = task.robot_of(seed)
     robot = robot or _robot(name)
     arm = arm_of(robot)
     random = np.random.default_rng(seed)
-    # the robots take turns in seeds, so chains are counted in turns of all robots
+    # The robots alternate from seed to seed. Chains are counted in rounds of all robots, so that each robot
+    # gets chains.
     is_chain = seed // len(task.robots) % CHAINS == CHAINS - 1
     program = drawn_chain(arm, random) if is_chain else drawn(arm, random, MOST)
     refused, faults, worst, duration = _judged(program, seed, robot, arm, task.cell)
@@ -114,10 +115,10 @@ def judged_program(seed: int, task: Task, robot: Robot | None = None) -> Program
 
 
 def arm_of(robot: Robot) -> Arm:
-    """Return a robot as the independent reading knows it.
+    """Return a robot as the independent check reads it.
 
     Raises:
-        ValueError: the reading needs something that the robot's files don't say.
+        ValueError: the robot's files lack something that the check needs.
     """
     if robot.written is None:
         raise ValueError("its files aren't known")
@@ -138,11 +139,13 @@ def _arm(description: str, urdf: str) -> Arm:
 def _judged(
     program: Drawn, seed: int, robot: Robot, arm: Arm, cell: str | None
 ) -> tuple[str, tuple[str, ...], dict[str, float], float]:
-    """Compile a program, and return the code of its refusal, faults, worst shares and duration."""
+    """Compile and check a program. Return the code of its first error, the faults, the worst shares and
+    the duration.
+    """
     source = SourceFile(f"seed-{seed}.yarc", program.text)
     try:
         made = _compiled(source, robot, cell)
-    except Exception as error:  # a bug of ours, which is looked for here
+    except Exception as error:  # a bug in yarclang, which the campaign looks for
         return "", (internal_error(error, source).message,), {}, 0.0
     errors = [one for one in made.diagnostics if one.is_error]
     faults = [f"{one.code}: {one.message}" for one in errors if one.family == CERTIFICATE]
@@ -154,7 +157,7 @@ def _judged(
     chosen = {motion.step: motion.waypoints for motion in made.value.plan.motions}
     try:
         found = judge(arm, program.said, made.value.text, chosen, told_by_step(made.diagnostics))
-    except Exception as error:  # a text that can't be read
+    except Exception as error:  # the text can't be read
         fault = f"the text can't be judged: {type(error).__name__}: {error}"
         return "", (*faults, fault), {}, 0.0
     return "", (*faults, *found.faults), found.worst, found.duration
@@ -172,7 +175,9 @@ def _compiled(source: SourceFile, robot: Robot, cell: str | None) -> Result[Comp
 
 
 def told_by_step(diagnostics: Iterable[Diagnostic]) -> dict[int, set[str]]:
-    """Return the codes of findings by the step of their command, which its index tells."""
+    """Return the codes of findings by step. The step follows from the index of the command in the
+    finding's line.
+    """
     told: dict[int, set[str]] = {}
     for one in diagnostics:
         if one.span is None or one.source is None:

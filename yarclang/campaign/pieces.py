@@ -1,4 +1,4 @@
-"""What is known of a number of programs, and how it adds up."""
+"""Results of checked programs, and their sums."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 _MOST_FINDS = 1000
-"""Number of finds that are kept of all programs together."""
+"""Most faulty programs that are listed for all programs together."""
 
 
 class Find(NamedTuple):
-    """A program with which something is wrong.
+    """A program that has faults.
 
     Attributes:
-        seed: of the program.
-        robot: its name or path.
-        faults: what is wrong, as sentences.
+        seed: seed of the program.
+        robot: name or path of its robot.
+        faults: the faults, as sentences.
     """
 
     seed: int
@@ -25,7 +25,7 @@ class Find(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The largest share of what is allowed, and the seed of the first program that has it."""
+    """The largest share of what is allowed, and the seed of the first program that reached it."""
 
     share: float
     seed: int
@@ -33,19 +33,20 @@ class Worst(NamedTuple):
 
 @dataclass
 class Piece:
-    """What is known of the programs of some seeds that follow each other.
+    """Sum of the results of programs with consecutive seeds.
 
     Attributes:
         first: the first seed.
         count: number of programs.
         compiled: number of programs that compile.
-        refused: numbers of programs that don't, by the code of their first error.
-        drawn: numbers of motions, by what they are.
-        motions: the same, of programs that compile.
-        microseconds: time of all motions of programs that compile, in whole numbers, whose sum doesn't depend on the order.
-        worst: the largest shares, by name.
-        finds: programs with which something is wrong.
-        found: number of all finds, also those that are no longer kept.
+        refused: numbers of programs that don't compile, by the code of their first error.
+        drawn: numbers of motions in all programs, by the names under which they are counted.
+        motions: numbers of motions in programs that compile, by the names under which they are counted.
+        microseconds: time of all motions in programs that compile [us]. It is an integer, so that the sum
+            doesn't depend on the order.
+        worst: the largest shares of what is allowed, by name.
+        finds: programs that have faults; at most `_MOST_FINDS`.
+        found: number of programs that have faults, including those that are no longer in `finds`.
         seconds: processor time of the work [s].
     """
 
@@ -71,7 +72,7 @@ class Piece:
         duration: float,
         features: Iterable[tuple[str, ...]],
     ) -> None:
-        """Add what became of one program; `refused` is the code of its first error, if it doesn't compile."""
+        """Add the result of one program. `refused` is the code of its first error, empty if it compiles."""
         names = [name for one in features for name in one]
         _add(self.drawn, names)
         if refused:
@@ -87,13 +88,13 @@ class Piece:
             self.finds.append(Find(seed, robot, faults))
 
     def _count(self, name: str, one: Worst) -> None:
-        """Keep the largest share; of equals, that of the smallest seed."""
+        """Keep the largest share; of equal shares, the one with the smallest seed."""
         known = self.worst.get(name)
         if known is None or (one.share, -one.seed) > (known.share, -known.seed):
             self.worst[name] = one
 
     def merge(self, other: Piece) -> None:
-        """Add another piece. The sum doesn't depend on the order."""
+        """Add another piece. The result doesn't depend on the order of additions."""
         self.count += other.count
         self.compiled += other.compiled
         self.microseconds += other.microseconds
@@ -109,7 +110,7 @@ class Piece:
 
     @property
     def written(self) -> dict[str, Any]:
-        """Return the piece as JSON has it."""
+        """Return the piece as data for JSON."""
         return {
             "first": self.first,
             "count": self.count,
@@ -126,15 +127,15 @@ class Piece:
 
 
 def lost_piece(seed: int, robot: str, reason: str) -> Piece:
-    """Return the piece of one program that ended the processes that worked on it."""
+    """Return the result of a program that killed the processes that checked it."""
     return Piece(seed, 1, finds=[Find(seed, robot, (reason,))], found=1)
 
 
 def piece_of(data: Mapping[str, Any]) -> Piece:
-    """Return the piece that JSON has.
+    """Return the piece that JSON data describe.
 
     Raises:
-        KeyError, TypeError, ValueError: it is no piece.
+        KeyError, TypeError, ValueError: the data aren't a piece.
     """
     return Piece(
         first=int(data["first"]),

@@ -18,11 +18,11 @@ _WORST = {
     "motor": "of what a motor's velocity may be",
 }
 _SHOWN = 20
-"""Number of finds that the text shows."""
+"""Number of faulty programs that the text shows."""
 
 
 def summed(pieces: Sequence[Piece], first: int) -> Piece:
-    """Return all pieces as one, which begins with the first seed."""
+    """Return the sum of all pieces. Its first seed is that of the campaign."""
     whole = Piece(first, 0)
     for piece in pieces:
         whole.merge(piece)
@@ -30,7 +30,9 @@ def summed(pieces: Sequence[Piece], first: int) -> Piece:
 
 
 def as_data(whole: Piece, task: Task) -> dict[str, Any]:
-    """Return the report as JSON has it. All but `processor_seconds` is the same wherever and however often it is made."""
+    """Return the report as data for JSON. Everything except `processor_seconds` is the same on each machine
+    and in each repetition.
+    """
     return {
         "robots": list(task.robots),
         "cell": task.cell,
@@ -89,7 +91,7 @@ def as_text(whole: Piece, task: Task) -> Iterator[str]:
 
 
 def program_text(one: Program) -> Iterator[str]:
-    """Yield the lines about one program: comments, and its text."""
+    """Yield the lines of the report on one program: comments, and its text."""
     yield f"! seed {one.seed}, {one.robot}"
     if one.refused:
         yield f"! refused: {one.refused}"
@@ -104,7 +106,7 @@ def program_text(one: Program) -> Iterator[str]:
 
 
 def program_data(one: Program) -> dict[str, Any]:
-    """Return what is known of one program as JSON has it."""
+    """Return the result of one program as data for JSON."""
     return {
         "seed": one.seed,
         "robot": one.robot,
@@ -117,7 +119,7 @@ def program_data(one: Program) -> dict[str, Any]:
 
 
 def _by_number(counts: dict[str, int]) -> list[tuple[str, int]]:
-    """Return names and numbers, the largest number first."""
+    """Return names and numbers, sorted by number, the largest first."""
     return sorted(counts.items(), key=lambda one: (-one[1], one[0]))
 
 

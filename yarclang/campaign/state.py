@@ -1,9 +1,9 @@
-"""The state of a campaign: a file to which each chunk that is done is appended, so that a process that is killed loses only the chunks on which it
-worked.
+"""The state of a campaign: a file to which each finished chunk is appended. A process that is killed loses
+only the chunks on which it was working.
 
-The first line says what the campaign is, each further one holds a `Piece`. Each begins with a digest of its text and of all lines before. A last
-line that isn't whole is what a process wrote when it was killed, or what a full disk left: it is dropped. Any other line that isn't as it was written
-is an error.
+The first line describes the campaign, and each further line contains a `Piece`. Each line begins with a
+digest of its text and of all lines before it. An incomplete last line is dropped: the process was killed
+while it wrote the line, or the disk was full. Any other line with a wrong digest is an error.
 """
 
 from __future__ import annotations
@@ -21,31 +21,33 @@ from yarclang.files import reason_of
 
 _FORM = 1
 _LARGEST = 4_000_000_000
-"""Largest size of a state that is read [bytes]; a million programs take some 100 MB."""
+"""Largest file of a state that is read [bytes]. A million programs take about 100 MB."""
 
 _DIGITS = 32
 
 
 class StateError(Exception):
-    """A state that can't be used: the message says why and what to do."""
+    """Raised if a state can't be used; the message has the reason and the remedy."""
 
 
 class State:
-    """A campaign's file, opened by one process alone.
+    """The file of a campaign, opened by only one process at a time.
 
     Args:
-        path: the file; None to keep nothing.
-        what: what the campaign is: values by name, all of which must be the same when it goes on.
+        path: the file; None to store nothing.
+        what: description of the campaign: values by name. All of them must be the same when the campaign is
+            continued.
 
     Raises:
-        StateError: the file can't be read or written, is damaged, belongs to another campaign, or another process uses it.
+        StateError: the file can't be read or written, is damaged, belongs to another campaign, or is in use
+            by another process.
     """
 
     def __init__(self, path: Path | None, what: dict[str, Any]) -> None:
         self._path = path
         self._file: BinaryIO | None = None
         self.pieces: list[Piece] = []
-        """What was done earlier, in the order in which it was."""
+        """Pieces of earlier runs, in the order in which they were done."""
         self._digest = ""
         if path is None:
             return
@@ -70,10 +72,10 @@ class State:
             self._file.close()
 
     def keep(self, piece: Piece) -> None:
-        """Append what was done.
+        """Append a piece.
 
         Raises:
-            StateError: the file can't be written; what was kept before is still there.
+            StateError: the file can't be written. The pieces that were stored before are still there.
         """
         self.pieces.append(piece)
         if self._file is None:
@@ -105,7 +107,7 @@ class State:
                 self._take(content, number)
             good += len(line) + 1
         if good == 0:
-            # nothing, or the beginning of a first line
+            # The file is empty, or contains only the beginning of a first line.
             if not self._line(head).startswith(lines[-1]):
                 raise StateError(f"{self._path} is no state of a campaign: name another file by --state")
             file.truncate(0)
@@ -116,7 +118,7 @@ class State:
         file.seek(good)
 
     def _checked(self, line: bytes) -> Any:
-        """Return the content of a line; None if it isn't as it was written."""
+        """Return the content of a line; None if its digest is wrong."""
         digest, _, text = line.partition(b" ")
         if digest != self._next(text):
             return None
@@ -160,7 +162,7 @@ class State:
         return self._next(text) + b" " + text + b"\n"
 
     def _next(self, text: bytes) -> bytes:
-        """Return the digest of a line's text and of all lines before."""
+        """Return the digest of a line's text and of all lines before it."""
         return hashlib.sha256(self._digest.encode() + b"\n" + text).hexdigest()[:_DIGITS].encode()
 
 
@@ -168,7 +170,7 @@ def _opened(path: Path) -> BinaryIO:
     """Open a file for reading and writing, and lock it."""
     if path.exists() and not path.is_file():
         raise StateError(f"{path} is no file: name another one by --state")
-    # unbuffered: what can't be written is said when it is written
+    # Unbuffered, so that write errors occur at the write itself.
     file = os.fdopen(
         os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o644), "r+b", buffering=0
     )
@@ -192,16 +194,16 @@ def _short(value: object) -> str:
 
 
 def missing(pieces: list[Piece], first: int, count: int, size: int) -> list[tuple[int, int]]:
-    """Return the chunks that are still to be done.
+    """Return the chunks that still have to be done.
 
     Args:
-        pieces: what is done.
+        pieces: finished pieces.
         first: the first seed.
         count: number of programs of the campaign.
         size: largest number of programs of a chunk.
 
     Raises:
-        StateError: two pieces have the same seed.
+        StateError: two pieces contain the same seed.
     """
     chunks: list[tuple[int, int]] = []
     at, end = first, first + count

@@ -1,4 +1,4 @@
-"""Timetables drawn by chance, such as other makers' planners give them."""
+"""Random timetables, such as planners of other makers produce them."""
 
 from __future__ import annotations
 
@@ -8,21 +8,23 @@ from yarclang.independent.arm import Arm, Array
 from yarclang.independent.timetable import Timetable
 
 KINDS = ("positions", "velocities", "accelerations")
-"""What rows have besides their times: positions alone, also velocities, also accelerations."""
+"""Content of a timetable's rows in addition to the times: only positions, also velocities, or also
+accelerations.
+"""
 
 
 def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None = None) -> Timetable:
-    """Draw a table from `start`, or about the middle of an arm's home: joints that go to and fro, or along one
-    line with ramps, sampled about every 0.1 s.
+    """Draw a timetable that begins at `start`, or near the arm's HOME. The joints move back and forth, or
+    along a line with ramps, sampled about every 0.1 s.
 
-    Its peaks of velocity and acceleration are between a third and one and a half times the limits.
+    The peaks of velocity and acceleration are between 0.3 and 1.5 times the limits.
     """
     home = np.array(arm.data["positions"]["HOME"], float)
     room = np.minimum(np.minimum(arm.upper - home, home - arm.lower), 60.0)
     if start is None:
         start = np.round(home + random.uniform(-0.4, 0.4, len(home)) * room, 4)
     else:
-        # other motions of the program shall not be refused with it
+        # Stay near the start, so that a timetable doesn't make the compiler refuse the whole program.
         room = np.minimum(np.minimum(arm.upper - start, start - arm.lower), 25.0)
     way = random.uniform(-0.5, 0.5, len(home)) * room
     if random.random() < 0.5:
@@ -30,7 +32,7 @@ def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None 
     else:
         shares, rates, bends = _ramped(random)
     peaks = np.abs(way) * np.abs(rates).max(), np.abs(way) * np.abs(bends).max()
-    # so long that the sharpest joint uses a share of its limits
+    # Scale the duration so that the most loaded joint uses a random share of its limits.
     duration = max((peaks[0] / arm.velocity).max(), np.sqrt((peaks[1] / arm.acceleration).max()))
     duration /= random.uniform(0.3, 1.5)
     count = max(3, round(duration / random.uniform(0.05, 0.2)))
@@ -51,9 +53,12 @@ def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None 
 
 
 def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Return a share of a way over time that goes to and fro, with two derivatives; all are 0 at both ends."""
+    """Return a share of a path over time that moves back and forth, with its first two derivatives. All three
+    are 0 at both ends.
+    """
     u = np.linspace(0.0, 1.0, 20_001)
     turns = random.integers(1, 4)
+    # The window makes the share and its first two derivatives vanish at both ends.
     window = u**3 * (1 - u) ** 3 * 64.0
     share = window * np.cos(np.pi * turns * u)
     first = np.gradient(share, u, edge_order=2)
@@ -61,7 +66,9 @@ def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
 
 
 def _ramped(random: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Return a share of a way over time with a constant acceleration, a cruise, and a constant deceleration."""
+    """Return a share of a path over time with constant acceleration, cruise and constant deceleration, with
+    its first two derivatives.
+    """
     u = np.linspace(0.0, 1.0, 20_001)
     ramp = random.uniform(0.15, 0.45)
     bend = np.where(u < ramp, 1.0, np.where(u > 1 - ramp, -1.0, 0.0)) / (ramp * (1 - ramp))

@@ -1,4 +1,4 @@
-"""Names of the bodies that a program may speak of, and the pairs of them that a cell allows to touch."""
+"""Names of the bodies that a program may name, and the pairs of them that a cell allows to touch."""
 
 from __future__ import annotations
 
@@ -34,18 +34,17 @@ def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
 
 
 def repeated_parts(cell: Cell | None) -> frozenset[str]:
-    """Return the names of the parts of which several come one after the other."""
+    """Return the names of the parts that come several times, one after the other."""
     return frozenset(() if cell is None else (one.body.name for one in cell.parts if one.count > 1))
 
 
 def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[str]) -> str:
-    """Return what is wrong with a pair of names that all exist, as the start of a sentence; empty if nothing
-    is.
+    """Return the fault of a pair of names that all exist, as the start of a sentence; empty if there is none.
 
     Args:
         pair: two names in upper case.
         names: the names of all bodies, with their number.
-        repeated: names of the parts of which there are several.
+        repeated: names of the parts that come several times.
     """
     first, second = pair
     if first == second and first not in repeated:
@@ -57,7 +56,7 @@ def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[st
 
 
 def read_allowances(table: CellTable, around: Surroundings) -> tuple[CellAllowance, ...]:
-    """Return the entries of `[[allow]]` that are without mistakes, and report the others."""
+    """Return the correct entries of `[[allow]]`, and report the others."""
     robot = around.robot
     own = () if robot is None else robot_bodies(robot)
     listed = [one.name.upper() for one in (*table.obstacles, *table.parts) if one.name is not None]
@@ -89,7 +88,7 @@ def _read(
         return
     first, second = sorted(name.upper() for name in entry.bodies)
     unknown = [at for at, name in enumerate(entry.bodies) if name.upper() not in names]
-    # without a robot, a name may be that of a link or tool
+    # if the robot isn't known, an unknown name may be that of a link or tool
     for at in unknown if around.robot is not None else ():
         remedy, subject = did_you_mean(entry.bodies[at].upper(), names)
         message = f"{entry.bodies[at][:40]} is no body of the cell or of the robot."
@@ -112,7 +111,7 @@ def _frames(entry: AllowTable) -> tuple[tuple[str, str], ...]:
 
 
 def _frame(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return a frame of the file; None with a finding."""
+    """Return a frame that the file declares; None with a finding."""
     file = around.measures.file
     frame = known_frame(name, path, {one: one for one in around.names}, file)
     if frame in ROOTS:

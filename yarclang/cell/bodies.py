@@ -1,4 +1,4 @@
-"""Read the obstacles of a cell, and what they share with zones: the keys of each shape, and shapes and places
+"""Read the obstacles of a cell. Zones use these functions too: the keys of each shape, and shapes and places
 in SI.
 """
 
@@ -27,10 +27,15 @@ Units = Mapping[Kind, Unit] | None
 class Surroundings:
     """The context in which bodies are read.
 
-    `measures` has units and findings, `frames` the resolved frames, `names` the names of all frames that the
-    file tries to declare. `folder` is the folder of the file. `robot` is None if only the file is checked;
-    joint windows are then checked only as far as possible. `dropped` are the places of keys that couldn't be
-    read. `tools` are the names of the tools that the file says can be changed.
+    Attributes:
+        measures: units and findings.
+        frames: the resolved frames.
+        names: the names of all frames that the file declares, including wrong ones.
+        folder: folder of the file.
+        robot: the robot; None if only the file is checked. Joint windows are then checked only as far as
+            possible.
+        dropped: places of keys that couldn't be read.
+        tools: names of the tools that can be changed according to the file.
     """
 
     measures: Measures
@@ -69,16 +74,17 @@ def belong(
     around: Surroundings,
     optional: Sequence[str] = (),
 ) -> bool:
-    """Return True if a table has the keys of its shape or rule, and none of another's; otherwise report them.
+    """Return True if a table has the keys of its shape or rule, and no keys of another; otherwise report
+    them.
 
     Args:
         table: the table.
         path: its place.
         what: the shape, rule or kind.
-        needed: the keys that this one needs.
+        needed: the keys that this shape, rule or kind needs.
         every: the keys of all shapes, rules or kinds.
-        around: findings go to its file.
-        optional: the keys that this one may have.
+        around: findings are added to its file.
+        optional: the keys that this shape, rule or kind may have.
     """
     keys = Keys(_a(what), needed, optional)
     place = (around.measures.file, CellTable, path)
@@ -86,7 +92,7 @@ def belong(
 
 
 def _a(what: str) -> str:
-    """Return the name of a shape or of a zone's rule with its article."""
+    """Return the name of a shape, or of a zone's rule, with its article."""
     spoken = {
         "joints": "a joint window",
         "allowed": "an allowed zone",
@@ -129,7 +135,7 @@ def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings
 def simple_shape(
     table: BodyTable | ZoneTable, path: Path, units: Units, around: Surroundings
 ) -> SimpleShape | None:
-    """Return a shape without a file [m] whose required keys are present; None with findings."""
+    """Return a shape that needs no file [m] and whose required keys are present; None with findings."""
     measures = around.measures
     first = SIZES[str(table.shape)][0]
     unit = measures.factor(units, "length", (*path, first))

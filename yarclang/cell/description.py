@@ -1,6 +1,6 @@
-"""Read a cell: its cell.toml becomes a `Cell` for a robot, or findings at its lines.
+"""Read a cell: convert its cell.toml to a `Cell` for a robot, or to findings at its lines.
 
-pydantic is imported where it is first used.
+pydantic is imported only when it is first used.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from yarclang.toml.draft import Draft
 
 IsWord = Callable[[str], bool]
-"""Returns True if a name in upper case is a word of the language."""
+"""Function that returns True if a name in upper case is a word of the language."""
 
 _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 
 
 @frozen
 class Names:
-    """The things against which a cell's names are checked: the language's words, and the robot if it is
+    """What a cell's names are compared with: the language's words, and the names of the robot if it is
     known.
     """
 
@@ -47,7 +47,7 @@ def load_cell(path: FilePath, names: Names) -> Result[Cell]:
     """Read a cell.toml for the robot of `names`.
 
     Args:
-        path: of the file.
+        path: path of the file.
         names: the language's words and the robot.
 
     Returns:
@@ -60,17 +60,17 @@ def load_cell(path: FilePath, names: Names) -> Result[Cell]:
 
 
 def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell]:
-    """Read the cell of a text.
+    """Read the cell that a text describes.
 
     Args:
         source: the text of a cell.toml.
-        folder: its folder; mesh files are relative to it.
-        names: the language's words and the robot; without a robot, everything is checked that holds for any.
+        folder: its folder. Paths of mesh files are relative to it.
+        names: the language's words and the robot. Without a robot, only what doesn't depend on one is
+            checked.
 
     Returns:
-        The cell as far as it can be read, with findings about its mistakes: `places` includes the names of
-            broken entries. None if the text isn't TOML, and always without a robot, since joint values belong
-            to one.
+        The correct part of the cell, with findings about its mistakes; `places` includes the names of wrong
+        entries. None if the text isn't TOML. Also None without a robot, since joint values need one.
     """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
@@ -155,7 +155,7 @@ def _joints(table: CellTable, measures: Measures, robot: Robot | None) -> dict[s
         path: Path = ("joints", name)
         units = measures.of_entry(entry.units, path)
         if entry.values is not None:
-            # the values may be given directly under the name
+            # short form: the values are given directly after the name
             at = path if (*path, "values") not in measures.file.places.values else (*path, "values")
             q = joint_position(name, entry.values, at, units, measures, robot)
             if q is not None:
@@ -235,7 +235,7 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
 
 
 def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
-    """Yield the place and the name of everything that has a name, in the order of the file's tables."""
+    """Yield the place and the name of everything that has a name, in the order of the tables in the file."""
     for key in ("frames", "joints", "inputs", "outputs"):
         yield from (((key, name), name) for name in getattr(table, key))
     for key in ("obstacles", "zones", "parts", "tools", "starts"):

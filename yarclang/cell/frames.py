@@ -1,4 +1,6 @@
-"""Resolve the frames of a cell: chains in any order, each under {B} or {FLANGE}."""
+"""Resolve the frames of a cell. Their chains may be declared in any order; each must end at {B} or
+{FLANGE}.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,7 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
     """Return the frames by name in upper case, parents first; report chains that don't end at {B} or
     {FLANGE}.
 
-    Frames with mistakes, and the frames under them, are left out.
+    Frames with mistakes, and the frames that are given in them, are left out.
     """
     upper = {name.upper(): name for name in reversed([*tables]) if name.upper() not in FROM_THE_ROBOT}
     parents: dict[str, str] = {}
@@ -66,13 +68,13 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
 
 def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlFile) -> str | None:
     """Return the name, in upper case, of a frame of the cell or of the robot; None with a finding if there is
-    none.
+    no such frame.
 
     Args:
         name: the frame's name in any case.
         path: the place of the name.
         frames: the frames of the file, by their names in upper case.
-        file: findings go to it.
+        file: findings are added to it.
     """
     wanted = name.upper()
     if wanted in ROOTS or wanted in frames:
@@ -89,5 +91,5 @@ def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlF
 
 
 def mount_of(name: str, frames: Mapping[str, CellFrame]) -> Mount:
-    """Return the mount of a frame, which is a root or among `frames`."""
+    """Return the mount of a frame. The frame must be a root or among `frames`."""
     return ROOTS[name] if name in ROOTS else frames[name].mount

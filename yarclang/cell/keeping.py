@@ -1,4 +1,4 @@
-"""Define what motions keep to along their whole way (KEEP), and the region of directions near another one."""
+"""The rules that motions keep on their whole path (KEEP), and the region of orientations near a direction."""
 
 from __future__ import annotations
 
@@ -16,26 +16,25 @@ Vector = tuple[float, float, float]
 KeepKind = Literal["UPRIGHT", "ABOVE"]
 
 LEAST_TILT, MOST_TILT = np.radians(0.1), np.radians(175.0)
-"""Smallest and largest angle of UPRIGHT [rad]. With less, no executed motion could be proved."""
+"""Smallest and largest angle of UPRIGHT [rad]. With a smaller angle, no executed motion could be proved."""
 
 
 @frozen
 class Keep:
-    """A rule for a frame that the robot carries, which motions keep along their whole way.
+    """A rule for a frame that the robot carries. Motions keep it on their whole path.
 
-    UPRIGHT: the z axis of the frame stays within an angle of the z axis of a frame that stands still. ABOVE:
-    the origin of the frame stays at least a distance above the plane through the x and y axes of a frame that
-    stands still.
+    UPRIGHT: the z axis of the frame stays within an angle of the z axis of a fixed frame. ABOVE: the origin
+    of the frame stays at least a distance above the plane through the x and y axes of a fixed frame.
 
     Attributes:
         kind: the rule.
         frame: name of the carried frame, without braces.
-        of: name of the frame that stands still.
+        of: name of the fixed frame.
         own: UPRIGHT: the carried z axis in {FLANGE}; ABOVE: the carried origin in {FLANGE} [m].
-        up: the z axis of the other frame in {B}.
+        up: the z axis of the fixed frame in {B}.
         level: ABOVE: distance of the plane from the origin of {B}, along `up` [m]; otherwise 0.
-        limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
-        among: names of the frame that stands still and of those in which it is given.
+        limit: UPRIGHT: largest angle [rad]; ABOVE: smallest distance [m].
+        among: names of the fixed frame and of the frames in which it is given in turn.
     """
 
     kind: KeepKind
@@ -70,8 +69,8 @@ def keep(kind: KeepKind, names: tuple[str, str], carried: Array, standing: Array
     """Return a rule.
 
     Args:
-        kind: of the rule.
-        names: of the carried frame, and of the one that stands still.
+        kind: kind of the rule.
+        names: names of the carried frame and of the fixed frame.
         carried: flange_from_frame (4, 4) [m].
         standing: base_from_frame (4, 4) [m].
         limit: see `Keep`.

@@ -25,7 +25,9 @@ class Measures:
     common: Mapping[Kind, Unit] = field(default_factory=dict)
     """The units at the top of the file."""
     doubtful: bool = False
-    """True if those couldn't be read, so that a missing unit isn't another mistake."""
+    """True if the units at the top couldn't be read. A missing unit is then not reported as another
+    mistake.
+    """
 
     def read_common(self, text: str | None) -> None:
         """Read the `units` at the top of the file."""
@@ -33,8 +35,8 @@ class Measures:
         self.common, self.doubtful = found or {}, found is None
 
     def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
-        """Return the units that apply to the table at `path`; None with a finding if its own can't be
-        read.
+        """Return the units that apply to the table at `path`; None with a finding if the table's own units
+        can't be read.
         """
         own = self._parsed(text, (*path, "units"))
         return None if own is None else {**self.common, **own}
@@ -55,7 +57,7 @@ class Measures:
         return None
 
     def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
-        """Return frame_from_it (4, 4) [m] of an entry with a place in a frame; None with findings."""
+        """Return the pose of an entry in its frame, as a transform (4, 4) [m]; None with findings."""
         made, sound = np.eye(4), True
         if placed.rpy is not None and placed.quat is not None:
             message = f"{table_name(path)} has rpy and quat: two orientations."
@@ -86,7 +88,7 @@ class Measures:
         return constant(made) if sound else None
 
     def told(self, placed: Placed, units: Mapping[Kind, Unit] | None) -> Array:
-        """Return the numbers of a place without faults as written, in SI: x y z and roll pitch yaw (6,), or x
+        """Return the numbers of a correct place as written, in SI: x y z and roll pitch yaw (6,), or x
         y z and qx qy qz qw (7,).
         """
         known = units or {}

@@ -1,8 +1,8 @@
-"""Define a cell as the later stages see it: plain data in SI units, already checked, for one robot.
+"""Define a cell as the later stages use it: plain data in SI units, already checked, for one robot.
 
-`yarclang.cell.description` makes it from a cell.toml. Arrays are float64 and read-only. Transforms are named
-so that neighbours cancel: `base_from_x` maps coordinates of x to the robot's {B}, `flange_from_x` to its
-{FLANGE}.
+`yarclang.cell.description` creates it from a cell.toml. Arrays are float64 and read-only. Transforms are
+named so that neighbouring names cancel: `base_from_x` maps coordinates of x to the robot's {B},
+`flange_from_x` to its {FLANGE}.
 """
 
 from __future__ import annotations
@@ -23,17 +23,19 @@ Array = NDArray[np.float64]
 Rule = Literal["allowed", "forbidden", "slow", "posture"]
 
 PARTS = ("tool", "tcp", "elbow", "arm")
-"""The things that a zone may watch besides links by their names."""
+"""Names of what a zone may watch, besides the names of links."""
 
 
 @frozen(eq=False)
 class Mount:
-    """The place of something: `transform` (4, 4) [m] is base_from_it, or flange_from_it if `on_flange`."""
+    """The place of an object: `transform` (4, 4) [m] is base_from_object, or flange_from_object if
+    `on_flange`.
+    """
 
     transform: Array
     on_flange: bool
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """The places that make up `transform`, from the root on, each as it was written, in SI: x y z and roll
+    """The poses whose product is `transform`, from the root on, each as it was written, in SI: x y z and roll
     pitch yaw (6,), or x y z and qx qy qz qw (7,). None for a place that was computed.
     """
 
@@ -61,10 +63,13 @@ class CellFrame:
 class Grip:
     """The effect of an output that moves a gripper.
 
-    At `value` it closes a gripper whose origin is at `flange_from_grip` (4, 4) [m]; at any other value it
-    opens it. A gripper that closes takes the part nearest to its origin, if its distance is at most `reach`
-    [m]. `frame` is the name of the gripper's frame. `tool` is the tool of which the gripper is a part, if that
-    tool can be changed. `changes` is True for the lock of a tool changer: it holds tools, and no parts.
+    Attributes:
+        value: value of the output that closes the gripper; any other value opens it.
+        flange_from_grip: (4, 4) origin of the gripper [m].
+        reach: a gripper that closes takes the part nearest to its origin if the distance is at most this [m].
+        frame: name of the gripper's frame.
+        tool: the tool to which the gripper belongs, if that tool can be changed.
+        changes: True for the lock of a tool changer, which holds tools instead of parts.
     """
 
     frame: str
@@ -77,9 +82,9 @@ class Grip:
 
 @frozen(eq=False)
 class Removal:
-    """The effect of an output at which a machine removes parts.
+    """The effect of an output with which a machine removes parts.
 
-    At `value`, parts within `reach` [m] of the place `base_from_place` (4, 4) [m] in the cell are taken away.
+    At `value`, parts within `reach` [m] of the place `base_from_place` (4, 4) [m] in the cell are removed.
     `frame` is the name of the place's frame.
     """
 
@@ -93,7 +98,7 @@ class Removal:
 class CellOutput:
     """An output: the controller's variable, and its value after any stop, hold or fault (None: unchanged).
 
-    `grip` is set if the output moves a gripper, `removal` if a machine removes parts at it.
+    `grip` is set if the output moves a gripper, `removal` if the output makes a machine remove parts.
     """
 
     variable: str
@@ -104,8 +109,8 @@ class CellOutput:
 
 @frozen(eq=False)
 class Weight:
-    """The distribution of a body's mass: its centre (3,) [m] and the inertia about that (3, 3) [kg m^2], in the
-    body's frame.
+    """The distribution of a body's mass: its centre (3,) [m] and the inertia about this centre (3, 3) [kg
+    m^2], both in the body's frame.
     """
 
     center: Array
@@ -114,12 +119,16 @@ class Weight:
 
 @frozen(eq=False)
 class Obstacle:
-    """A body that the robot must not touch, or, with a mount on the flange, a body that it carries.
+    """A body that the robot must not touch or, with a mount on the flange, a body that the robot carries.
 
-    `margin` [m] is the distance that everything else keeps from it. `is_part` is True for a part that
-    grippers take; its `mass` [kg] is None if it isn't known. `is_sure` is False for a part that may be at
-    this place or at another one, depending on decisions at run time. `of_tool` is True for a body of a tool that
-    can be changed. `weight` is the distribution of its mass if that isn't the shape's.
+    Attributes:
+        margin: distance that everything else keeps from it [m].
+        is_part: True for a part that grippers take.
+        mass: mass of a part [kg]; None if it isn't known.
+        is_sure: False for a part that may be at this place or at another one, depending on decisions at run
+            time.
+        of_tool: True for a body of a tool that can be changed.
+        weight: distribution of its mass, if it isn't that of the shape.
     """
 
     name: str
@@ -141,10 +150,10 @@ class RackTool:
         place: base_from_flange (4, 4) [m] where the robot takes it and puts it back.
         flange_from_body: its first body on the flange (4, 4) [m].
         more: its other bodies: body_from_shape (4, 4) [m], and the shape.
-        frames: the frames on the flange that are there only with the tool, in alphabetical order.
+        frames: the frames on the flange that exist only while the tool is there, in alphabetical order.
         lock: the variable of the changer's output.
-        grippers: the variables of the outputs of the grippers that are parts of the tool.
-        reach: how far the flange may be from `place` when the changer locks or unlocks [m].
+        grippers: the variables of the outputs of the grippers that belong to the tool.
+        reach: largest distance of the flange from `place` when the changer locks or unlocks [m].
     """
 
     place: Mount
@@ -157,7 +166,7 @@ class RackTool:
 
     @property
     def base_from_body(self) -> Array:
-        """The place of the first body while the tool stands in the rack (4, 4) [m]."""
+        """The place of the first body while the tool is in the rack (4, 4) [m]."""
         placed: Array = self.place.transform @ self.flange_from_body
         return placed
 
@@ -166,8 +175,9 @@ class RackTool:
 class Part:
     """A body that grippers take and put down. `body` is its place when a program starts.
 
-    `count` parts of the kind come one after the other: the next one lies at this place as soon as the one
-    before it was taken away. `frame` is the name of the frame in which the place is given. `rack` is set for a tool that a changer takes, of which `body` is the first body.
+    `count` parts of the kind come one after the other: the next part is at this place as soon as the previous
+    one has been taken away. `frame` is the name of the frame in which the place is given. `rack` is set for a
+    tool that a changer takes; `body` is then the first body of the tool.
     """
 
     body: Obstacle
@@ -178,9 +188,9 @@ class Part:
 
 @frozen
 class Touch:
-    """Two bodies that may come nearer to each other than their margins allow, down to `least` [m].
+    """Two bodies whose distance may be smaller than their margins, down to `least` [m].
 
-    `other` is None for everything on the flange. A `least` of minus infinity lets them overlap.
+    `other` is None for everything on the flange. If `least` is minus infinity, they may overlap.
     """
 
     part: str
@@ -190,13 +200,13 @@ class Touch:
 
 @frozen
 class CellAllowance:
-    """Two bodies that may touch on motions that lead to a frame, or that leave it.
+    """Two bodies that may touch during motions that lead to a frame, or that leave it.
 
     Attributes:
         first: name of one body, in upper case.
         second: name of the other body, in alphabetical order after the first.
         leads_to: the frame in which the goals of the motions are given; empty for none.
-        leaves: the frame to which the motion before them has led; empty for none.
+        leaves: the frame to which the previous motion has led; empty for none.
         line: line of the entry in the cell's file.
     """
 
@@ -209,10 +219,10 @@ class CellAllowance:
 
 @frozen
 class Item:
-    """A part at its place, or, if it isn't `is_sure`, at a possible place.
+    """A part at its place or, if `is_sure` is False, at a possible place.
 
     `pose` has the bytes of a transform (4, 4) [m]: base_from_part, or flange_from_part if a gripper holds the
-    part; `gripper` is then the variable of the gripper's output. `number` counts the parts of a kind from 1.
+    part. `gripper` is then the variable of the gripper's output. `number` counts the parts of a kind from 1.
     """
 
     part: Part
@@ -241,7 +251,7 @@ class Item:
 
 @frozen
 class Expected:
-    """A part that comes once the one before it has been taken away: part `number` of a kind, after the SET at
+    """A part that comes when the previous one has been taken away: part `number` of a kind, after the SET at
     step `taken`.
     """
 
@@ -252,8 +262,8 @@ class Expected:
 
 @frozen
 class Parts:
-    """The places of the parts, the grippers that are certainly closed (by the variables of their outputs),
-    and the parts still to come.
+    """The places of the parts, the grippers that are sure to be closed (by the variables of their outputs),
+    and the parts that are still to come.
     """
 
     items: tuple[Item, ...]
@@ -261,7 +271,7 @@ class Parts:
     expected: tuple[Expected, ...] = ()
 
     def held(self, gripper: str | None = None) -> tuple[Item, ...]:
-        """Return the parts that a gripper holds, or all grippers if it is None."""
+        """Return the parts that a gripper holds; for None, the parts that any gripper holds."""
         return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
 
     @property
@@ -272,10 +282,10 @@ class Parts:
 
 @frozen
 class Leaving:
-    """A gripper that has taken or put down parts, and hasn't left them yet.
+    """A gripper that has taken or put down parts, and hasn't moved away from them yet.
 
     `moved` are the names of the parts, `closes` is True if it took them, `touches` are the bodies that may
-    touch until it has left.
+    touch until it has moved away.
     """
 
     moved: tuple[str, ...]
@@ -285,10 +295,10 @@ class Leaving:
 
 @frozen
 class Present:
-    """The parts of a cell when a program starts, if they aren't as in the cell's file.
+    """The parts of a cell when a program starts, if their places aren't those in the cell's file.
 
-    `leaving` are the grippers beside whose parts the robot still stands. `goes_on` is True for a line of a
-    session: the next line may close or open a gripper.
+    `leaving` are the grippers that are still at the parts that they took or put down. `goes_on` is True for a
+    line of a session, after which another line may close or open a gripper.
     """
 
     parts: Parts
@@ -298,10 +308,10 @@ class Present:
 
 @frozen(eq=False)
 class Sensor:
-    """A sensor that drives an input.
+    """A sensor that sets an input.
 
     The input is ON while a part or the robot is in the sensor's `region`, placed at `mount`, or while the
-    gripper of the output `gripper` (a controller's variable) holds a part. If `inverted`, it is OFF then.
+    gripper of the output `gripper` (a controller's variable) holds a part. With `inverted`, it is OFF then.
     """
 
     input: str
@@ -313,7 +323,7 @@ class Sensor:
 
 @frozen(eq=False)
 class ShapeRegion:
-    """The points in a shape at rest, around the origin of `base_from_shape` (4, 4) [m]."""
+    """The points in a fixed shape around the origin of `base_from_shape` (4, 4) [m]."""
 
     base_from_shape: Array
     shape: Box | Sphere | Cylinder | Capsule
@@ -328,16 +338,16 @@ class HalfSpace:
     normal: Array
     offset: float
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """See `Mount.told`: the place of the frame in whose axes the normal is `own_normal`."""
+    """See `Mount.told`. It is the place of the frame in whose axes the normal is `own_normal`."""
     own_normal: Array | None = field(default=None, compare=False)
 
     @property
     def base_from_plane(self) -> Array:
-        """A frame (4, 4) [m] on the border: its z axis is the normal, its origin the border's point nearest
-        to the origin of {B}.
+        """A frame (4, 4) [m] on the border. Its z axis is the normal, and its origin is the border's point
+        nearest to the origin of {B}.
         """
         placed = np.eye(4)
-        # any two directions perpendicular to the normal
+        # choose any two directions perpendicular to the normal
         across = np.cross(self.normal, np.eye(3)[int(np.argmin(np.abs(self.normal)))])
         across /= np.linalg.norm(across)
         placed[:3, :3] = np.column_stack([across, np.cross(self.normal, across), self.normal])
@@ -347,8 +357,8 @@ class HalfSpace:
 
 @frozen(eq=False)
 class JointWindow:
-    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]; infinite for joints that the window
-    leaves open.
+    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]. The bounds are infinite for joints
+    that the window doesn't limit.
     """
 
     lower: Array
@@ -357,8 +367,8 @@ class JointWindow:
 
 @frozen(eq=False)
 class StartZone:
-    """Joint positions from which a robot may go to the start of a program without an order; the motion is
-    planned and proved all the same.
+    """Joint positions from which a robot may move to the start of a program without an order of the user.
+    This motion is also planned and proved.
     """
 
     name: str
@@ -376,12 +386,14 @@ class Zone:
     [m/s]; `posture`: while anything watched is inside, the joints stay in the window `posture`. `speed` and
     `posture` are None for the other rules.
 
-    `watch` names what is watched, each one of `PARTS` or a link of the URDF: `tcp` is the origin of the frame
-    that a command moves, `tool` is that and all bodies that the robot carries, `elbow` is a point
-    (`yarclang.robot.kinematics.elbow`), `arm` is all links that the joints move. Everything watched keeps
-    `margin` [m] from the border of an allowed or forbidden zone; slow and posture zones begin `margin` before
-    their border. A joint window that is allowed or forbidden watches only the joints. A `Tilt` is allowed, and
-    watches the orientation of the flange. `keep` is the rule of the program from which the zone was made.
+    `watch` has the names of what is watched: items of `PARTS` or links of the URDF. `tcp` is the origin of
+    the frame that a command moves, `tool` is this origin and all bodies that the robot carries, `elbow` is a
+    point (`yarclang.robot.kinematics.elbow`), `arm` is all links that the joints move.
+
+    Everything watched keeps `margin` [m] from the border of an allowed or forbidden zone; slow and posture
+    zones begin `margin` before their border. If the region is a joint window and the rule is `allowed` or
+    `forbidden`, only the joints are watched. If the region is a `Tilt`, the rule is `allowed`, and the
+    orientation of the flange is watched. `keep` is the rule of the program from which the zone was created.
     """
 
     name: str
@@ -395,7 +407,7 @@ class Zone:
 
     @staticmethod
     def of(keep: Keep) -> Zone:
-        """Return the zone of a rule."""
+        """Return the zone that corresponds to a rule."""
         name = f"KEEP {keep.words}"
         if keep.kind == "UPRIGHT":
             return Zone(name, "allowed", Tilt(keep.own, keep.up, keep.limit), watch=(), keep=keep)
@@ -410,16 +422,16 @@ class Cell:
 
     Names are in upper case. `frames` has parents before their children; `joints` are joint positions (n,)
     [rad or m]; `inputs` are the controller's variables. `places` has the place of a name in `source`, by the
-    table (frames, joints, inputs, outputs) and the name; `zone_places` has that of a zone's name.
+    table (frames, joints, inputs, outputs) and the name; `zone_places` has the places of the zones' names.
 
-    `parts` are what grippers take; the collision check doesn't see them here. For an instant of a program
-    there is another cell (`yarclang.handling.surroundings`), in which parts are obstacles, `touches` are the
-    bodies that may touch each other when parts are taken and put down, and `allowed` are those that the
-    program or an entry of `allowances` allows to touch: pairs of names in upper case, each in alphabetical
-    order. `present` has the places of the parts when a program starts; None
-    for those in the file.
+    `parts` are the bodies that grippers take. The collision check ignores `parts`. For each instant of a
+    program there is another cell (`yarclang.handling.surroundings`), in which parts are obstacles. In this
+    cell, `touches` are the bodies that may touch each other when parts are taken and put down, and `allowed`
+    are the bodies that the program or an entry of `allowances` allows to touch: pairs of names in upper case,
+    each in alphabetical order. `present` has the places of the parts when a program starts; None for the
+    places in the file.
 
-    `starts` are the joint positions from which a program may begin by itself.
+    `starts` are the joint positions from which a robot may move to the start of a program by itself.
     """
 
     source: SourceFile

@@ -12,7 +12,7 @@ from yarclang.cell.tools import own_frame, read_lock, tool_of
 from yarclang.toml.places import Path
 
 REACH = 0.010
-"""Reach of grippers and machines whose file gives none [m]."""
+"""Reach of grippers and machines if the file gives none [m]."""
 
 
 def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None:

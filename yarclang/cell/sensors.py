@@ -1,4 +1,4 @@
-"""Read the sensors of a cell: the input that each drives, and its region."""
+"""Read the sensors of a cell: the input that each sets, and its region."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _KINDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "proximity": (("frame", "range"), ("xyz",)),
     "vacuum": (("gripper",), ()),
 }
-"""The keys that each kind of sensor needs, and those that it may have."""
+"""The required and the optional keys of each kind of sensor."""
 
 _OF_KINDS = ("frame", "xyz", "rpy", "quat", "to", "range", "gripper")
 
@@ -86,7 +86,9 @@ def _vacuum(
 def _beam(
     table: SensorTable, path: Path, variable: str, mount: Mount, units: Units, around: Surroundings
 ) -> Sensor | None:
-    """Return a light beam from x y z of its frame straight to `to` in the same frame; None with findings."""
+    """Return a light beam from the point x y z of its frame straight to `to` in the same frame; None with
+    findings.
+    """
     measures = around.measures
     unit = measures.factor(units, "length", (*path, "to"))
     if unit is None or table.to is None or not measures.sized(table.to, 3, (*path, "to")):
@@ -104,7 +106,9 @@ def _beam(
 
 
 def _along(mount: Mount, way: Array) -> Array:
-    """Return the pose (4, 4) in the middle of a vector (3,) from a mount, with z along the vector."""
+    """Return the pose (4, 4) of the middle of a vector (3,) that begins at a mount. Its z axis is along
+    the vector.
+    """
     z = way / np.linalg.norm(way)
     x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
     x /= np.linalg.norm(x)

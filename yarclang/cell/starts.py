@@ -1,5 +1,5 @@
-"""Read start zones of a cell: joint positions from which a robot may go to the start of a program without an
-order.
+"""Read start zones of a cell: joint positions from which a robot may move to the start of a program without
+an order of the user.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot | None) -> StartZone | None:
     """Return a start zone; None with findings, or if the robot isn't known.
 
-    Every joint has to be named: an omitted joint would let the robot begin wherever that joint stands, and
-    nobody would have considered it.
+    Every joint must be named. If a joint could be omitted, the robot might move from any position of this
+    joint, although nobody has checked these positions.
     """
     units = measures.of_entry(table.units, path)
     if table.name is None or table.joints is None:

@@ -16,13 +16,15 @@ from yarclang.toml.places import Path
 from yarclang.transforms import constant
 
 NO_TOOL = "NONE"
-"""Word in place of a tool's name if no tool is on the flange afterwards."""
+"""Word that is written instead of a tool's name if the flange is to be empty after the change."""
 
 LOCK_REACH = 0.0005
-"""Distance of the flange from a tool's place at which a changer locks, if its file gives none [m]."""
+"""Largest distance of the flange from a tool's place at which a changer locks, if the file gives none [m]."""
 
 MOST_REACH = 0.005
-"""Largest distance that a file may give: what the changer pulls together isn't followed [m]."""
+"""Largest such distance that a file may give [m], because the motion of a tool that the changer pulls
+isn't modelled.
+"""
 
 
 def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | None:
@@ -66,7 +68,7 @@ def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
 
 def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | None:
     """Return the place of a frame of the robot that a gripper of a changed tool may name; None for other
-    frames and grippers. Without a robot each such frame counts as one of it.
+    frames and grippers. Without a robot, any such frame is assumed to be one of the robot.
     """
     robot = around.robot
     if table.tool is None or name.upper() in around.names:
@@ -80,7 +82,7 @@ def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | No
 def read_tools(
     table: CellTable, outputs: Mapping[str, CellOutput], around: Surroundings
 ) -> list[Part | None]:
-    """Return the tools of a file that can be changed, as parts; None for those with findings.
+    """Return the tools of a file that can be changed, as parts; None for tools with findings.
 
     Args:
         table: the file.
@@ -155,7 +157,7 @@ def _read_tool(
 
 
 def weight_of(tool: Tool) -> Weight:
-    """Return the distribution of a tool's mass, seen from its first body."""
+    """Return the distribution of a tool's mass in the frame of its first body."""
     body_from_flange = np.linalg.inv(tool.shapes[0].flange_from_shape)
     turn = body_from_flange[:3, :3]
     center = turn @ tool.center + body_from_flange[:3, 3]
@@ -190,7 +192,7 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
 def _frames_of(
     table: RackTable, path: Path, tool: Tool, around: Surroundings, robot: Robot
 ) -> tuple[str, ...] | None:
-    """Return the frames on the flange that are there only with a tool; None with findings."""
+    """Return the frames on the flange that exist only while a tool is there; None with findings."""
     own = {*_own_frame(tool)}
     hanging = {name for name, one in around.frames.items() if one.mount.on_flange}
     known = (hanging | {*robot.flange_from_frame}) - {"FLANGE"}

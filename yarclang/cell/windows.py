@@ -25,7 +25,7 @@ def joint_position(
     """Return a joint position (n,) [rad or m] within the limits of a robot; None with findings, or without a
     robot.
 
-    Without a robot only the units are checked: there must be one of angle or of length.
+    Without a robot only the units are checked: there must be a unit of angle or of length.
     """
     if robot is None:
         if units is not None and not units.keys() & {"angle", "length"}:

@@ -30,7 +30,7 @@ _SHAPES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "half-space": (("frame", "normal"), ("xyz",)),
     "joints": (("joints",), ()),
 }
-"""The keys that each shape of a zone needs, and those that it may have."""
+"""The required and the optional keys of each shape of a zone."""
 
 _OF_SHAPES = ("frame", "size", "radius", "length", "normal", "joints", *_TURNED)
 
@@ -76,15 +76,17 @@ def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None
 
 
 THINNEST, NARROWEST = 1e-4, 1e-4
-"""Least thickness of a zone with its margins [m], and least width of a joint window [rad or m], except for
-allowed zones.
+"""Smallest thickness of a zone with its margins [m], and smallest width of a joint window [rad or m], except
+for allowed zones.
 
 They are several times the resolution of a proof, so that no motion crosses a zone unnoticed.
 """
 
 
 def _too_thin(zone: Zone) -> tuple[str, str] | None:
-    """Return the fault of a zone that a motion could cross unnoticed, and the remedy; None if it has none."""
+    """Return the fault and the remedy of a zone that is so thin that a motion could cross it unnoticed;
+    None for other zones.
+    """
     if zone.rule == "allowed" or isinstance(zone.region, HalfSpace | Tilt):
         return None
     if isinstance(zone.region, JointWindow):
@@ -107,7 +109,7 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
 
 
 def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Return True if a zone has the keys of its shape, and none of another's; otherwise report them."""
+    """Return True if a zone has the keys of its shape, and no keys of another; otherwise report them."""
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
@@ -127,7 +129,7 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
 
 
 def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Return True if a zone has the keys of its rule, and none of another's; otherwise report them."""
+    """Return True if a zone has the keys of its rule, and no keys of another; otherwise report them."""
     if table.rule is None:
         return False
     every = ("speed", "joints") if table.rule == "posture" else ("speed",)
@@ -195,7 +197,7 @@ _FOR_EXAMPLE = 'watch = ["tool", "elbow"]'
 
 
 def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str, Name] | None:
-    """Return the reason why a robot has no such part, the remedy, and the part; None if it has it."""
+    """Return the reason why a robot has no such part, the remedy, and the part; None if the robot has it."""
     if part == "elbow":
         if elbow_of(robot.chain) is None:
             return f"{robot.name} has no elbow.", "Name the links that shall be watched.", Name(part)

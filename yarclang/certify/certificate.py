@@ -20,7 +20,7 @@ Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_veloci
 
 @frozen
 class Load:
-    """The most used joint or motor, and its share of its limit (1.0 is the limit).
+    """The most used joint or motor, and its share of its limit (1.0 is at the limit).
 
     For positions the share is |q - middle| / (half of the range).
 
@@ -44,14 +44,15 @@ QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jer
 
 @frozen(eq=False)
 class Peaks:
-    """The largest loads of N commands, stored as flat arrays, since a long text has many commands.
+    """The largest loads of N commands.
 
-    Entry `row` * len(QUANTITIES) + k of `joints` and `shares` is that of command `row` and quantity k.
+    The loads are in flat arrays, which are small, since a long text has many commands. Entry
+    `row` * len(QUANTITIES) + k of `joints` and `shares` belongs to command `row` and quantity k.
 
     Attributes:
         names: for each quantity, the names of all joints or motors.
-        joints: index of the most used joint or motor in `names` of its quantity.
-        shares: share of its limit.
+        joints: index of the most used joint or motor in the `names` of its quantity.
+        shares: share of the limit.
     """
 
     names: tuple[tuple[str, ...], ...]
@@ -64,7 +65,7 @@ class Loads:
     """The loads of one command.
 
     Attributes:
-        peaks: the loads of many commands; None: all idle.
+        peaks: the loads of many commands; None if all loads are zero.
         row: the number of the command in `peaks`.
     """
 
@@ -88,7 +89,7 @@ class Loads:
         return share if share > 0.0 else 0.0
 
     def __eq__(self, other: object) -> bool:
-        """Return True for equal loads."""
+        """Return True if all loads are equal."""
         return isinstance(other, Loads) and self._all == other._all
 
     def __hash__(self) -> int:
@@ -96,7 +97,7 @@ class Loads:
         return hash(self._all)
 
     def __repr__(self) -> str:
-        """Return a text with this command's loads only."""
+        """Return a text with the loads of this command only."""
         return f"Loads{self._all}"
 
     @property
@@ -112,17 +113,17 @@ class Deviation:
     """Upper bounds of the distance between the executed path and the programmed one.
 
     For lines, arcs and splines of poses, this is the distance of the moving frame. For joint motions, it is
-    the distance of each prismatic or revolute joint, and that of the moving frame from a pose that is
-    programmed as a goal. Next to blends, only the part of the path outside of the blends counts. A bound is
-    infinite if nothing could be proved.
+    the larger of two distances: that of a joint from its programmed position, and that of the moving frame
+    from a pose that is programmed as a goal. Next to blends, only the part of the path outside of the blends
+    counts. A bound is infinite if nothing could be proved.
 
     Attributes:
         position: distance [m].
         angle: angle [rad].
         end_position: distance of the end from the goal [m]; zero if the motion flows into the next one.
         end_angle: angle between the end and the goal [rad]; zero if the motion flows into the next one.
-        remainder_position: part of `position` that bounds the error between the computed points [m].
-        remainder_angle: part of `angle` that bounds the error between the computed points [rad].
+        remainder_position: part of `position` that bounds the error between sampled points [m].
+        remainder_angle: part of `angle` that bounds the error between sampled points [rad].
     """
 
     position: float
@@ -220,7 +221,7 @@ class Clearance:
         distance: lower bound of the distance [m].
         first: name of one of the two nearest bodies; empty if only the bound is known.
         second: name of the other body.
-        at: time after the command's start at which they were seen nearest [s]; None if unknown.
+        at: time after the command's start at which the two bodies are nearest [s]; None if unknown.
     """
 
     distance: float
@@ -239,13 +240,13 @@ class Clearance:
 
 @frozen
 class MayTouch:
-    """Two bodies that may touch during a command, so that their distance isn't checked.
+    """Two bodies that are allowed to touch during a command, so that their distance isn't checked.
 
     Attributes:
         first: name of one body, in upper case.
-        second: name of the other body, in alphabetical order after the first.
+        second: name of the other body, after `first` in alphabetical order.
         giver: the line that allows it, in words.
-        needed: True if the bodies come nearer to each other than their margin, or touch.
+        needed: True if the bodies come closer to each other than their margin, or touch.
     """
 
     first: str
@@ -255,7 +256,7 @@ class MayTouch:
 
     @property
     def pair(self) -> str:
-        """Both names."""
+        """The names of both bodies."""
         return f"{self.first} and {self.second}"
 
     def to_json(self) -> dict[str, Any]:
@@ -268,9 +269,10 @@ class KeptRule:
     """A rule of KEEP to which a command keeps.
 
     Attributes:
-        rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
-        limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
-        largest: UPRIGHT: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
+        rule: the rule in words, such as {CUP} UPRIGHT 10 (deg) {B}.
+        limit: the largest allowed angle of UPRIGHT [rad], or the least allowed distance of ABOVE [m].
+        largest: proved upper bound of the angle of UPRIGHT [rad]; None for ABOVE, for which the distance from
+            a zone's border is proved.
     """
 
     rule: str
@@ -339,13 +341,13 @@ class CommandCertificate:
         jerk_judged: False if the jerk is stated, not judged: in a timetable, in a motion whose profile lets
             the acceleration jump, and in blends with such a motion.
         clearance: distance of the robot and its load from the cell.
-        own_clearance: distance of the robot and its load from themselves.
-        zone_clearance: distance of the watched bodies from borders that they must not cross. Its bodies are
-            the watched body and the zone.
-        zone_speed: speed in slow zones, where it is nearest to the allowed speed.
-        torque: largest load of a motor's effort; None if the robot's masses or efforts are unknown.
+        own_clearance: distance of the bodies of the robot and its load from each other.
+        zone_clearance: distance of the watched bodies from borders that they must not cross. Its two names
+            are those of the watched body and of the zone.
+        zone_speed: speed in the slow zone in which it is nearest to its limit.
+        torque: most used effort of a motor; None if the robot's masses or efforts are unknown.
         carries: parts that grippers hold during the motion.
-        may_touch: bodies whose distance isn't checked, since they may touch.
+        may_touch: bodies that are allowed to touch, so that their distance isn't checked.
         kept: rules of KEEP to which the command keeps.
         module: module that contains `source_line`; empty for the program itself.
         tolerance: the command's own tolerance; None if the general one applies.
@@ -447,8 +449,8 @@ class CommandCertificate:
 class Certificate:
     """Proved properties of a whole program, command by command.
 
-    The proofs are about the motion that the controller is commanded to make. They cover neither the following
-    error of the servo loop nor the controller's own rounding.
+    The proofs are about the motion that the controller is commanded to make. They don't cover the following
+    error of the servo loop, or the controller's own rounding.
 
     Attributes:
         target: name of the target.
@@ -464,7 +466,7 @@ class Certificate:
 
     @property
     def duration(self) -> float:
-        """Known time of all motions and dwells along the longest branches [s], without waits."""
+        """Duration of all motions and dwells along the longest branches [s], without waits."""
         return self.lasting.most
 
     @property
@@ -495,7 +497,7 @@ class Certificate:
         return {**self.whole_to_json(), "commands": [command.to_json() for command in self.commands]}
 
     def whole_to_json(self) -> dict[str, Any]:
-        """Return plain data of the whole program, without its commands."""
+        """Return plain data about the whole program, without its commands."""
         kinds: tuple[Quantity, ...] = (
             "position",
             "velocity",
@@ -557,11 +559,11 @@ class Certificate:
 def bound_text(value: float, unit: float) -> str:
     """Return an upper bound in MM or DEG with four decimals.
 
-    It is rounded up, so that the printed number is proved too.
+    The number is rounded up, so that the printed bound is proved too.
     """
     return up(most(value, unit), 4)
 
 
 def _number(value: float) -> float | None:
-    """Return None for infinity, which JSON lacks: null means that nothing was proved."""
+    """Return a number, or None for infinity: JSON has no infinity, and null means that nothing was proved."""
     return value if math.isfinite(value) else None

@@ -93,7 +93,7 @@ def certify(
     loads = {step: proof.loads for step, proof in proofs.items()}
     judge.findings.extend(slowed(layout, speeds, judged.least_of, loads))
     tell("certifying: zones", 0)
-    # The printed bound of a speed in a zone depends on which motions are examined together, so zones are not
+    # The proved bound of a speed in a zone depends on which motions are examined together, so zones are not
     # cached.
     zones = {} if judge.breaks_limits else judge.zones(layout)
     commands = tuple(
@@ -118,7 +118,7 @@ def _certified(
 ) -> Result[Certificate]:
     """Return the certificate and all findings.
 
-    The header's claims are compared only if there is no error so far.
+    The values in the header are compared with the certificate only if there is no error so far.
     """
     if not has_errors(judge.findings):
         judge.claims(content, start)
@@ -126,13 +126,13 @@ def _certified(
 
 
 def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
-    """Prove everything about each step of a layout, except zones."""
+    """Prove everything about each step of a layout except zones."""
     judged = Judged(judge.robot, judge.tolerance, claims, judge.find)
     judge.witnessed(layout)
     tell("certifying: limits", 0)
     loads = judge.limits(layout)
     tell("certifying: paths", 0)
-    # Bounds of an absurd motion, which no planner would make, may overflow to infinity.
+    # Bounds of an absurd motion, which no planner would produce, may overflow to infinity.
     with np.errstate(over="ignore", invalid="ignore"):
         proofs = find_deviations(judged, layout)
         tell("certifying: blends", 0)
@@ -158,7 +158,7 @@ def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
 def _row(
     judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones, memory: Memory
 ) -> CommandCertificate:
-    """Build one command's row of the certificate, cached by the command's label, position and proofs."""
+    """Build one command's row of the certificate. Cached by the command's label, position and proofs."""
 
     def make() -> CommandCertificate:
         return judge.command(
@@ -187,9 +187,10 @@ def certify_text(
 ) -> Result[Certificate]:
     """Prove as much as possible about a controller text without its program.
 
-    This covers limits at every instant, rests, segment times and the guard; that only outputs are assigned,
-    each at rest or in the middle of a blend; the goal of each RAPID; distances between links, tools and the
-    cell's obstacles; zones and torques. A note lists what is not judged.
+    This covers limits at every instant, rests, segment times and the guard. It also covers assignments: only
+    outputs are assigned, each at rest or in the middle of a blend. It covers the goal of each RAPID;
+    distances between links, tools and the cell's obstacles; zones and torques. A note lists what is not
+    judged.
 
     Args:
         text: the emitted text.

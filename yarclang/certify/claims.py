@@ -1,6 +1,6 @@
 """Claims of the planner about a text.
 
-Each claim is checked; a wrong claim weakens the proof, never the judgement.
+Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass.
 """
 
 from __future__ import annotations
@@ -18,16 +18,17 @@ class Claims:
 
     Attributes:
         witnesses: chosen joint positions [rad or m], checked against the way-points by forward kinematics.
-            For a SplineMove (k, n) for its k way-points. For an AvoidMove (k, n) for the way-points found,
-            the goal last. For the end of some motions that flow on (1, n): a JointMove to a pose, and a
-            Cartesian motion before a motion in joint space.
+            For a SplineMove (k, n), one row for each of its k way-points. For an AvoidMove (k, n), the
+            way-points found, with the goal in the last row. For some motions that flow into the next one
+            (1, n), the joints at their end: a JointMove to a pose, and a Cartesian motion before a motion in
+            joint space.
         laws: for SplineMoves and PoseSplineMoves, (segments + 3,) control values of the share of the path
             over time, from which the deviation is measured. In a chain, the segments reach half a blend
             beyond the motion's own segments on either side.
         kept: ratio of the reached speed to the programmed one, if less than 1. The judge checks the text
             against this ratio and reports it (Y0610).
         least: in a chain, the lowest ratio of the speed to the programmed one, after that has been reached.
-            The judge checks that the speed stays between this and 1, and reports it as well.
+            The judge checks that the speed stays between this ratio and 1, and reports the ratio as well.
         any_jerk: steps whose law has no limit of the jerk. The profile that the program names must allow
             this; the certificate lists their jerk as not judged.
     """

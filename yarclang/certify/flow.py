@@ -1,9 +1,8 @@
 """Comparison of a text's actions between its motions with those of the program.
 
-Dwells, outputs, waits and branches must be the program's, in its order and at rest.
-
-The only exception from rest is an output after a motion that flows into the next one: it is set in the middle
-of the blend.
+The dwells, outputs, waits and branches of a text must be those of the program, in the same order, and at
+rest. The only exception from rest is an output after a motion that flows into the next one: it is set in the
+middle of the blend.
 """
 
 from __future__ import annotations
@@ -30,14 +29,14 @@ Fault = tuple[int | None, str]
 """The step of the program concerned, if known, and the fault in words."""
 
 SEGMENTS_OFF = 1
-"""Most segments between the middle of a blend and an output that is set there."""
+"""Largest number of segments between the middle of a blend and an output that is set there."""
 _SAME_TIME = 1e-6
 _DECIMALS = 9
 """Decimals of input and output values in a text."""
 _TIMES = {"dwell": (1,), "wait": (4,), "until": (3,), "when": (4,)}
 """Positions of times in an action: a dwell [ms], the timeout of a wait [s]."""
 _LONGEST_NAME = 80
-"""Most characters of a name or text in a map."""
+"""Largest number of characters of a name or text in a map."""
 
 
 def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
@@ -87,7 +86,7 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 
 
 def _watched(watches: tuple[Watch, ...]) -> str:
-    """Return in words the inputs that hold a motion, and where they lead."""
+    """Return in words the inputs that hold a motion, and the branches that they start."""
     told = (
         f"{one.name} ({one.variable}) for {one.value:g}{f' and leaves by {one.then} ({one.way})' if one.then else ''}"
         for one in watches
@@ -96,9 +95,9 @@ def _watched(watches: tuple[Watch, ...]) -> str:
 
 
 def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
-    """Check the actions as far as possible without the program.
+    """Check the actions of a text without its program.
 
-    Outputs and barriers must be at rest or in the middle of a blend; slow RAPIDs must lead to the current
+    Outputs and barriers must be at rest or in the middle of a blend. A slow RAPID must lead to the current
     position.
 
     Args:
@@ -116,7 +115,7 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
 
 
 def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
-    """Check that a motion that an input ends is alone between two barriers.
+    """Check that a motion that an input ends is the only motion between two barriers.
 
     The input ends all lines that are streamed together.
     """
@@ -125,14 +124,14 @@ def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
     begins = [leg[0] for leg in legs]
     for one in text.searches:
         first, last = ends[one.step]
-        # Legs are in the order of their lines, so those of a motion are neighbors.
+        # Legs are in the order of their lines, so the legs of a motion are neighbours.
         streamed = legs[bisect_right(begins, first) - 1 : bisect_right(begins, last)]
         if len(streamed) != 1 or not all(first <= line <= last for line in streamed[0]):
             yield one.step, f"a motion that {one.name} ends is streamed together with others"
 
 
 def _legs(text: ControllerText) -> Iterator[list[int]]:
-    """Yield the line numbers of each leg: the lines between two barriers that move or set something."""
+    """Yield, for each leg between two barriers, the numbers of the lines that move or set something."""
     leg: list[int] = []
     for item in (*text.course, None):
         if item is None or isinstance(item, Barred):
@@ -200,6 +199,7 @@ def _told(text: ControllerText) -> Iterator[Deed]:
         match item:
             case Run():
                 puts = list(item.puts)
+                # Assign the outputs of a sequence to the motions after which they are set.
                 while entry is not None and (entry.first or 0) <= int(item.lines[-1]):
                     yield ("move", entry.step)
                     following = next(moving, None)
@@ -238,9 +238,9 @@ def _printable(text: str) -> str:
 
 
 def _behind(run: Run, put: Put, entry: Entry) -> int:
-    """Return the number of segments from a command's end to an output; negative if the output is first.
+    """Return the number of segments from a command's end to an output; negative if the output comes first.
 
-    A move line begins the segment with its number in the sequence.
+    A move line begins the segment that has the line's number in the sequence.
     """
     return int(
         np.searchsorted(run.lines, put.line) - np.searchsorted(run.lines, entry.last or 0, side="right")
@@ -248,8 +248,10 @@ def _behind(run: Run, put: Put, entry: Entry) -> int:
 
 
 def _belongs_after(run: Run, put: Put, entry: Entry, following: Entry | None) -> bool:
-    """Return True if an output is set where a command ends, and not nearer to the end of the following one,
-    which may be as short as one segment.
+    """Return True if an output is set at the end of a command, and not nearer to the end of the following
+    one.
+
+    The following command may be as short as one segment.
     """
     off = _behind(run, put, entry)
     if off > SEGMENTS_OFF:
@@ -296,9 +298,8 @@ def _same(found: Deed, deed: Deed) -> bool:
 def _same_number(found: float, meant: float, *, is_time: bool) -> bool:
     """Return True if the text has the program's number.
 
-    A time must agree to the printed precision, a value to its last decimal.
-
-    A running program compares the value of a WAIT exactly, so any other value would be another condition.
+    A time must agree to the printed precision, and a value to its last decimal: a running program compares
+    the value of a WAIT exactly, so any other value would be another condition.
     """
     if is_time:
         return abs(found - meant) <= _SAME_TIME * max(1.0, abs(meant))
@@ -348,6 +349,7 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
                     yield None, f"line {item.line} decides by what wasn't read before it"
             before = item if isinstance(item, Barred) else None
         if isinstance(item, Barred) and item.kind == "when" and item.decided is not None:
+            # The inputs read at each open WHEN, innermost last.
             known = read[-1] if item.again and read else {one.variable for one in inputs_of(item.decided)}
             read.append(known)
         elif isinstance(item, Barred) and item.kind == "end" and read:
@@ -355,9 +357,10 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
 
 
 def _after_an_end(text: ControllerText) -> Iterator[Fault]:
-    """Report actions in a branch after the program or a pass of a loop has ended there.
+    """Report actions in a branch after the program, or a pass of a loop, has ended in this branch.
 
-    They would never be streamed, and the last barrier of a branch determines whether it ends.
+    Such actions would never be streamed. The last barrier of a branch determines whether the branch ends
+    there.
     """
     ended: Barred | None = None
     for item in text.course:

@@ -1,6 +1,6 @@
 """Bounds in other units and with few digits, rounded outwards.
 
-A printed bound is never better than the proved one.
+A printed bound is never sharper than the proved one.
 """
 
 from __future__ import annotations
@@ -31,9 +31,11 @@ def _moved(value: float, unit: float, towards: float) -> float:
     if value == 0.0 or not math.isfinite(value):
         return value
     if unit == MM:
-        # MM is 1e-3. The product with 1000, which is exact, is rounded only once.
+        # MM is 1e-3. The factor 1000 is exact, so the product is rounded only once.
         found = value * 1000.0
         missing = _product_error(value, 1000.0, found)
+        # The exact product is `found` + `missing`: move to the next number if `found` is on the wrong side of
+        # it.
         is_outside = missing <= 0.0 if towards > 0.0 else missing >= 0.0
         return found if is_outside else math.nextafter(found, towards)
     # Two roundings, of the unit and of the quotient, by at most half a unit in the last place each.

@@ -53,8 +53,8 @@ WINDOW = 128
 AROUND = 3
 """Rows on either side of a window that take part in its proofs.
 
-A motion is cut where it meets its neighbours, a neighbour where it meets the next motion, and that one begins
-where the motion before it ends.
+Three rows are needed: a motion is cut where it meets its neighbour, the neighbour is cut where it meets the
+next motion, and that motion begins where the motion before it ends.
 """
 
 Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
@@ -76,10 +76,8 @@ def recalled(
 ) -> Mapping[int, Proved]:
     """Return the proofs of all steps, from the cache or new.
 
-    Long texts are proved window by window on all cores.
-
-    Only proofs without findings are cached. With any finding, the whole text is proved again at once, since
-    findings of one kind are counted together.
+    Long texts are proved window by window on all cores. Only proofs without findings are cached. If there is
+    any finding, the whole text is proved again at once, since findings of one kind are counted together.
 
     Args:
         memory: cache of proofs.
@@ -172,8 +170,8 @@ def _windows(layout: Layout) -> Iterator[_Window]:
 def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
     """Return the row after the window that begins at row `begin`; None without a suitable place.
 
-    The window has between `WINDOW` and 2 `WINDOW` rows. Among the possible places, a hash of the goal of a
-    nearby motion chooses one, so that an edit elsewhere in the text does not move the cuts.
+    The window has between `WINDOW` and 2 `WINDOW` rows. A hash of the goal of a nearby motion chooses one of
+    the possible places, so that an edit elsewhere in the text does not move the cuts.
     """
     best, found = -1, None
     for row in range(begin + WINDOW, min(begin + 2 * WINDOW, stop - WINDOW + 1)):
@@ -181,6 +179,7 @@ def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
         # The start of the motions before a window must be known without the motions before them.
         if end is None or not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
             continue
+        # The largest hash wins: a choice by the goals themselves, not by their places in the text.
         chance = crc32(end.tobytes())
         if chance > best:
             best, found = chance, row
@@ -188,7 +187,7 @@ def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
 
 
 def _end_by_itself(motion: hir.Motion) -> Array | None:
-    """Return a motion's programmed end, if it does not depend on where the motion begins; else None."""
+    """Return a motion's programmed end if it doesn't depend on the motion's start, else None."""
     match motion:
         case hir.JointMove(goal=hir.JointGoal(q=q)):
             return q
@@ -202,7 +201,7 @@ def _end_by_itself(motion: hir.Motion) -> Array | None:
 
 
 def _stretches(places: Sequence[Place]) -> Iterator[range]:
-    """Yield the rows of stretches. A stretch begins with a motion with moves that begins at rest."""
+    """Yield the rows of each stretch. A stretch begins with a motion that has moves and begins at rest."""
     begin = 0
     for row, place in enumerate(places):
         if row > begin and place.size and place.before is None:
@@ -224,7 +223,7 @@ def _control(layout: Layout, segments: slice) -> slice:
 
 
 class _Said:
-    """The numbers of a layout as bytes, from which keys of windows are cut."""
+    """The numbers of a layout as bytes, from which the keys of windows are cut."""
 
     def __init__(self, layout: Layout, claims: Claims) -> None:
         self._layout, self._claims = layout, claims
@@ -236,7 +235,7 @@ class _Said:
         self._begins, self._ends = layout.begins.tobytes(), layout.ends.tobytes()
 
     def key(self, rows: range) -> bytes:
-        """Return all values that the proofs of some rows depend on."""
+        """Return all values on which the proofs of some rows depend."""
         places, row = self._layout.places[rows.start : rows.stop], self._row
         segments, first, last = _segments(self._layout, rows), rows.start * row, rows.stop * row
         points = _control(self._layout, segments)

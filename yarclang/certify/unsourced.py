@@ -1,4 +1,6 @@
-"""Judgement of a controller text without its program: what its map reveals, and what cannot be judged."""
+"""Judgement of a controller text without its program: the program that its map reveals, and a note of the
+rest.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ _MOST = 4
 def told_program(
     content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> hir.Program:
-    """Return the program as far as the map reveals it: its commands, its branches, and what moves.
+    """Return the program that the map reveals: its commands, its branches, and the moving commands.
 
     Args:
         content: the text that was read.
@@ -34,8 +36,8 @@ def told_program(
     for entry in content.entries:
         origin = hir.Origin(entry.index, entry.name, source, Span.on_line(entry.source_line, 1, 2))
         if entry.first is None:
-            # The map names commands without lines, but no details. The end of the program is seen in the text
-            # itself.
+            # The map names commands without lines, but not their details. The end of the program is seen in
+            # the text itself.
             barrier = barriers.get(entry.step)
             steps.append(_way(origin, barrier) or hir.SetOutput(origin, hir.Signal("", ""), 0.0))
             continue

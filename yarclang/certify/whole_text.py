@@ -108,7 +108,7 @@ class Judge:
     def breaks_limits(self) -> bool:
         """True if a limit of joints or motors is broken.
 
-        The movement of bodies in such a motion can take long to examine, and would add no information.
+        Bodies are then not examined: this can take long for such a motion, and would add no information.
         """
         return any(CATALOGUE[one.code].sort == "limits" for one in self.findings)
 
@@ -142,7 +142,7 @@ class Judge:
         return next((i for i, step in enumerate(self.program.steps) if isinstance(step, hir.Motion)), None)
 
     def robot_named(self, content: ControllerText) -> None:
-        """Check that the header names exactly this robot."""
+        """Check that the header names this robot."""
         header, robot = content.header, self.robot
         if header.robot == robot.name and header.robot_fingerprint == robot.fingerprint:
             return
@@ -176,7 +176,7 @@ class Judge:
                 None,
             )
         takes, claimed = content.schedule.lasting, header.lasting
-        # If the shortest and the longest time are printed as one, the header has only the longest.
+        # If the shortest and the longest time are equal as printed, the header has only the longest.
         least = takes.least if takes.varies else takes.most
         off = max(abs(least - claimed.least), abs(takes.most - claimed.most))
         waits = (takes.fewest, takes.waits, takes.loops) != (claimed.fewest, claimed.waits, claimed.loops)
@@ -253,7 +253,7 @@ class Judge:
             allowed = place.size * content.quantum / 2.0 + 1e-9
             chained = place.before is not None or place.behind is not None
             if chained and place.size:
-                # One segment time for the whole chain: its seams can only be at whole segments.
+                # A chain has one segment time, so its seams can only be at whole segments.
                 allowed += float(layout.time[place.first]) / 2.0
             if abs(drift if chained else duration - programmed) > allowed:
                 self.find(
@@ -302,9 +302,9 @@ class Judge:
         return loads
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
-        """Return True if a jerk beyond the limit is outside of everything without this limit.
+        """Return True if a jerk beyond its limit is in a part of the motion that has a jerk limit.
 
-        A motion may have no limit of the jerk; its blends have none then.
+        A motion without a jerk limit has none anywhere, and its blends with neighbours have none either.
         """
         if place.any_jerk:
             return False

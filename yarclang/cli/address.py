@@ -1,4 +1,4 @@
-"""Options that choose a controller or a run, and reports of their errors."""
+"""Options that choose a controller or a run, and the output of their errors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 SIM = "sim"
-"""Value in place of an address for a simulator of our own."""
+"""Value that is given instead of an address to start a simulator of the command's own."""
 
 _SHAPE = re.compile(
     r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[^\[\]:/@?#\s]*))(?::(?P<port>[^:/]*))?/?", re.ASCII
@@ -35,7 +35,7 @@ class Address:
     Attributes:
         host: name or address.
         port: TCP port.
-        leash: time of a simulator in this process; None for another controller.
+        leash: clock of a simulator in this process, which waits for its client; None for another controller.
     """
 
     host: str
@@ -49,7 +49,7 @@ class Address:
 
 
 def _port() -> int:
-    """Return the port of an address without one."""
+    """Return the default port, for an address without one."""
     from yarclang.backend import backend_called
     from yarclang.robot.kinds import DEFAULT
 
@@ -57,14 +57,14 @@ def _port() -> int:
 
 
 class AddressType(ParamType["Address | None"]):
-    """`tcp://HOST[:PORT]`; None for `sim`, if that is allowed."""
+    """Parser of `tcp://HOST[:PORT]`. Returns None for `sim`, if `sim` is allowed."""
 
     def __init__(self, *, sim: bool = True) -> None:
         self._sim = sim
         self.name = f"{SIM}|tcp://HOST[:PORT]" if sim else "tcp://HOST[:PORT]"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Address | None:
-        """Parse an address. An invalid one is a usage error."""
+        """Parse an address. An invalid address is a usage error."""
         if isinstance(value, Address):
             return value
         text = str(value).strip()
@@ -96,7 +96,7 @@ class AddressType(ParamType["Address | None"]):
 
 
 def run_option(function: F, *, which: str = "Which run") -> F:
-    """Add --run NAME; `which` begins its help."""
+    """Add --run NAME. Its help begins with `which`."""
     return click.option(
         "--run",
         "run",
@@ -107,7 +107,7 @@ def run_option(function: F, *, which: str = "Which run") -> F:
 
 
 def controller_options(function: F) -> F:
-    """Add --to and --robot, for a controller without a run."""
+    """Add --to and --robot, which name a controller that needs no run."""
     from yarclang.cli.options import complete_robots
 
     robot = click.option(
@@ -129,7 +129,7 @@ def check_controller_options(to: Address | None, robot: str | None, run: str | N
     """Check that --to and --robot are given together, and without --run.
 
     Raises:
-        click.UsageError: they aren't.
+        click.UsageError: only one of them is given, or both with --run.
     """
     if (to is None) != (robot is None):
         missing = "--robot" if robot is None else "--to"
@@ -140,7 +140,9 @@ def check_controller_options(to: Address | None, robot: str | None, run: str | N
 
 @contextlib.contextmanager
 def trouble_is_said() -> Iterator[None]:
-    """Report troubles in the context on standard error with their remedies, and exit with status 1."""
+    """Print errors of the type Trouble in the context, with their remedies, to standard error; then exit
+    with status 1.
+    """
     from yarclang.runtime.actions import Lost, Trouble
 
     what, remedy = "", ""
@@ -159,7 +161,7 @@ def trouble_is_said() -> Iterator[None]:
 
 
 def _runs(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
-    """Return the runs whose names begin with a text, for completion."""
+    """Return the runs whose names begin with the typed text, for completion."""
     from yarclang.runtime.actions import Trouble
     from yarclang.runtime.transports.runs import find_runs
 

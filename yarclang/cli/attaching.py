@@ -1,5 +1,5 @@
-"""Connection of a door to its robot: by a coordinator that serves the robot, or by one that the door starts
-in its own process.
+"""Connect a command to its robot, through a coordinator that serves the robot, or through one that the
+command starts in its own process.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.playing import SimulatedCell
 
 _ALONE = ("run", "exec")
-"""Doors that run one program; at the others users give orders."""
+"""Commands that run one program. In all other commands of this kind users give orders."""
 
 _QUICK = 1.5
-"""Longest time for a greeting [s]. A slower process doesn't serve."""
+"""Longest wait for a coordinator's greeting [s]. A process that takes longer is not used."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +46,8 @@ class Served:
 
     Attributes:
         run: its run.
-        fingerprint: of the robot.
-        controller: its address.
+        fingerprint: fingerprint of the robot.
+        controller: address of the robot's controller.
         simulated: True if the controller is simulated.
     """
 
@@ -59,12 +59,12 @@ class Served:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Controller or coordinator with which a door works.
+    """Controller or coordinator with which a command works.
 
     Attributes:
-        address: of the controller.
-        served: the coordinator that serves the robot; None if the door starts a coordinator of its own.
-        own: True if the controller is a simulator that lives as long as the door.
+        address: address of the controller.
+        served: the coordinator that serves the robot; None if the command starts a coordinator of its own.
+        own: True if the controller is a simulator that exists only as long as the command runs.
         surroundings: the machines around the robot of such a simulator.
     """
 
@@ -81,11 +81,11 @@ class Place:
 def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served | None:
     """Find a coordinator that serves a robot.
 
-    Without an address nothing real moves: only a simulated robot is searched.
+    Without an address only simulated robots are searched, so that no real robot moves.
 
     Args:
         to: address of the controller; None for a simulator.
-        robot: returns the wanted robot; called only if a coordinator serves one.
+        robot: returns the wanted robot. It is called only if a coordinator serves any robot.
     """
     if to is not None:
         run = run_on(to.host, to.port)
@@ -98,7 +98,7 @@ def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served |
 
 
 def _served(run: Run) -> Served | None:
-    """Return a run's coordinator, if it serves others."""
+    """Return a run's coordinator, if it serves other clients."""
     try:
         with Asked(str(run.path), name="looking", timeout=_QUICK) as robot:
             told = robot.welcome
@@ -119,7 +119,9 @@ def place_of(
     tells: bool = True,
     surroundings: SimulatedCell | None = None,
 ) -> Iterator[Place]:
-    """Yield the place of a door that starts a coordinator of its own: see `controller`."""
+    """Yield the place of a command that starts a coordinator of its own; the arguments are those of
+    `controller`.
+    """
     from yarclang.simulated_cell.playing import SimulatedCell
 
     around = (surroundings or SimulatedCell()) if to is None else None
@@ -128,11 +130,11 @@ def place_of(
 
 
 def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -> Place:
-    """Return the place of a door that attaches to a coordinator.
+    """Return the place of a command that attaches to a running coordinator.
 
     Raises:
         Trouble: the coordinator serves another robot.
-        click.UsageError: an option requires a coordinator of the door's own.
+        click.UsageError: an option works only with a coordinator that the command starts itself.
     """
     for name in ("log", "no_log", "rate", "patience", "set", "inputs"):
         if options.get(name):
@@ -154,7 +156,7 @@ def check_cell(robot: Attached, named: str) -> None:
     """Check that a served robot uses the cell of the command line.
 
     Raises:
-        Trouble: it uses another one, or none.
+        Trouble: the robot uses another cell, or none.
     """
     known = robot.welcome.status.cell
     if known is None or not is_same_file(Path(known), Path(named)):
@@ -163,7 +165,7 @@ def check_cell(robot: Attached, named: str) -> None:
 
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Function that makes a client of a coordinator from its name for others."""
+"""Function that returns a new client of a coordinator. Its argument is the name that others see."""
 
 
 @asynccontextmanager
@@ -179,12 +181,12 @@ async def attached(
     """Yield a client of a robot's coordinator, which detaches at the end of the context.
 
     Args:
-        place: of the door.
-        robot: of the controller; None if the robot is served, because the coordinator knows it.
-        name: of the client for others.
-        options: of the command line.
-        what: text of `yarc status` while nothing is running.
-        folder: in which modules, cells and yarc.toml are searched; None for the working directory.
+        place: controller or coordinator to use.
+        robot: robot of the controller; None if the robot is served, because the coordinator then knows it.
+        name: name of the client that others see.
+        options: options of the command line.
+        what: text that `yarc status` shows while nothing is running.
+        folder: folder in which modules, cells and yarc.toml are searched; None for the working directory.
 
     Raises:
         ControlError: another process of this computer drives the controller.
@@ -200,8 +202,8 @@ async def attached(
 
 
 def _attaching(served: Served, address: Address, robot: Robot | None) -> Attach:
-    """Return a function that makes clients of a coordinator that serves a robot. If that coordinator has
-    ended, it uses the one that serves the same robot now.
+    """Return a function that creates clients of a coordinator that serves a robot. If this coordinator has
+    ended, the function uses the coordinator that serves the same robot now.
     """
     known = served
 
@@ -239,17 +241,17 @@ async def reached(
     door: str = "",
     patient: bool = False,
 ) -> AsyncIterator[Attach]:
-    """Yield a function that makes clients of a robot's coordinator, like `attached`. The caller detaches each
-    client.
+    """Yield a function that creates clients of a robot's coordinator, like `attached`. The caller detaches
+    each client.
 
     Args:
-        place: of the door.
-        robot: of the controller; None if the robot is served.
-        options: of the command line.
-        what: text of `yarc status` while nothing is running.
-        folder: in which modules, cells and yarc.toml are searched; None for the working directory.
-        door: to which the clients belong.
-        patient: True to start a coordinator also while its controller isn't ready.
+        place: controller or coordinator to use.
+        robot: robot of the controller; None if the robot is served.
+        options: options of the command line.
+        what: text that `yarc status` shows while nothing is running.
+        folder: folder in which modules, cells and yarc.toml are searched; None for the working directory.
+        door: kind of command to which the clients belong.
+        patient: True to start a coordinator even if its controller isn't ready.
     """
     if place.served is not None:
         yield _attaching(place.served, place.address, robot)

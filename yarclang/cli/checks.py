@@ -1,4 +1,4 @@
-"""Checks and fixes of files."""
+"""Check files and fix them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Task:
     """Task for each file.
 
     Attributes:
-        options: of the command line.
+        options: options of the command line.
         plans: True to plan motions.
         fix: True to apply fixes.
         shown: codes to report; None for all. Errors are always reported.
@@ -40,7 +40,7 @@ class Task:
 
     @property
     def said(self) -> tuple[object, ...]:
-        """Return all that distinguishes this task from others."""
+        """Return everything that distinguishes this task from others, as the key of cached results."""
         shown = None if self.shown is None else sorted(self.shown)
         return (self.options.said, self.plans, self.fix, shown, sorted(self.chosen))
 
@@ -50,10 +50,10 @@ class Done:
     """Result for a file.
 
     Attributes:
-        path: of the file.
+        path: path of the file.
         found: findings.
-        before: the text before fixes; None if it wasn't to be fixed.
-        after: the text after fixes; None if it wasn't to be fixed.
+        before: the text before fixes; None if fixes weren't requested.
+        after: the text after fixes; None if fixes weren't requested.
         applied: descriptions of the fixes.
     """
 

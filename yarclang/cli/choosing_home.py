@@ -1,4 +1,4 @@
-"""Choice of HOME for a new robot: a position in which its links are apart and its motors can hold it."""
+"""Choose HOME for a new robot: a position in which its links don't touch and its motors can hold it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,15 @@ if TYPE_CHECKING:
 
 
 def with_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
-    """Return a new robot with the first HOME in which it doesn't collide with itself and can hold its pose,
-    the loaded robot, and notes if there is none.
+    """Choose the first HOME in which a new robot doesn't collide with itself and can hold its pose.
 
     Args:
-        made: with candidates for HOME, best first.
-        robot: loaded with the first of them.
+        made: new robot with candidates for HOME, best first.
+        robot: the same robot, loaded with the first of them.
+
+    Returns:
+        The new robot and the loaded robot, both with this HOME, and notes about what is wrong with the HOME
+        if no candidate fits.
     """
     proposed = np.array([home.value for home in made.homes]) * robot.axis_units
     stands = np.flatnonzero(standing(robot, proposed).max(axis=1) <= STANDS)

@@ -1,4 +1,4 @@
-"""Columns of a table on a terminal: their widths, and abbreviations of names."""
+"""Lay out the columns of a table on a terminal: their widths, and abbreviated names."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Literal
 from yarclang.frozen import frozen
 
 LONGEST_PLACE, SHORTEST_PLACE = 48, 16
-"""Most characters of a command's place on a terminal. On a narrow one it is cut to the smaller number before
-a column is left out.
+"""Largest number of characters of a command's place on a terminal. On a narrow terminal, places are cut to
+the smaller number before a column is left out.
 """
 LEAST_PLACE = 8
-"""Characters to which a command's place is cut before the column of the worst share is left out."""
+"""Number of characters to which places are cut before the column with the worst share is left out."""
 
 _LONG_NAME = 4
-"""Length of a joint's name above which a narrow table numbers the joints."""
+"""Length of a joint's name above which a narrow table shows numbers instead of names."""
 
 
 @frozen
@@ -34,7 +34,7 @@ class Column:
 
     @property
     def width(self) -> int:
-        """Characters of the widest cell or the heading."""
+        """Width of the widest cell or the heading, in characters."""
         return max(len(self.name), *map(len, self.cells))
 
     def lines(self) -> Iterator[str]:
@@ -45,14 +45,14 @@ class Column:
 
 
 def whole_width(columns: Sequence[Column]) -> int:
-    """Return the characters of a line with all columns, with places cut as on a wide terminal."""
+    """Return the width of a line with all columns, in characters, with places cut as on a wide terminal."""
     place, *others = columns
     return min(place.width, LONGEST_PLACE) + sum(column.width + 2 for column in others)
 
 
 def numbers_of(joints: Sequence[str]) -> dict[str, str]:
-    """Return J1, J2, ... by the names of joints; empty if all names are short, or a joint has such a name
-    already.
+    """Return J1, J2, ... for each joint's name; empty if all names are short, or if a joint already has
+    such a name.
     """
     numbers = {name: f"J{number}" for number, name in enumerate(joints, 1)}
     is_worth_it = max(map(len, joints), default=0) > _LONG_NAME and not set(numbers) & set(numbers.values())
@@ -60,7 +60,7 @@ def numbers_of(joints: Sequence[str]) -> dict[str, str]:
 
 
 def renamed(column: Column, numbers: Mapping[str, str]) -> Column:
-    """Return a column with the names of joints replaced by numbers."""
+    """Return a column whose joint names are replaced by numbers."""
 
     def numbered(cell: str) -> str:
         bracket = cell[: cell.startswith("(")]

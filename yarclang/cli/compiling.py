@@ -1,4 +1,4 @@
-"""Compilation of files."""
+"""Compile files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Task:
     """Task for each file.
 
     Attributes:
-        options: of the command line.
+        options: options of the command line.
         strict: True if a warning counts as an error.
         with_proof: True if the proof for `yarc verify` is wanted.
     """
@@ -94,17 +94,18 @@ def _compiled(path: str, task: Task) -> Made:
 def destinations_of(
     paths: Sequence[str], output: str | None, folder: Path | None, suffix: str = ".pmc"
 ) -> dict[str, str]:
-    """Return the path of the text, or of another result, of each program.
+    """Return the path of the result (the controller text or a picture) for each program.
 
     Args:
         paths: programs, and folders of programs.
-        output: path of the text of one program.
-        folder: where the texts go, those of a folder's programs in the same folders as there; None: beside
-            the programs, of which each must be named, so that a slip of the finger writes no files everywhere.
-        suffix: of the results.
+        output: path of the result if there is one program.
+        folder: folder for the results; programs of a folder keep their subfolders there. None writes results
+            beside the programs. Each program must then be named, so that a typing mistake doesn't fill
+            folders with files.
+        suffix: suffix of the results.
 
     Raises:
-        click.UsageError: a folder has no program, or it isn't said where the texts of its programs go.
+        click.UsageError: a folder has no program, or `folder` is missing for the programs of a folder.
     """
     found: dict[str, str] = {}
     what = "texts" if suffix == ".pmc" else "pictures"

@@ -16,13 +16,13 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 _LEAST_PATIENCE, _MOST_PATIENCE = 0.1, 60.0
-"""Bounds of the patience [s]: below, a controller would hold at each pause of a computer; above, it would
-leave a robot whose computer is dead alone for too long.
+"""Bounds of the patience [s]. With less, a controller would hold at each pause of a computer. With more, a
+robot whose computer has failed would move on for too long.
 """
 
 
 def controller_option(function: F) -> F:
-    """Add --to sim|tcp://HOST[:PORT]; None for a simulator of our own."""
+    """Add --to sim|tcp://HOST[:PORT]; the value is None for a simulator of the command's own."""
     return click.option(
         "--to",
         type=AddressType(),
@@ -43,12 +43,12 @@ def patience_option(function: F) -> F:
 
 
 class _Setting(ParamType[str]):
-    """INPUT=VALUE. The input is resolved when the program is known."""
+    """Parser of INPUT=VALUE. The input is resolved later, when the program is known."""
 
     name = "INPUT=VALUE"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Return the text itself. Another form is a usage error."""
+        """Return the text itself. Text of another form is a usage error."""
         from yarclang.simulated_cell.script import check_setting
 
         try:

@@ -1,4 +1,4 @@
-"""Controller of a command: one with an address, or a simulator that lives as long as the command."""
+"""Controller of a command: a controller with an address, or a simulator that runs as long as the command."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.playing import SimulatedCell
 
 SIMULATED_REPLY_TIME = 20.0
-"""Time without a reply after which a simulator of our own counts as lost [s]; long, because the computer may
-be busy.
+"""Time without a reply after which a simulator in this process counts as lost [s]. It is long because the
+computer may be busy.
 """
 
 
@@ -35,15 +35,15 @@ def controller(
     """Yield the address of a controller.
 
     Args:
-        to: the given controller; None for a simulator.
-        robot: of the controller.
-        stands: (n,) start of a simulated robot [rad or m].
-        rate: speed of a simulator's time.
+        to: address on the command line; None for a simulator.
+        robot: robot of the controller.
+        stands: (n,) initial position of a simulated robot [rad or m].
+        rate: speed of the simulator's time.
         tells: True to report that the robot is simulated.
         surroundings: the machines around a simulated robot.
 
     Raises:
-        Trouble: the robot is simulated, and its controller's settings aren't proved.
+        Trouble: the robot is simulated, and the settings of its controller aren't proved.
     """
     if to is not None:
         yield to
@@ -59,7 +59,7 @@ def controller(
 
 
 def robot_argument(robot: Robot, given: str | None) -> str:
-    """Return the value for --robot: the given one, otherwise the robot's name or its path."""
+    """Return the value for --robot: the given value, or else the robot's name or its path."""
     if given is None and any(one.folder == robot.folder for one in list_robots()):
         return robot.name
     return shlex.quote(given or str(robot.folder))

@@ -1,4 +1,4 @@
-"""Differences of a file from its new text, and the bytes to write."""
+"""Compare a file with its new text, and encode the new text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.source import SourceFile
 
 
 def difference(path: str, before: str | None, after: str | None) -> str:
-    """Return a unified diff. Its lines end with LF, regardless of the file."""
+    """Return a unified diff. Its lines end with LF, whatever line ends the file has."""
     name = "<stdin>" if path == STANDARD else path
     old, new = (SourceFile(name, text or "").lines for text in (before, after))
     lines = unified_diff(old, new, name, name, lineterm="")

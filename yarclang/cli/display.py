@@ -1,4 +1,4 @@
-"""Display of a run: a line for each command, and on a terminal one more, which changes."""
+"""Display of a run: a line for each command. On a terminal there is one more line, which changes."""
 
 from __future__ import annotations
 
@@ -32,36 +32,36 @@ from yarclang.runtime.signals import signal_text
 from yarclang.runtime.state import State
 
 _SAME = 1e-6
-"""Difference below which times count as equal [s]."""
+"""Times that differ by less count as equal [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """Joints of a robot that is known from messages only, whose positions are in deg and mm."""
+    """Joints of a robot that is only known from messages. These give positions in deg and mm."""
 
     joint_names: tuple[str, ...]
 
     @property
     def axis_units(self) -> Array:
-        """Ones (n,)."""
+        """Ones (n,), since positions in messages need no conversion."""
         return np.ones(len(self.joint_names))
 
     @classmethod
     def of(cls, status: Status) -> Axes:
-        """Return the joints of a status."""
+        """Return the joints that a status names."""
         return cls(tuple(one.name for one in status.joints))
 
 
 _MANY, _FEW = 200, 4
-"""Number of commands above which a program is long, and number of begun commands that a long program shows as
-one line.
+"""A program with more than `_MANY` commands is long. If `_FEW` or more of its commands have begun since the
+last output, one line shows them all.
 """
 _SELDOM = 1.0
-"""Time between two lines on the commands of a long program [s]."""
+"""Shortest time between two lines about the commands of a long program [s]."""
 
 
 class Display:
-    """Display of a run: a line for each command. On a terminal, one more line changes; elsewhere, a long
+    """Display of a run: a line for each command. On a terminal, one more line changes. Elsewhere, a long
     command gets an additional line now and then.
     """
 
@@ -107,7 +107,7 @@ class Display:
                 )
 
     def _begin(self, part: PartBegan) -> None:
-        """Note that a part begins."""
+        """Prepare the display for a part of the program, which begins now."""
         program = self._program
         beside = part.to_the_start or part.leads_out
         again = part.number > 1 and not beside
@@ -156,10 +156,14 @@ class Display:
         return begun
 
     def _begun(self, done: float, now: float) -> list[str]:
-        """Return lines for the commands that have begun since the last ones were written, at `done` [s] of
-        the program and `now`; at the end for all, including those without a report.
+        """Return lines for the commands that have begun since the last call.
 
-        The commands of a long program are written seldom, and then as one line.
+        The last call returns lines for all remaining commands, including those that were never reported. For
+        a long program there is output only now and then: one line for several commands.
+
+        Args:
+            done: progress of the program [s].
+            now: current time [s].
         """
         count = bisect_right(self._ahead, done + _SAME, self._next, key=lambda one: one.begins_s)
         last = count == len(self._ahead)
@@ -180,14 +184,14 @@ class Display:
     def _left_out(self, change: Changed, before: State) -> bool:
         """Return True if a change of state needs no line.
 
-        The end is reported later, when all of it is known. After the first motion, ordinary changes are left
+        The end is reported later, with all of its details. After the first motion, ordinary changes are left
         out.
         """
         if change.state is State.FAULT or (change.state is State.STOP and not self._instead):
             return True
         ordinary = before is not State.HOLD and change.state in (State.INIT, State.MOVE)
         left_out = self._brief and ordinary
-        # a program that waits for an input, for example, is loaded leg by leg
+        # a program that waits for an input, for example, is loaded in several parts: report only the first
         self._brief = self._brief or change.state is State.MOVE
         return left_out
 
@@ -197,8 +201,8 @@ def _progress(event: ProgressMade) -> Progress:
 
 
 def _command_of(program: ProgramDescribed, progress: Progress) -> ProgramCommand | None:
-    """Return the command that is executed. Among commands of one name and line, such as in a loop, the time
-    decides.
+    """Return the command that is executed. If several commands have this name and line, such as in a loop,
+    choose by time.
     """
     found = [
         one for one in program.commands if (one.title, one.line) == (progress.command, progress.source_line)

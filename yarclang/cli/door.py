@@ -1,4 +1,4 @@
-"""Common behaviour of all commands: no exception is shown as a traceback, and any text can be written."""
+"""Common behaviour of all commands: exceptions aren't shown as tracebacks, and any text can be written."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 class Door(click.Command):
-    """A command whose bugs become findings with a report, and whose exit status is then 1."""
+    """A command that reports its own bugs as findings; the exit status is then 1."""
 
     def main(self, *args: Any, **extra: Any) -> Any:
-        """Run the command. Characters that the terminal's encoding lacks, such as in names of files, are
-        escaped in ASCII.
+        """Run the command. Characters that the terminal's encoding lacks, as in names of files, are
+        written as ASCII escapes.
         """
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
@@ -42,8 +42,8 @@ class Door(click.Command):
 
 
 def is_failure(error: Exception) -> bool:
-    """Return True for a bug of ours; False for click's exceptions on usage errors and exits, and for closed
-    pipes.
+    """Return True if an exception is a bug of this software; False for click's usage errors and exits, and
+    for closed pipes.
     """
     if isinstance(error, click.ClickException | click.exceptions.Exit | click.Abort):
         return False
@@ -51,7 +51,7 @@ def is_failure(error: Exception) -> bool:
 
 
 def failure_of(error: Exception, file: str | None = None) -> Diagnostic:
-    """Convert an exception to a finding, about a file if there is one."""
+    """Convert an exception to a finding, about a file if a file is given."""
     from yarclang.internal_errors import internal_error
     from yarclang.source import SourceFile
 

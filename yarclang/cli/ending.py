@@ -1,4 +1,4 @@
-"""Texts on the end of a run: why, where, in which command, and how to continue."""
+"""Texts about the end of a run: the reason, the place, the command, and the way to continue."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from yarclang.runtime.state import State
 
 
 def say(text: str, *, err: bool = True) -> None:
-    """Print a text. A closed terminal doesn't change how a run ends."""
+    """Print a text. If the terminal was closed, nothing happens, so that it doesn't change how a run ends."""
     with contextlib.suppress(OSError):
         click.echo(text, err=err)
 
 
 def error_text(what: str, remedy: str) -> str:
-    """Format an error that is no finding."""
+    """Format an error that isn't a finding."""
     text = click.style("error", fg="red", bold=True) + f": {what}"
     return f"{text}\n  help: {remedy}" if remedy else text
 
@@ -32,13 +32,13 @@ def joints_text(joints: Joints, status: Status) -> str:
 
 
 class Ending:
-    """Texts on the end of a program.
+    """Texts about the end of a program.
 
     Args:
-        name: of the program.
+        name: name of the program.
         where: options for the controller and the robot, for recommended commands.
         again: the command line without --from, for continuing; empty or None if there is none.
-        program: that was run; None if it wasn't loaded.
+        program: the program that was run; None if it wasn't loaded.
     """
 
     def __init__(
@@ -50,12 +50,12 @@ class Ending:
         self._program = program
 
     def lines(self, ended: Ended, status: Status, option: str = "") -> Iterator[str]:
-        """Yield the lines on a failed end.
+        """Yield the lines about a failed end.
 
         Args:
             ended: the end.
-            status: of the robot before.
-            option: for the way to the start when continuing, if it isn't the usual one.
+            status: status of the robot before the end.
+            option: option that moves the robot to the start when continuing, if it isn't the usual one.
         """
         what, remedy = self.filled(ended.what or ""), self.filled(ended.help or "")
         if ended.state is State.STOP and not ended.code:
@@ -77,14 +77,14 @@ class Ending:
             yield from self._in_command(ended)
 
     def filled(self, text: str) -> str:
-        """Return a text with this controller and robot in its recommended commands, so that they can be
-        copied.
+        """Return a text whose recommended commands name this controller and robot, so that users can copy
+        them.
         """
         text = text.replace("`yarc stop --to ...`", f"`yarc stop {self._where}`")
         return text.replace("`yarc doctor`", f"`yarc doctor {self._where}`")
 
     def _in_command(self, ended: Ended) -> Iterator[str]:
-        """Yield the executed command, and how to continue with it."""
+        """Yield lines about the command that was executed, and how to continue with this command."""
         option = f"--from {shlex.quote(ended.go_on)}" if ended.go_on else ""
         if not ended.is_motion:
             yield f"  it stood at {ended.command}"
@@ -102,7 +102,7 @@ class Ending:
 
     @property
     def _first_option(self) -> str:
-        """Return the given option for the way to the start."""
+        """Return the option that moves the robot to the start, as it was given."""
         program = self._program
         within = program is not None and program.begins_within and program.first
         return f"--from {shlex.quote(program.first)}" if program is not None and within else "--approach"

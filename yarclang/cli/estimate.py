@@ -1,7 +1,7 @@
-"""Estimate of a compilation's progress and remaining time over all its stages, most of which can't count
-their work.
+"""Estimate the progress and the remaining time of a compilation.
 
-Times are arguments.
+The estimate covers all stages of a compilation, although most of them can't count their work. Functions get
+the time as an argument.
 """
 
 from __future__ import annotations
@@ -18,25 +18,27 @@ _STAGES = (
     ("certifying", 33.0, 1.0),
     ("looking for what else", 2.0, 1.0),
 )
-"""Stages in order: their report or its beginning; their relative durations, measured with long chains of
-lines; and the share of each that is done when its count is complete: motions are counted before chains are
-made of them.
+"""Stages in their order. Each has the beginning of its report, its relative duration, and the share of it
+that is done when its count is complete. The durations were measured with long chains of lines. The share of
+planning is 0.5, because motions are counted before they are joined to chains.
 """
 
 _WHOLE = sum(weight for _, weight, _ in _STAGES)
 _BEFORE = tuple(sum(weight for _, weight, _ in _STAGES[:number]) for number in range(len(_STAGES)))
 
 _SURE = 0.05
-"""Share of the work before which no remaining time is given."""
+"""Share of the work that must be done before a remaining time is shown."""
 _SLOWLY = 4.0
-"""Time in which the remaining time follows a new estimate [s], so that it doesn't jump."""
+"""Time constant with which the remaining time approaches a new estimate [s], so that the display doesn't
+jump.
+"""
 
 
 @lru_cache(maxsize=256)
 def stage_of(what: str) -> int | None:
-    """Return the stage of a report; None if it is none of a compilation.
+    """Return the stage of a report; None if the report isn't about a stage of a compilation.
 
-    The name of a file may be in front: `a.yarc: planning`.
+    The report may begin with the name of a file: `a.yarc: planning`.
     """
     found = [
         number for number, (name, *_) in enumerate(_STAGES) if what.startswith(name) or f": {name}" in what
@@ -46,8 +48,8 @@ def stage_of(what: str) -> int | None:
 
 @dataclass(slots=True)
 class Estimate:
-    """Estimate of one compilation, or of several files in turn. The share that is done never decreases,
-    except for a new attempt.
+    """Estimate for one compilation, or for several files in turn. The share that is done never decreases,
+    except when a file is attempted again.
 
     Attributes:
         file: number of finished files.
@@ -65,9 +67,9 @@ class Estimate:
     _looked: float = 0.0
 
     def tell(self, stage: int, done: int, total: int, now: float) -> None:
-        """Take a stage's report at the time `now` [s]."""
+        """Process a stage's report at the time `now` [s]."""
         if stage < self._stage or self._stage < 0:
-            # another file, or another attempt: the remaining time is unknown again
+            # a new file or a new attempt begins: the remaining time is unknown again
             self._share, self._begun, self._entered, self._left = 0.0, now, now, None
             self._counted = None
         elif stage > self._stage:
@@ -103,10 +105,12 @@ class Estimate:
         self._share = max(self._share, (_BEFORE[stage] + _STAGES[stage][1] * inside) / _WHOLE)
 
     def _passed(self, stage: int, now: float) -> float:
-        """Return the share of a stage that is done, from its expected time if known; always less than 1."""
+        """Return the share of a stage that is done; always less than 1. It is 0 if the expected time is
+        unknown.
+        """
         before, (_, weight, counted) = _BEFORE[stage], _STAGES[stage]
         if self._counted is not None and counted < 1.0:
-            # the rest continues at the speed of the counted work
+            # assume that the rest of the stage is as fast as the counted work
             took = max(self._counted - self._entered, 1e-3)
             return counted + (1.0 - counted) * _eased(
                 (now - self._counted) / took * counted / (1.0 - counted)
@@ -118,7 +122,7 @@ class Estimate:
 
 
 _EVEN = 0.7
-"""Share of the expected time up to which progress is linear. Beyond, it slows down."""
+"""Share of the expected time up to which progress is linear. After that, it slows down."""
 
 
 def _eased(share: float) -> float:

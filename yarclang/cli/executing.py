@@ -1,4 +1,6 @@
-"""The door of `yarc exec`: a program without a terminal, events as JSON lines, signals as orders."""
+"""Implement `yarc exec`: a program runs without a terminal, with events as JSON lines and signals as
+orders.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +30,14 @@ from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
 
 _LAST_WORDS = 5.0
-"""Longest wait for a reader to take the last lines [s]."""
+"""Longest time that a reader has to read the last lines [s]."""
 
 
 class Lines:
-    """JSON lines on standard output, written by a thread of its own, so that a slow or closed reader delays
+    """JSON lines on standard output. A thread of its own writes them, so that a slow or closed reader delays
     no robot.
 
-    Events that arrive during a write wait in their bounded stream, not here.
+    Events that arrive during a write are kept in their stream, which is bounded, and not here.
     """
 
     def __init__(self) -> None:
@@ -56,7 +58,7 @@ class Lines:
         self._queue.put((self._line(content), lambda: None))
 
     def close(self) -> None:
-        """Write the remaining lines, if they are read."""
+        """Write the remaining lines, if the reader still reads."""
         self._queue.put(None)
         self._thread.join(_LAST_WORDS)
 
@@ -83,12 +85,12 @@ class Lines:
 
 
 def findings_line(found: tuple[Diagnostic, ...]) -> dict[str, Any]:
-    """Return the event of a program's findings."""
+    """Return the event that lists a program's findings."""
     return {"event": "findings", "findings": [finding_json(one) for one in found]}
 
 
 def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:
-    """Return the last event of a program that wasn't begun."""
+    """Return the last event of a program that wasn't started."""
     return {
         "event": "ended",
         "status": 1,
@@ -123,9 +125,9 @@ def execute(
 
     Args:
         loaded: the program, or the order to load it at the coordinator.
-        name: for people.
-        place: of the robot.
-        options: of the command line.
+        name: name of the program for people.
+        place: controller or coordinator of the robot.
+        options: options of the command line.
         lines: output of events.
 
     Returns:
@@ -135,7 +137,9 @@ def execute(
 
 
 def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
-    """Return the exit status of work with a robot. The last line is the reason if it fails."""
+    """Do some work with a robot, and return the exit status. If the work fails, write the reason as the
+    last line.
+    """
     try:
         return asyncio.run(work)
     except Trouble as trouble:
@@ -178,7 +182,7 @@ async def _execute(
 
 
 def _ended(ended: Ended) -> dict[str, Any]:
-    """Return the fields of an end for the last line."""
+    """Return the fields that describe an end in the last line."""
     content = ended.to_json()
     return {key: content[key] for key in ("well", "what", "help", "code", "command", "done_s", "joints")}
 
@@ -186,7 +190,7 @@ def _ended(ended: Ended) -> dict[str, Any]:
 async def _run(
     robot: Attached, loaded: Loaded | orders.Load, options: dict[str, Any], signals: Signals, lines: Lines
 ) -> Ended | None:
-    """Return the end of a run; None if it wasn't begun, which was reported."""
+    """Run a program, and return the end. If it wasn't started, report that and return None."""
     if isinstance(loaded, Loaded):
         assert isinstance(robot, Here)  # a program loaded in this process runs in this process
         program = robot.desk.keep(loaded)
@@ -226,7 +230,7 @@ def _finding(one: Finding) -> dict[str, Any]:
 
 
 def not_repeated(program: ProgramDescribed, options: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the last event of a program that can't be repeated; None if it can, or isn't to be repeated."""
+    """Return the last event of a program that is to be repeated but can't be; None for any other program."""
     if options["times"] <= 1 or not program.not_looped:
         return None
     what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {program.not_looped}"
@@ -240,8 +244,10 @@ async def tell(stream: Subscription, lines: Lines) -> None:
 
 
 class Signals:
-    """Handlers of signals. A termination stops the robot on its path, and then ends the command; a second one
-    gives up a coordinator that doesn't answer. Ctrl-Z holds.
+    """Handlers of signals.
+
+    A termination stops the robot on its path, and then ends the command. A second termination ends the
+    command even if the coordinator doesn't answer. Ctrl-Z holds.
 
     Args:
         ended: called with each termination.
@@ -285,6 +291,6 @@ class Signals:
             self.attached.send(orders.Stop())
 
     def _hold(self) -> None:
-        """Hold the robot, because a suspended process can't supervise it."""
+        """Hold the robot. The suspended process can't supervise it."""
         if self.attached is not None:
             self.attached.send(orders.Hold())

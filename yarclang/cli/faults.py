@@ -1,4 +1,4 @@
-"""Faults of a run as findings at their commands."""
+"""Format faults of a run as findings at the commands where they occurred."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.source import SourceFile, Span
 
 
 class Placed(Protocol):
-    """Interface of a place in a source. `note` says why the source is unknown."""
+    """Interface of a place in a source. `note` gives the reason if the source is unknown."""
 
     @property
     def file(self) -> str:
@@ -36,7 +36,7 @@ class Placed(Protocol):
 
     @property
     def note(self) -> str:
-        """Reason why the source is unknown; for a command in a module, the module's line."""
+        """Reason why the source is unknown. For a command in a module, the line of the module."""
 
 
 def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
@@ -44,7 +44,7 @@ def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
     contains the line.
     """
     if where is not None and where.file:
-        # only this line of the source is known, and no other is shown
+        # only this line of the source is known: the lines before it are empty and aren't shown
         source = SourceFile(where.file, "\n" * (where.line - 1) + where.text + "\n")
         span = Span.on_line(where.line, where.column, where.end_column)
         lines = [

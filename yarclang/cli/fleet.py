@@ -1,4 +1,4 @@
-"""Doing the same for many files: by the options --jobs, --scheduler and --no-cache."""
+"""Process many files in the same way, with the options --jobs, --scheduler and --no-cache."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ T = TypeVar("T")
 
 
 class Fleet:
-    """Does the same for many files, which may be reused, shared among processes, or done elsewhere.
+    """Processes many files in the same way. Results may be reused, and the work may be distributed to
+    processes or other computers.
 
     Args:
-        jobs: number of processes; None for one a core.
+        jobs: number of processes; None for one per core.
         scheduler: address of a dask scheduler; empty for this machine.
-        reuses: True to reuse results of earlier times, and to keep new ones.
+        reuses: True to reuse results of earlier calls, and to store new ones.
     """
 
     def __init__(self, jobs: int | None = None, scheduler: str = "", *, reuses: bool = False) -> None:
@@ -48,10 +49,10 @@ class Fleet:
         is_lasting: Callable[[R], bool],
         lost: Callable[[str, Lost], R],
     ) -> Iterator[R]:
-        """Yield the result for each file, in order; as `Doing.results`.
+        """Yield the result for each file, in order, like `Doing.results`.
 
         Args:
-            work: what is done for a file.
+            work: computes the result of a file.
             files: paths; `-` for standard input, which only this process can read.
             name: returns what distinguishes the work for a file from other work.
             is_lasting: returns True for a result that would be the same the next time.
@@ -79,7 +80,7 @@ class Fleet:
 
     @contextmanager
     def workers(self, work: Callable[[T], R]) -> Iterator[Work[T, R]]:
-        """Give a function that does the work for items that are no files; nothing is reused.
+        """Yield a function that does the work for items that aren't files. Its results are not reused.
 
         Raises:
             click.ClickException: the scheduler can't be used.
@@ -95,7 +96,9 @@ class Fleet:
 
     @contextmanager
     def racing_workers(self, work: Callable[[T], R]) -> Iterator[RacingWork[T, R]]:
-        """Give a function that yields each result as soon as it is there; else as `workers`."""
+        """Yield a function like the function of `workers`, except that it returns each result as soon as
+        it is computed.
+        """
         from yarclang.fleet.outcome import UnreachableError
         from yarclang.fleet.spreading import racing_workers
 
@@ -119,7 +122,9 @@ class Fleet:
 
     @property
     def remark(self) -> str:
-        """Return how many results were reused, and what is wrong with the cache; empty if there is nothing."""
+        """Return how many results were reused, and problems of the cache; empty if there is nothing to
+        report.
+        """
         remarks = []
         if self._doing is not None and self._doing.reused:
             remarks.append(f"{self._doing.reused:,} as before (--no-cache computes all again)")
@@ -129,7 +134,7 @@ class Fleet:
 
 
 def _said(made: Iterator[R]) -> Iterator[R]:
-    """Yield results; a scheduler that can't be used becomes an error of the command."""
+    """Yield results. If the scheduler can't be used, raise an error of the command."""
     from yarclang.fleet.outcome import UnreachableError
 
     try:

@@ -1,4 +1,6 @@
-"""The door of `yarc follow`: another process moves the robot; events as JSON lines, signals as orders."""
+"""Implement `yarc follow`: another process moves the robot, with events as JSON lines and signals as
+orders.
+"""
 
 from __future__ import annotations
 
@@ -19,16 +21,16 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _EACH = 0.02
-"""Time between two checks if the robot rests [s]."""
+"""Time after which the robot is checked for rest again [s]."""
 
 
 def follow(robot: Robot, place: Place, options: dict[str, Any], lines: Lines) -> int:
     """Let another process move the robot until a termination.
 
     Args:
-        robot: of the controller.
-        place: of the robot.
-        options: of the command line.
+        robot: robot of the controller.
+        place: controller or coordinator of the robot.
+        options: options of the command line.
         lines: output of events.
 
     Returns:
@@ -46,7 +48,7 @@ def _door(options: dict[str, Any]) -> Door:
 
 @contextlib.contextmanager
 def _known(server: MasterServer, token_file: Path | None) -> Iterator[dict[str, Any]]:
-    """Publish the address for masters, and the token.
+    """Publish the address at which masters connect, and the token.
 
     Yields:
         The event with the address.
@@ -95,7 +97,7 @@ async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Li
 
 
 async def _at_rest(robot: Attached) -> dict[str, float]:
-    """Wait until the robot rests, and return its position [deg or mm]."""
+    """Wait until the robot is at rest, and return its position [deg or mm]."""
     while True:
         try:
             return (await robot.ask(orders.AskPlace())).joints

@@ -1,4 +1,4 @@
-"""Programs in their usual form."""
+"""Format programs."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ class Form:
 
     @property
     def is_changed(self) -> bool:
-        """True if the file isn't in form."""
+        """True if formatting changes the file."""
         return self.before != self.after
 
 
 def form_of(path: str, renumber: tuple[int, int] | None = None) -> Form:
-    """Return a file in its usual form, its commands numbered from the first number in steps of the second."""
+    """Return a file in its usual form. Its commands are numbered from the first number, in steps of the
+    second.
+    """
     from yarclang.pipeline.sources import read_source
     from yarclang.syntax.form import usual_form
 

@@ -9,14 +9,14 @@ import os
 import sys
 
 _ALIVE = 200_000
-"""New objects before a collection. A long program has a million."""
+"""Number of new objects after which Python collects garbage. A long program has a million objects."""
 
 
 def seldom_look_for_garbage() -> None:
     """Collect cycles seldom, and not at exit.
 
-    Trees and steps are no garbage and have no cycles, but were scanned repeatedly while they grew. At exit
-    Python scans all objects once more, which takes a twentieth of the time for 10,000 lines.
+    Trees and steps have no cycles, but collections would scan them repeatedly while they grow. At exit Python
+    would scan all objects once more, which takes a twentieth of the time for 10,000 lines.
     """
     gc.set_threshold(_ALIVE, 20, 20)
     atexit.unregister(gc.freeze)  # only once for all files
@@ -24,8 +24,8 @@ def seldom_look_for_garbage() -> None:
 
 
 def end_quietly() -> None:
-    """Hide the messages of OMPL's bindings about their own memory after the interpreter has ended: thirty
-    lines that no user can act on.
+    """Hide messages that OMPL's bindings print about their own memory after the interpreter has ended. They
+    are thirty lines, and users can't do anything about them.
     """
     atexit.unregister(_close_errors)
     atexit.register(_close_errors)

@@ -1,4 +1,4 @@
-"""`yarc import` of point clouds and height fields, which become meshes."""
+"""Convert point clouds and height fields to meshes, for `yarc import`."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 
 class _Meshed(Protocol):
-    """A file that became a mesh."""
+    """A file that was converted to a mesh."""
 
     @property
     def content(self) -> bytes:
-        """The binary STL file, in mm."""
+        """Content of the binary STL file, in mm."""
         ...
 
     @property
     def left_out(self) -> int:
-        """Number of values that are no numbers."""
+        """Number of values that were left out because they aren't numbers."""
         ...
 
     @property
@@ -45,7 +45,7 @@ def import_cloud(
     Args:
         file: a PCD or PLY file.
         output: path of the STL file; None for beside the input.
-        units: of the file's numbers; only a length is allowed.
+        units: units of the file's numbers; only a length is allowed.
         voxel: edge of a cube [mm].
     """
     from yarclang.convert.cloud import mesh_of_cloud
@@ -68,7 +68,7 @@ def import_heights(
     Args:
         file: an NPY or CSV file.
         output: path of the STL file; None for beside the input.
-        units: of the heights; only a length is allowed.
+        units: units of the heights; only a length is allowed.
         spacing: distance of neighbouring heights [mm].
         every: number of spacings that become one cell of the mesh.
     """
@@ -86,14 +86,14 @@ def import_heights(
 
 
 def _unit_of(what: str, units: Mapping[Any, Unit] | None) -> float:
-    """Return the unit of lengths [m] of a file that doesn't say it."""
+    """Return the unit of length [m] for a file that doesn't name its unit."""
     if units is None or set(units) != {"length"}:
         raise click.UsageError(f"{what} doesn't say its unit: give --units m, or --units mm")
     return units["length"].factor
 
 
 def _destination(what: str, file: str, output: str | None) -> str:
-    """Return the path of the mesh, which nothing forbids to write."""
+    """Return the path of the mesh, after a check that it may be written."""
     destination = beside(file, ".stl") if output is None else output
     if destination != STANDARD and Path(destination).suffix.lower() != ".stl":
         raise click.UsageError(f"{destination}: the mesh of {what} is an .stl file")
@@ -104,7 +104,7 @@ def _destination(what: str, file: str, output: str | None) -> str:
 
 
 def _write(file: str, destination: str, made: Result[T]) -> T:
-    """Write the mesh and return what is known of it; exit if there is none, or if it can't be written."""
+    """Write the mesh and return its description. Exit if there is no mesh, or if it can't be written."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_standard_output, write_whole
     from yarclang.report.finding import count_text
@@ -125,7 +125,7 @@ def _write(file: str, destination: str, made: Result[T]) -> T:
 
 
 def _say(destination: str, found: _Meshed, what: str, how: str) -> NoReturn:
-    """Say what was written and how a cell.toml names it, and exit."""
+    """Print what was written and the line for a cell.toml, and exit."""
     left_out = f" ({found.left_out:,} left out, which are no numbers)" if found.left_out else ""
     if destination != STANDARD:
         click.echo(

@@ -1,6 +1,4 @@
-"""Groups of commands that are imported only when they are called. The list of commands imports none of
-them.
-"""
+"""Groups of commands that are imported only when they are called. To list the commands, none is imported."""
 
 from __future__ import annotations
 
@@ -16,12 +14,12 @@ from yarclang.cli.door import Door
 
 
 class LazyGroup(Door, click.Group):
-    """A group whose commands are modules of `yarclang.cli.commands` with an object `command`.
+    """A group whose commands are modules of `yarclang.cli.commands` that have an object `command`.
 
     Args:
         commands_by_section: for each section of --help, its commands and their summaries.
-        prefix: start of the names of the commands' modules.
-        on_unix: commands that work with a robot: they need Unix sockets, locks and signals.
+        prefix: prefix of the names of the commands' modules.
+        on_unix: commands that work with a robot. They need Unix sockets, locks and signals.
     """
 
     def __init__(
@@ -47,7 +45,7 @@ class LazyGroup(Door, click.Group):
         return list(self.commands_by_name)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Return the command of a name."""
+        """Return the command with a name."""
         if cmd_name not in self.commands_by_name:
             return None
         module = f"{cmd_name}_" if iskeyword(cmd_name) else f"{self.prefix}{cmd_name}"
@@ -55,7 +53,7 @@ class LazyGroup(Door, click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """Write the commands of --help, section by section, with all summaries in one column."""
+        """Write the commands for --help in their sections, with all summaries in one column."""
         width = max(map(len, self.commands_by_name), default=0)
         for title, commands in self.commands_by_section.items():
             with formatter.section(title):
@@ -64,7 +62,7 @@ class LazyGroup(Door, click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Resolve a command, with a suggestion for an unknown one."""
+        """Resolve a command; for an unknown name, suggest a similar one."""
         if args and args[0] not in self.commands_by_name and not args[0].startswith("-"):
             from difflib import get_close_matches
 

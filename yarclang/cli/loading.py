@@ -1,4 +1,4 @@
-"""Loading of a program's file for a run, with progress."""
+"""Load a program's file for a run, with progress."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
 
     Args:
         file: a .yarc or .pmc file.
-        first: index of the first command, or None.
-        options: of the command line.
+        first: index of the first command; None for the whole program.
+        options: options of the command line.
 
     Raises:
         click.UsageError: an option isn't allowed for the file.
@@ -50,7 +50,7 @@ def load(source: Source) -> tuple[Loaded | None, Found]:
     """Compile a program, or read and check a compiled one.
 
     Returns:
-        The program, None if an error prevents a run; and all findings.
+        The program (None if an error prevents a run), and all findings.
     """
     with Progress():
         made = load_source(source)
@@ -58,8 +58,8 @@ def load(source: Source) -> tuple[Loaded | None, Found]:
 
 
 def load_order(source: Source, *, recover: bool = False) -> orders.Load:
-    """Return the order to load a program at the coordinator, to run or only to recover it. Standard input is
-    read here.
+    """Return the order to load a program at the coordinator, either to run it or only to recover it. Standard
+    input is read here.
     """
 
     def absolute(path: str | None) -> str | None:
@@ -86,7 +86,7 @@ def load_order(source: Source, *, recover: bool = False) -> orders.Load:
 
 
 def robot_of(source: Source) -> Robot | None:
-    """Return the robot of a program, without compiling it; None if unknown, as for standard input."""
+    """Return the robot of a program, without compiling it; None if it isn't known, as for standard input."""
     if source.options.robot is not None:
         return robot_for(Path(), source.options.robot).value
     if source.is_compiled:

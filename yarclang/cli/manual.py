@@ -1,7 +1,7 @@
-"""Manual pages, made of the commands themselves: their help texts, arguments and options, as man(7) text.
+"""Manual pages, created from the commands' help texts, arguments and options, as man(7) text.
 
-A page has nothing that depends on the day, the terminal or the computer, so that the same version gives the same
-bytes.
+A page contains nothing that depends on the date, the terminal or the computer, so that the same version
+always gives the same bytes.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ _SPECIAL = re.compile(r"([\\-])")
 
 
 def manual_pages(root: click.Command, name: str, version: str) -> Iterator[tuple[str, str]]:
-    """Yield the file names of a command's pages, `yarc-robot-new.1`, and their texts.
+    """Yield the file names of a command's pages, such as `yarc-robot-new.1`, and their texts.
 
     Args:
-        root: the command; of a group all commands have a page.
-        name: as it is typed.
-        version: of the program.
+        root: the command. If it is a group, all of its commands have a page.
+        name: name of the command as users type it.
+        version: version of the program.
     """
     yield from _pages(click.Context(root, info_name=name), version)
 
@@ -53,7 +53,7 @@ def _commands(context: click.Context, group: click.Group) -> Iterator[tuple[str,
 
 
 def _summary(group: click.Group, name: str, command: click.Command) -> str:
-    """Return the summary of a command as --help of its group has it."""
+    """Return the summary of a command as it is shown in the --help of its group."""
     listed = group.commands_by_name if isinstance(group, LazyGroup) else {}
     return listed.get(name) or command.get_short_help_str(limit=200)
 
@@ -100,7 +100,7 @@ def _page(context: click.Context, version: str) -> str:
 
 
 def _others(context: click.Context) -> list[str]:
-    """Return the titles of the pages that belong to a page: its group's and its commands'."""
+    """Return the titles of related pages: those of a command's group and of its own commands."""
     found = [_title(context.parent)] if context.parent is not None else []
     if isinstance(context.command, click.Group):
         found += [f"{_title(context)}-{name}" for name, _ in _commands(context, context.command)]
@@ -110,7 +110,7 @@ def _others(context: click.Context) -> list[str]:
 
 
 def _paragraphs(help_: str) -> list[str]:
-    """Return the paragraphs of a help text, each in one line; lines that click keeps as they are stay apart."""
+    """Return the paragraphs of a help text, each on one line. Lines that click doesn't wrap stay separate."""
     text = inspect.cleandoc(help_).partition("\f")[0]
     found = []
     for part in text.split("\n\n"):
@@ -121,7 +121,7 @@ def _paragraphs(help_: str) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Return a text for man(7): backslashes and hyphens are escaped, and no row of text begins a request."""
+    """Return a text for man(7): backslashes and hyphens are escaped, and no line of text begins a request."""
     rows = []
     for row in text.split("\n"):
         if row == ".br":

@@ -15,21 +15,21 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def complete_robots(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
-    """Return the robots' names that begin with a text, for completion."""
+    """Return the robots' names that begin with the typed text, for completion."""
     from yarclang.robot.library import list_robots
 
     return [robot.name for robot in list_robots() if robot.name.startswith(incomplete.upper())]
 
 
 def _codes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001
-    """Return the findings' codes that begin with a text, for completion."""
+    """Return the findings' codes that begin with the typed text, for completion."""
     from yarclang.lint.registry import everything
 
     return [code for code in everything() if code.startswith(incomplete.upper())]
 
 
 def file_argument(name: str, *, required: bool = True, **settings: Any) -> Callable[[F], F]:
-    """Add the programs to read, completed as paths; - is standard input."""
+    """Add the programs to read, with completion of paths. `-` is standard input."""
     return click.argument(name, required=required, type=click.Path(allow_dash=True), **settings)
 
 
@@ -131,12 +131,12 @@ def planning_options(function: F) -> F:
 
 
 class Findings(ParamType[frozenset[str]]):
-    """Codes, beginnings of codes, or names of findings, separated by commas."""
+    """Parser of codes, beginnings of codes, or names of findings, separated by commas."""
 
     name = "CODES"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
-        """Parse codes. An unknown one is a usage error."""
+        """Parse codes. An unknown code is a usage error."""
         from yarclang.lint.registry import codes_of, everything
         from yarclang.subjects import suggest
 
@@ -155,7 +155,7 @@ class Findings(ParamType[frozenset[str]]):
 
 
 def finding_words(name: str, **settings: Any) -> Callable[[F], F]:
-    """Add an option for codes of findings, with completion; None without it."""
+    """Add an option for codes of findings, with completion. Its value is None if the option isn't given."""
     return click.option(name, type=Findings(), shell_complete=_codes, **settings)
 
 

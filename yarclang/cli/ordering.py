@@ -1,4 +1,4 @@
-"""Orders to a run from another terminal: sent, then awaited."""
+"""Send orders to a run from another terminal, and wait until they are fulfilled."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NEEDED = frozenset(
         "since",
     ]
 )
-"""Content of a status."""
+"""Content of a run's status."""
 
 _ENDED = ("stop", "fault")
 """States without motion."""
@@ -36,7 +36,7 @@ Status = dict[str, Any]
 
 
 class GoneError(ControlError):
-    """Raised if a socket's run has ended."""
+    """Raised if the run that a socket belongs to has ended."""
 
 
 def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> Status:
@@ -44,7 +44,7 @@ def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> St
 
     Raises:
         GoneError: the run has ended.
-        ControlError: it doesn't answer within `timeout` [s], or denies the order.
+        ControlError: the run doesn't answer within `timeout` [s], or refuses the order.
     """
     try:
         with Robot(str(run.path), name=None, timeout=timeout) as robot:
@@ -80,7 +80,7 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
 
     Raises:
         GoneError: the run had ended before.
-        ControlError: it doesn't answer, denies the order, or hasn't fulfilled it after `patience` [s].
+        ControlError: the run doesn't answer, refuses the order, or hasn't fulfilled it after `patience` [s].
     """
     send(run, word, **fields)
     until = time.monotonic() + patience
@@ -100,7 +100,7 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
 
 
 def fulfilled(word: str, status: Status, percent: float = 100.0, **_: Any) -> bool:
-    """Return True if an order is fulfilled, or can't be any more because nothing moves."""
+    """Return True if an order is fulfilled, or can no longer be fulfilled because nothing moves."""
     state = status["state"]
     if word == "hold" and state in _ENDED:
         return True  # a run that hasn't begun handles its orders later

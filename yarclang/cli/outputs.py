@@ -1,4 +1,4 @@
-"""Paths of results, which overwrite neither a source nor another result."""
+"""Find paths for results, such that no result overwrites a source or another result."""
 
 from __future__ import annotations
 
@@ -42,5 +42,5 @@ def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]
 
 
 def _real(path: str) -> str:
-    """Return one name for a file, regardless of links to it."""
+    """Return the same name for all links to one file."""
     return os.path.realpath(path)

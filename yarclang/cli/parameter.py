@@ -1,4 +1,6 @@
-"""Base class of parameter types, with the value's type in brackets, which click supports only from 8.4 on."""
+"""Base class of parameter types that accepts the value's type in brackets. click itself supports this only
+from 8.4 on.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
 else:
 
     class ParamType(click.ParamType):
-        """`click.ParamType`; the brackets are for the type checker alone."""
+        """`click.ParamType` with brackets, which only the type checker uses."""
 
         def __class_getitem__(cls, value: object) -> type[ParamType]:
             """Return the class itself."""

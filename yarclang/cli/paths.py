@@ -1,4 +1,4 @@
-"""Files of the paths on a command line."""
+"""Find the files that the paths on a command line mean."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ SUFFIX = ".yarc"
 
 
 def programs(paths: Iterable[str]) -> list[str]:
-    """Return the files to read, in order, each once. A folder means all .yarc files in it and below it.
+    """Return the files to read, in order, each once. A folder means all .yarc files in it and its subfolders.
 
     Raises:
-        click.UsageError: a folder has none.
+        click.UsageError: a folder has no such file.
     """
     found: dict[str, str] = {}
     for path in paths:

@@ -1,4 +1,4 @@
-"""Pictures of programs, of logs and of robots."""
+"""Draw pictures of programs, of logs and of robots."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Drawn:
 
     Attributes:
         picture: its picture; None if there is nothing to draw.
-        what: what the picture shows; without one, why there is none.
+        what: a description of the picture; without a picture, the reason.
         found: findings.
     """
 
@@ -40,8 +40,8 @@ def draw_programs(files: Sequence[tuple[str, str]], options: Options, fleet: Fle
 
     Args:
         files: for each program its path, and the format of its picture.
-        options: of the command line.
-        fleet: where they are drawn.
+        options: options of the command line.
+        fleet: processes that draw the pictures.
     """
     formats = dict(files)
     return fleet.results(
@@ -54,7 +54,7 @@ def draw_programs(files: Sequence[tuple[str, str]], options: Options, fleet: Fle
 
 
 def draw_robots(robots: Sequence[str], fleet: Fleet) -> Iterator[Drawn]:
-    """Draw where robots can hold their flanges, in their order."""
+    """Draw where robots can hold their flanges, in the order of the robots."""
     return fleet.results(
         _draw_robot,
         robots,
@@ -65,7 +65,7 @@ def draw_robots(robots: Sequence[str], fleet: Fleet) -> Iterator[Drawn]:
 
 
 def draw_run(file: str, format_: Any) -> Drawn:
-    """Draw the log of a run. It is read here: logs are large."""
+    """Draw the log of a run. This process reads the log, since logs are too large to send to others."""
     from yarclang.report.runs.log import read_run
     from yarclang.report.runs.planned import planned_motion
 
@@ -134,7 +134,7 @@ def _draw_robot(name: str) -> Drawn:
 
 
 def put(drawn: Drawn, destination: str) -> bool:
-    """Write a picture, and say what was done; return True if there is a picture, and it was written."""
+    """Write a picture, and print what was done. Return True if there was a picture and it was written."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
 

@@ -1,5 +1,5 @@
-"""Preparation of commands that own a robot for a session: the robot, a simulated one's start, its cell, and
-the machines around it.
+"""Prepare commands that own a robot for a session: the robot, the initial position of a simulated robot, the
+cell, and the machines around the robot.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Prepared:
 
     Attributes:
         robot: the robot.
-        stands: (n,) start of a simulated robot [rad or m].
+        stands: (n,) initial position of a simulated robot [rad or m].
     """
 
     robot: Robot
@@ -57,9 +57,9 @@ def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepa
     """Return the robot of a command line. Findings are shown; with an error the exit status is 1.
 
     Args:
-        folder: in which yarc.toml is searched.
+        folder: folder in which yarc.toml is searched.
         to: address of the controller; None for a simulator.
-        options: of the command line.
+        options: options of the command line.
 
     Raises:
         click.UsageError: options exclude each other.

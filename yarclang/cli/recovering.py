@@ -1,5 +1,5 @@
-"""`yarc run --recover`: motion from the robot's position to the start of a program, or to the nearest place
-at which it may begin.
+"""Implement `yarc run --recover`: move the robot from its position to the start of a program, or to the
+nearest place at which the program may begin.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _LAST_WORDS = 5.0
 """Longest wait for pending events after the end [s]."""
 
 _HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line on which the robot stands"}
-"""Descriptions of a slow motion, by its command without the profile."""
+"""Descriptions of slow motions, by the motion's command without the profile."""
 
 
 def how_it_goes(title: str) -> str:
-    """Return the description of a slow motion, by the title of its command."""
+    """Return the description of a slow motion with a given title of its command."""
     return _HOW.get(title.rsplit(maxsplit=1)[-1].rpartition("_")[0], "round what is in the way")
 
 
@@ -42,16 +42,16 @@ async def recover(
     ending: Ending,
     options: dict[str, Any],
 ) -> int:
-    """Show the way to a program, ask, and move there. The program itself isn't run.
+    """Show the motions to a program's start, ask the user, and carry them out. The program itself isn't run.
 
     Args:
         robot: client that owns the robot.
-        program: that was loaded.
+        program: the program, which is loaded.
         picture: state of the robot.
-        terminal: for questions and keys.
-        screen: for output.
-        ending: texts on the end.
-        options: of the command line.
+        terminal: terminal for questions and keys.
+        screen: screen for output.
+        ending: texts about the end.
+        options: options of the command line.
 
     Returns:
         The exit status.
@@ -109,7 +109,7 @@ async def _go(
     if log is not None and log.problem:
         screen.say(error_text(log.problem, log.help))
     if not ended.well:
-        # the way is no command of the program: only the way itself can be continued
+        # these motions belong to no command of the program, so only they can be continued
         for line in ending.lines(ended.model_copy(update={"on_the_way": True}), status, "--recover"):
             screen.say(line)
         return 1

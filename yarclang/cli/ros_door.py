@@ -1,4 +1,4 @@
-"""The terminal's side of `yarc ros`: its life, and its output."""
+"""Implement `yarc ros` on the terminal: its start and end, and its output."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from yarclang.ros.simple_message import ByteOrder
 
 
 async def ros_door(robot: Robot, place: Place, options: dict[str, Any]) -> None:
-    """Serve a ROS door until a termination; then the robot comes to rest on its path.
+    """Serve a ROS client until a termination. Then bring the robot to rest on its path.
 
     Args:
-        robot: that is served.
-        place: of its coordinator, or its controller.
-        options: of the command line.
+        robot: the robot that is served.
+        place: its coordinator, or its controller.
+        options: options of the command line.
 
     Raises:
-        Trouble: the coordinator can't be reached, or a port is taken.
+        Trouble: the coordinator can't be reached, or a port is in use.
     """
     with terminations() as ends:
         async with reached(place, robot, options, what="ros", patient=True) as attach:

@@ -1,4 +1,4 @@
-"""The door of `yarc run`: questions, display, and the report of the end."""
+"""Implement `yarc run`: questions, display, and the report of the end."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class Wanted:
     Attributes:
         loaded: program that was loaded in this process; None to load it at the coordinator.
         load: order to load it at the coordinator; None if it is loaded in this process.
-        robot: of the program; None if unknown.
-        name: for people.
+        robot: robot of the program; None if unknown.
+        name: name of the program for people.
         where: options for the controller and the robot, for recommended commands.
         again: the command line without --from; empty if there is none.
     """
@@ -58,8 +58,8 @@ def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
 
     Args:
         wanted: the program.
-        place: of the robot.
-        options: of the command line.
+        place: controller or coordinator of the robot.
+        options: options of the command line.
 
     Returns:
         The exit status.
@@ -193,7 +193,7 @@ class _Run:
         return self.options["times"] or (None if self.options["loop"] else 1)
 
     async def _loaded(self, robot: Attached) -> ProgramDescribed | None:
-        """Return the program, as the coordinator describes it; None if it has errors."""
+        """Return the program as the coordinator describes it; None if it has errors."""
         if self.wanted.loaded is not None:
             assert isinstance(robot, Here)  # a program loaded in this process runs in this process
             return robot.desk.keep(self.wanted.loaded)
@@ -203,7 +203,9 @@ class _Run:
         return made.program
 
     async def _way_to_start(self, robot: Attached, program: ProgramDescribed, ending: Ending) -> bool | None:
-        """Return True if the robot moves to the start first; None if the run is refused."""
+        """Ask how the robot gets to the start. Return True if it has to move there first; None if the run
+        is refused.
+        """
         options = self.options
         way = await robot.ask(orders.AskWay(program=program.number))
         if not way.text:
@@ -228,7 +230,9 @@ class _Run:
         return True
 
     async def _has_its_tool(self, program: ProgramDescribed, *, simulated: bool) -> bool:
-        """Return True if the tool with which the program begins is on the flange, as far as people know."""
+        """Return True unless the user denies that the tool that the program needs at its start is on the
+        flange.
+        """
         if program.tools is None:
             return True
         on = " or ".join(program.tools) or "no tool"
@@ -270,5 +274,5 @@ class _Run:
         return 1
 
     def _wrong(self, what: str, remedy: str, ending: Ending) -> None:
-        """Report an error, after the output of the screen."""
+        """Print an error after the remaining output of the screen."""
         self.screen.say(error_text(what, ending.filled(remedy)))

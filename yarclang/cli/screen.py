@@ -1,4 +1,4 @@
-"""Standard error as a screen: whole lines, and one that changes."""
+"""Standard error as a screen: complete lines, and one line that changes."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _WIDTH = 80
 
 _STAYS = "\xa0"
 _TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms)\b|%)|(?<=\bJ\d) (?=[-+]?\d)")
-"""A space at which no line is broken: between a joint and its value, and between a value and its unit."""
+"""A space at which no line is broken: between a joint and its value, or between a value and its unit."""
 
 _VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
 
 
 class Screen:
-    """Standard error, written by a thread of its own, so that a terminal that was stopped by Ctrl-S, or
-    closed, delays no robot.
+    """Standard error, written by a thread of its own. A terminal that was closed or stopped by Ctrl-S then
+    delays no robot.
     """
 
     def __init__(self) -> None:
@@ -36,11 +36,11 @@ class Screen:
         self._thread.start()
 
     def say(self, text: str, below: str = "") -> None:
-        """Write whole lines; on a terminal, wrapped between words.
+        """Write complete lines. On a terminal they are wrapped between words.
 
         Args:
             text: the lines.
-            below: on a terminal, the changing line from then on; empty for none.
+            below: on a terminal, the new text of the changing line; empty for none.
         """
         before = "\r\x1b[K" if self._shown else ""
         self._shown = self.live and bool(below)
@@ -54,7 +54,7 @@ class Screen:
             self._shown = True
 
     def ask(self, text: str) -> None:
-        """Write a question, whose answer is typed after it."""
+        """Write a question. The user types the answer after it."""
         self._queue.put(text)
 
     def close(self) -> None:
@@ -84,7 +84,7 @@ class Screen:
 
 
 def _changing(text: str) -> str:
-    """Return the text that replaces the changing line."""
+    """Return the control codes and the text that replace the changing line."""
     return f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}"
 
 
@@ -93,8 +93,8 @@ def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:
 
     Args:
         text: one line.
-        width: characters; None for no limit.
-        indent: of all lines but the first one.
+        width: number of characters; None for no limit.
+        indent: indentation of all lines except the first.
     """
     if width is None:
         return [text]
@@ -104,8 +104,8 @@ def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:
 
 
 def width_of(stream: TextIO) -> int | None:
-    """Return the columns of a stream's terminal, by COLUMNS first; None if the stream is no terminal, because
-    the lines of a file have no limit.
+    """Return the number of columns of a stream's terminal; None if the stream is no terminal, since the lines
+    of a file have no limit. The variable COLUMNS overrides the terminal's width.
     """
     if not stream.isatty():
         return None
@@ -123,8 +123,8 @@ def _columns_of(stream: TextIO) -> int:
 
 
 def _cut(line: str, width: int) -> str:
-    """Return the beginning of a line that fits, up to the end of a value, because half a number would be
-    another number.
+    """Return the part of a line that fits. It ends after a complete value, because half a number would be
+    a wrong number.
     """
     if len(line) <= width:
         return line

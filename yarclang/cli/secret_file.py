@@ -1,4 +1,4 @@
-"""File with a secret, which only its owner can read, and which is removed after use."""
+"""Keep a secret in a file that only its owner can read and that is removed after use."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from yarclang.runtime.actions import Trouble
 
 @contextlib.contextmanager
 def secret_file(path: Path, text: str) -> Iterator[None]:
-    """Keep a secret in a file as long as the context lasts.
+    """Keep a secret in a file during the context.
 
-    The file is created anew and replaces an existing one. No other user can read a byte of it at any time.
+    The file is new, and replaces a file with this name. No other user can read any of it at any time.
 
     Args:
-        path: of the file.
+        path: path of the file.
         text: the secret.
 
     Raises:
-        Trouble: the file can't be written, or the name belongs to something that is no file.
+        Trouble: the file can't be written, or the path belongs to something other than a file.
     """
     try:
         made = _write(path, text)
@@ -35,7 +35,7 @@ def secret_file(path: Path, text: str) -> Iterator[None]:
     finally:
         with contextlib.suppress(OSError):
             there = path.lstat()
-            # a new file may have the inode of one that was removed
+            # compare the time too: a new file may get the inode of a removed one
             if os.path.samestat(there, made) and there.st_mtime_ns == made.st_mtime_ns:
                 path.unlink()
 

@@ -1,4 +1,4 @@
-"""The door of `yarc serve`: owns a robot for others, and reports what they do."""
+"""Implement `yarc serve`: own a robot for other clients, and report what they do."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ async def serve(
     own: SimulatedCell | None,
     values: TcpDoor | None = None,
 ) -> int:
-    """Own a robot until a termination; then it comes to rest on its path.
+    """Own a robot until a termination. Then bring it to rest on its path.
 
     Args:
-        robot: of the controller.
-        address: of the controller.
-        options: of the command line.
-        own: machines around the robot, if the controller is a simulator of our own.
+        robot: robot of the controller.
+        address: address of the controller.
+        options: options of the command line.
+        own: machines around the robot, if the controller is a simulator in this process.
         values: port for values of running programs; None for only the socket.
 
     Returns:
@@ -97,7 +97,7 @@ async def _open(door: ValuesDoor, token: Path, doors: contextlib.AsyncExitStack,
     """Accept values until the context ends, and report the address.
 
     Raises:
-        Trouble: the port can't be listened on, or the token can't be written.
+        Trouble: the server can't listen on the port, or the token can't be written.
     """
     await doors.enter_async_context(door)
     doors.enter_context(secret_file(token, door.door.token + "\n"))
@@ -105,7 +105,7 @@ async def _open(door: ValuesDoor, token: Path, doors: contextlib.AsyncExitStack,
 
 
 async def _tell(stream: Subscription, screen: Screen) -> None:
-    """Report the client that moves the robot, beginnings and ends, and problems."""
+    """Report which client moves the robot, the start and end of its programs, and problems."""
     async for event in stream:
         if text := _text(event):
             screen.say(text)

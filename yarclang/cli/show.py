@@ -1,4 +1,4 @@
-"""Findings on standard error."""
+"""Print findings to standard error."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_text
 
 MOST_ALIKE = 20
-"""Most warnings and notes of one code in one file that are written to a terminal. A chain of 100,000 lines
-may have hundreds.
+"""Largest number of warnings and notes with one code in one file that are written to a terminal. A chain of
+100,000 lines may have hundreds.
 """
 
 
 def show_without_notes(diagnostics: Iterable[Diagnostic], file: str) -> None:
-    """Write errors and warnings as `show_findings` does, and notes as one line, for commands that use a
-    program after `yarc check` and yarcc.
+    """Write errors and warnings as `show_findings` does, and only one line about the notes.
+
+    This is for commands that use a program which `yarc check` or yarcc has checked before.
     """
     found = list(diagnostics)
     show_findings(one for one in found if one.severity != "note")
@@ -36,9 +37,9 @@ def show_findings(diagnostics: Iterable[Diagnostic], *, whole: bool = False) -> 
     """Write findings to standard error, each with its place and the source line.
 
     Args:
-        diagnostics: in the order of writing.
+        diagnostics: the findings, in the order of output.
         whole: True to write all of them. Otherwise only the first `MOST_ALIKE` warnings and notes of one code
-            in one file are written, and the number of further ones.
+            in one file are written, followed by the number of further ones.
     """
     left_out: dict[tuple[str, str, str], list[Diagnostic]] = {}
     counts: Counter[tuple[str, str, str]] = Counter()

@@ -1,4 +1,4 @@
-"""Machines around a simulated robot, from a command line."""
+"""Create the machines around a simulated robot from the options of a command line."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ def surroundings_of(
     """Return the machines of --set and --inputs, and the sensors of a cell.
 
     Args:
-        options: of the command line.
+        options: options of the command line.
         known: names that may be used.
-        robot: that is simulated.
-        cell: whose sensors drive inputs.
-        waits: True if times count from the beginning of a run, False from that of the simulation.
+        robot: the simulated robot.
+        cell: cell whose sensors set inputs.
+        waits: True if times count from the beginning of a run, False if from the beginning of the simulation.
 
     Returns:
         None with findings if a name or the script is wrong.

@@ -1,4 +1,4 @@
-"""The certificate as a table: one row for each command or, for a long program, for each line of the
+"""Show a certificate as a table: one row for each command or, for a long program, for each line of the
 source.
 """
 
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from yarclang.runtime.inspection import Checked
 
 SHORT = 10
-"""Number of commands up to which a table shows each in a row of its own."""
+"""Largest number of commands for which a table has one row for each command."""
 
 MANY = 40
-"""Number of motions that flow into each other above which a table shows only one row."""
+"""Number of blended motions above which a table shows a chain of them as one row."""
 
 _CLEAR = "clear mm"
 """Column for programs in a cell with obstacles: the smallest proved distance, and its two bodies."""
@@ -57,8 +57,8 @@ _LEAST_WANTED = (
     _CLEAR,
     "torque",
 )
-"""Columns that a narrow terminal does without, the first one first; `names` are those of bodies beside their
-distances.
+"""Columns that are left out on a narrow terminal, beginning with the first; `names` are the names of bodies
+beside their distances.
 """
 
 _COLUMN_OF = {
@@ -68,7 +68,7 @@ _COLUMN_OF = {
     "acceleration": "accel.",
     "motor speed": "motor",
 }
-"""Column of a quantity that is measured, where it has another name."""
+"""Columns whose heading differs from the name of the measured quantity, by this name."""
 
 _LOADED = "*"
 """Mark of a motion during which the robot carries a part."""
@@ -82,21 +82,21 @@ def certificate_table(
     robot: Robot | None = None,
     cell: Cell | None = None,
 ) -> str:
-    """Return duration, the worst joint and its share of each limit, the proved deviation, and in a cell the
-    clearance and the distance from zones.
+    """Format a certificate as a table.
 
-    A motion during which the robot carries a part is marked.
+    Columns are the duration, the worst joint and its share of each limit, the proved deviation, and in a cell
+    the clearance and the distance from zones. A motion during which the robot carries a part is marked.
 
     Args:
-        certificate: to show.
-        full: True for one row for each command, with all columns. False to give a program of more than
-            `SHORT` commands one row for each line of its source, with the longest time and the worst of each
-            column over all executions of the line, and one row for a chain of more than `MANY` motions.
-        width: of the terminal, in characters. Unless `full`, a table without room has numbers in place of
-            long joint names, and then fewer columns. None for a table of any width.
-        robot: for the names of the joints, and the limits: the column that comes nearest to its limit is
-            kept. None to keep no particular column.
-        cell: for the margins of obstacles and zones.
+        certificate: certificate to show.
+        full: True for one row for each command, with all columns. If False, a program of more than `SHORT`
+            commands gets one row for each line of its source, with the longest time and the worst value of
+            each column over all executions of the line; a chain of more than `MANY` motions gets one row.
+        width: width of the terminal in characters; None for no limit. Unless `full`, a table that is too wide
+            has numbers instead of long joint names, and then fewer columns.
+        robot: robot with the names of the joints and the limits. The column with the value nearest to its
+            limit is kept as long as possible. None to prefer no column.
+        cell: cell with the margins of obstacles and zones.
     """
     groups = [[command] for command in certificate.commands]
     is_folded = not full and len(groups) > SHORT
@@ -136,7 +136,9 @@ def certificate_table(
 
 
 def _folded(commands: Sequence[CommandCertificate]) -> list[list[CommandCertificate]]:
-    """Group commands by rows: long chains, and for all others one line of the source."""
+    """Group the commands by the rows of the table: long chains, and for all other commands the lines of
+    the source.
+    """
     rows: dict[tuple[str, int, str], list[CommandCertificate]] = {}
     found: list[list[CommandCertificate]] = []
     for chain in _chains(commands):
@@ -153,7 +155,7 @@ def _folded(commands: Sequence[CommandCertificate]) -> list[list[CommandCertific
 
 
 def _chains(commands: Sequence[CommandCertificate]) -> Iterator[list[CommandCertificate]]:
-    """Yield groups of commands that flow into each other."""
+    """Yield groups of commands that are joined by blends."""
     chain: list[CommandCertificate] = []
     for command in commands:
         chain.append(command)
@@ -165,19 +167,19 @@ def _chains(commands: Sequence[CommandCertificate]) -> Iterator[list[CommandCert
 
 
 def _is_chain(group: Sequence[CommandCertificate]) -> bool:
-    """Return True for the row of a long chain, whose commands have different lines."""
+    """Return True for the row of a long chain: its commands are on different lines."""
     return len(group) > MANY and source_command(group[0]) != source_command(group[1])
 
 
 def nearest_table(certificate: Certificate, robot: Robot, cell: Cell | None, width: int | None = None) -> str:
-    """Return the places nearest to their limits, nearest first; empty for a program of up to `SHORT`
+    """Return a table of the places nearest to their limits, nearest first; empty for at most `SHORT`
     commands.
 
     Args:
-        certificate: to show.
-        robot: for the limits.
-        cell: for the margins of obstacles and zones.
-        width: of the terminal, in characters; None for lines of any length.
+        certificate: certificate to show.
+        robot: robot with the limits.
+        cell: cell with the margins of obstacles and zones.
+        width: width of the terminal in characters; None for no limit.
     """
     if len(certificate.commands) <= SHORT:
         return ""
@@ -205,8 +207,8 @@ def _share(one: Nearest) -> str:
 
 
 def _full_place(command: CommandCertificate) -> str:
-    """Return place and name of a command; in a module, the program's line that led there, followed by the
-    module's own.
+    """Return place and name of a command. For a command in a module, this is the program's line that calls
+    it, followed by the module's own line.
     """
     if not command.module:
         return f"{command.index or f'line {command.source_line}'} {command.name}"
@@ -261,13 +263,17 @@ def _time(group: Sequence[CommandCertificate]) -> float:
 
 
 def _name(group: Sequence[CommandCertificate]) -> str:
-    """Return the name of a row's command, with a mark if it carries a part at any time."""
+    """Return the name of a row's command, with a mark if the robot carries a part during any of its
+    executions.
+    """
     return f"{group[0].name} {_LOADED}" if any(one.carries for one in group) else group[0].name
 
 
 def _place(group: Sequence[CommandCertificate]) -> str:
-    """Return the place of a row: that of a single command; for several, the common part of their places
-    without passes of loops, otherwise their line.
+    """Return the place of a row.
+
+    For a single command this is its place. For several commands it is the part that their places have in
+    common, without passes of loops; if there is none, their line.
     """
     first = group[0]
     if _is_chain(group):
@@ -282,11 +288,13 @@ def _place(group: Sequence[CommandCertificate]) -> str:
 
 
 MANY_PAIRS = 10
-"""Most lines about bodies that may touch; further ones are counted."""
+"""Largest number of lines about bodies that may touch; further lines are only counted."""
 
 
 def _not_checked(certificate: Certificate) -> Iterator[str]:
-    """Yield a line for each pair of bodies that may touch, and for each line that allows it."""
+    """Yield a line for each pair of bodies that may touch, and for each line of the program that allows
+    contact.
+    """
     found: dict[tuple[str, str, str], list[str]] = {}
     for command in certificate.commands:
         for one in command.may_touch:
@@ -307,12 +315,12 @@ def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column]
     """Choose the columns that fit on a terminal.
 
     Args:
-        columns: all of them, the place first.
-        width: of the terminal, in characters.
+        columns: all columns; the first is the place.
+        width: width of the terminal in characters.
         worst: name of the column that is kept as long as there is room for any; empty for none.
 
     Returns:
-        The columns, with the place cut if needed, and the names of the others.
+        The columns, with shortened places if necessary, and the names of the columns that are left out.
     """
     place, *others = columns
     longest = min(place.width, LONGEST_PLACE)
@@ -347,14 +355,14 @@ def _without_names(column: Column) -> Column:
 
 
 def _segment(group: Sequence[CommandCertificate]) -> str:
-    """Return the longest segment time of the commands with segments."""
+    """Return the longest segment time of the commands that have segments."""
     times = [one.segment_time for one in group if one.segments]
     return f"{max(times) * 1e3:.4g}" if times else "-"
 
 
 def _jerk(group: Sequence[CommandCertificate]) -> str:
-    """Return the worst jerk, in parentheses if it isn't judged, because a time-optimal motion has no limit of
-    jerk.
+    """Return the largest jerk. It is in parentheses if it isn't checked, since a time-optimal motion has
+    no jerk limit.
     """
     worst = max(group, key=lambda one: one.jerk.share)
     return _load(worst.jerk) if worst.jerk_judged else f"({_load(worst.jerk)})"
@@ -383,8 +391,8 @@ _VERDICTS = {"ok": "ok", "warning": "warning", "error": "ERROR"}
 
 
 def checked_table(checked: Sequence[Checked]) -> str:
-    """Return the checks of a controller as a table: item, found value, wanted value, and the remedy for a
-    difference.
+    """Return the checks of a controller as a table: item, actual value, expected value, and the remedy if
+    they differ.
     """
     lines = []
     for verdict, one in ((_VERDICTS[one.verdict], one) for one in checked):

@@ -1,4 +1,4 @@
-"""The door of `yarc pendant`: its address, its life, and its output on the terminal."""
+"""Implement `yarc pendant`: its address, its start and end, and its output on the terminal."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def check_usage(options: dict[str, Any]) -> None:
     """Reject options that exclude each other.
 
     Raises:
-        click.UsageError: they are given together.
+        click.UsageError: such options are given together.
     """
     certificate, key = options["tls_cert"], options["tls_key"]
     if (certificate is None) != (key is None):
@@ -52,20 +52,20 @@ class Again:
 
 
 async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, Any]) -> Again | None:
-    """Serve a pendant until a termination, or until a user ends it from a page; then the robot comes to rest
-    on its path.
+    """Serve a pendant until a termination, or until a user ends it on a page. Then bring the robot to rest on
+    its path.
 
     Args:
-        robot: that is served.
-        place: of its coordinator, or its controller.
-        folder: of the project.
-        options: of the command line.
+        robot: robot that is served.
+        place: its coordinator, or its controller.
+        folder: folder of the project.
+        options: options of the command line.
 
     Returns:
         The requested restart; None for none.
 
     Raises:
-        Trouble: the coordinator can't be reached, the port is taken, or a file can't be used.
+        Trouble: the coordinator can't be reached, the port is in use, or a file can't be used.
     """
     data = options["data"] or _state_folder()
     life = Life(lambda: _check_again(folder, place, options))
@@ -93,12 +93,12 @@ async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, An
                     one.cancel()
     if life.wanted != "restart" or ends.is_set():
         return None
-    # its pages reconnect to the same port
+    # keep the port: open pages reconnect to it
     return Again(("--port", address.rstrip("/").rpartition(":")[2]))
 
 
 def begin_again(again: Again) -> NoReturn:
-    """Restart this process with the same command line. Everything must be closed before."""
+    """Restart this process with the same command line. Everything must be closed first."""
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:], *again.arguments])
@@ -108,7 +108,7 @@ def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
     """Check that a process with the same command line would start.
 
     Raises:
-        Trouble: it wouldn't, with the reason.
+        Trouble: it wouldn't start. The message has the reason.
     """
     read = robot_for(folder.absolute(), options["robot"])
     cell = None if read.value is None else session_cell(folder, read.value, options["cell"])

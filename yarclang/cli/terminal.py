@@ -1,4 +1,4 @@
-"""The terminal of a run: signals and keys that give orders, and questions."""
+"""Handle the terminal of a run: signals and keys that give orders, and questions."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from yarclang.coordinator.picture import Picture
 from yarclang.runtime.state import State
 
 SILENT = 3.0
-"""Time without a message of the coordinator after which the robot's state is unknown [s]."""
+"""Time without a message from the coordinator after which the robot's state counts as unknown [s]."""
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
@@ -32,12 +32,14 @@ def has_keys() -> bool:
 
 
 class Terminal:
-    """Orders from signals and keys: Ctrl-C holds, and aborts the second time; Enter resumes after a hold; a
-    termination ends the run on the path.
+    """Orders from signals and keys.
+
+    Ctrl-C holds the first time and aborts the second time. Enter resumes after a hold. A termination ends the
+    run on the path.
 
     Args:
-        screen: for output.
-        give_up: called if nothing moves yet, or nothing can be done.
+        screen: screen for output.
+        give_up: called if nothing moves yet, or if nothing else can be done.
 
     Attributes:
         performing: True while a job runs; before, there is nothing to hold.
@@ -91,7 +93,7 @@ class Terminal:
             self._answer = None
 
     def hear(self, event: BaseEvent) -> None:
-        """Take an event: after a resume, Ctrl-C holds again."""
+        """Process an event. After a resume, the next Ctrl-C holds again."""
         if isinstance(event, StateChanged) and event.state is State.MOVE:
             self._asked_to_hold = False
 

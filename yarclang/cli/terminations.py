@@ -1,4 +1,4 @@
-"""Signals that end a command that serves others."""
+"""Signals that end a command which serves other clients."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ENDING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 @contextmanager
 def terminations() -> Iterator[asyncio.Event]:
-    """Yield an event that is set by a termination."""
+    """Yield an event that a termination sets."""
     ends = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in _ENDING:

@@ -1,4 +1,4 @@
-"""Repeated search for changed files."""
+"""Look for changed files repeatedly."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pathlib import Path
 from yarclang.cli.paths import SUFFIX, programs
 
 _BESIDE = (SUFFIX, ".toml", ".urdf", ".csv")
-"""Suffixes of a program's further files: modules, cells, settings, robots, tables of way-points."""
+"""Suffixes of the files that a program may use: modules, cells, settings, robots, tables of way-points."""
 
 
 def changes(paths: Sequence[str], pause: Callable[[], None]) -> Iterator[list[str]]:
     """Yield the programs to check: first all, then, after each pause, those that have changed. A program also
-    counts as changed after a change of a file beside it.
+    counts as changed if a file in its folder has changed.
 
     Args:
-        paths: files and folders, as on the command line.
+        paths: files and folders on the command line.
         pause: waits for a short time.
     """
     seen: dict[str, dict[str, tuple[int, int]]] = {}

@@ -1,4 +1,4 @@
-"""Support for commands: options, progress, files."""
+"""Support of the commands: options, progress, files."""
 
 from __future__ import annotations
 
@@ -19,18 +19,19 @@ if TYPE_CHECKING:
     from yarclang.pipeline.inputs import Options
 
 _SILENT = 1.0
-"""Duration of work below which no progress is shown [s]."""
+"""Shortest duration of work for which progress is shown [s]."""
 
 _EACH = 0.1
 """Time between two updates of the bar [s]."""
 
 
 class Progress:
-    """Progress bar on standard error for work in the context; only on a terminal, and only for long work.
+    """Progress bar on standard error for the work in a context. It is shown only on a terminal, and only for
+    long work.
 
-    For a compilation the bar shows the progress over all stages, and the remaining time; for other work, the
-    progress of the present step. A thread draws it, so that long steps between two reports are visible as
-    well.
+    For a compilation the bar shows the progress over all stages and the remaining time. For other work it
+    shows the progress of the current step. A thread draws the bar, so that it also moves during long steps
+    without a report.
     """
 
     def __init__(self) -> None:
@@ -61,7 +62,7 @@ class Progress:
             self._thread.join()
 
     def __call__(self, what: str, done: int, total: int) -> None:
-        """Report the present step and its progress."""
+        """Report the current step and its progress."""
         if (stage := stage_of(what)) is not None:
             self._estimate.tell(stage, done, total, time.monotonic())
         self._told = what, done, total
@@ -69,7 +70,7 @@ class Progress:
             self._draw_now()
 
     def file(self, number: int, count: int) -> None:
-        """Report that `number` of `count` files are done. Further reports concern the next file."""
+        """Report that `number` of `count` files are done. Later reports are about the next file."""
         self._estimate = Estimate(number, count)
         if count > 1:
             self("files", number, count)
@@ -88,7 +89,7 @@ class Progress:
             self._draw_now()
 
     def _draw_now(self) -> None:
-        """Draw the bar, if the work is long enough."""
+        """Draw the bar, if the work takes long enough."""
         with self._lock:
             if self._told is not None and time.monotonic() - self._since >= _SILENT:
                 self._show(*self._told)
@@ -106,7 +107,8 @@ class Progress:
                 TextColumn("{task.fields[left]}"),
             )
             bar = Bar(*columns, console=Console(stderr=True), transient=True)
-            # Ctrl-C may come between any two lines: a stored bar has its task, and a started bar is stored
+            # Ctrl-C may come between any two lines: store the bar after its task exists, and start it after
+            # it is stored
             self._task = bar.add_task(what, total=None, share="", left="")
             self._bar = bar
             bar.start()
@@ -126,7 +128,7 @@ class Progress:
 
 
 def options_from(planning: dict[str, Any]) -> Options:
-    """Return the options of a command line."""
+    """Return the options of a command line as an object."""
     from yarclang.pipeline.inputs import Options
 
     tolerance = planning.get("tolerance")
@@ -142,7 +144,9 @@ def options_from(planning: dict[str, Any]) -> Options:
 
 
 def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
-    """Write to standard output. A full device is a finding; a closed pipe ends the program silently."""
+    """Write to standard output. A full device becomes a finding. If the reader has closed the pipe, exit
+    silently.
+    """
     import click
 
     try:
@@ -159,7 +163,7 @@ def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
 
 
 def write_all(files: Sequence[tuple[Path, str]]) -> tuple[Diagnostic, ...]:
-    """Write several files. If one can't be written, the ones before it are restored."""
+    """Write several files. If one of them can't be written, restore those that were written before it."""
     before: list[tuple[Path, bytes | None]] = []
     for path, content in files:
         try:
@@ -179,7 +183,7 @@ def write_all(files: Sequence[tuple[Path, str]]) -> tuple[Diagnostic, ...]:
 
 
 def write_whole(path: Path, content: str | bytes) -> tuple[Diagnostic, ...]:
-    """Write a file as a whole or not at all, as `replace_file` does. Return a finding if it can't be
+    """Write a file completely or not at all, as `replace_file` does. Return a finding if it can't be
     written.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content

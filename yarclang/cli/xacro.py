@@ -1,4 +1,4 @@
-"""Conversion of xacro files to URDF, in a process of its own with bounded time and memory."""
+"""Convert xacro files to URDF in a separate process, with bounded time and memory."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile
 
 LONGEST = 30.0
-"""Longest time of the process [s], because xacro allows recursion."""
+"""Longest time of the process [s]. It needs a limit because xacro allows recursion."""
 
 LARGEST = 20_000_000
-"""Largest output [bytes], as for any URDF."""
+"""Largest output [bytes]; the same limit applies to any URDF."""
 
 MEMORY = 2_000_000_000
-"""Most memory of the process [bytes]."""
+"""Largest memory of the process [bytes]."""
 
 
 def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> SourceFile | Diagnostic:
     """Return the URDF of a xacro file.
 
     Args:
-        path: of the file.
+        path: path of the xacro file.
         packages: folders with the ROS packages that `$(find ...)` names.
-        given: values of its arguments.
+        given: values of the file's arguments.
     """
     import json
     import subprocess
@@ -81,7 +81,7 @@ def _child(path: str, given: str, packages: Sequence[str]) -> None:
             raise LookupError(f"the ROS package {name} isn't found")
         return str(folder)
 
-    # replacement for the modules in which xacro looks up packages, without ROS
+    # replace the modules by which xacro looks up packages, so that ROS isn't needed
     index, module = ModuleType("ament_index_python"), ModuleType("ament_index_python.packages")
     module.get_package_share_directory = share  # type: ignore[attr-defined]
     sys.modules |= {index.__name__: index, module.__name__: module}

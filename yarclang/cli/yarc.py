@@ -1,4 +1,4 @@
-"""`yarc`: everything but compiling."""
+"""`yarc`: all commands except the compiler."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ _ON_UNIX = (
     *("run", "exec", "status", "hold", "resume", "override", "stop", "doctor", "sim"),
     *("repl", "pendant", "serve", "follow", "ros"),
 )
-"""Commands that work with a robot or are one."""
+"""Commands that work with a robot or simulate one."""
 
 
 @click.command(

@@ -1,4 +1,4 @@
-"""`yarcc`: programs to certified controller text."""
+"""`yarcc`: compile programs to certified controller text."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def _known_target(context: click.Context, parameter: click.Parameter, value: str) -> str:  # noqa: ARG001 - the signature is click's
-    """Return the target of a text, after checking that a kind of controller supports it."""
+    """Return the target that a text names, after a check that a kind of controller supports it."""
     if value:
         from yarclang.backend import backend_called
         from yarclang.robot.kinds import kind_names
@@ -97,8 +97,9 @@ def main(
 ) -> None:
     """Compile YARC programs to their controller's text, and prove what they do.
 
-    It reports the findings of `yarc check`; comments and yarc.toml suppress the same ones. FILE.yarc becomes FILE.pmc; - reads standard input, and a folder,
-    with --out-dir, means all .yarc files in it. A program with an error leaves no file.
+    It reports the findings of `yarc check`, except those that comments or yarc.toml suppress. FILE.yarc
+    becomes FILE.pmc; - reads standard input, and a folder, with --out-dir, means all .yarc files in it.
+    Nothing is written for a program with an error.
     """
     _check_usage(files, output, out_dir, certificate, format_)
     if proof and output == "-":
@@ -171,7 +172,7 @@ def _check_usage(
 
 
 def _called(destination: str, compiled: Compiled) -> str:
-    """Return the name of a text for its kind of controller."""
+    """Return a text's path with the suffix of the program's kind of controller."""
     from yarclang.backend import backend_of
 
     if destination == "-":
@@ -186,7 +187,7 @@ def _proof_beside(destination: str) -> str:
 def _write(
     compiled: Compiled, destination: str, certificate: Path | None, proof: str | None
 ) -> tuple[Diagnostic, ...]:
-    """Write text, certificate and proof: all, or none."""
+    """Write text, certificate and proof; if one of them can't be written, write none."""
     from yarclang.cli.work import write_all, write_standard_output
 
     files: list[tuple[Path, str]] = []

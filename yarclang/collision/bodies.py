@@ -1,4 +1,4 @@
-"""Hold the bodies around a robot, and the pairs of them that must not meet, as plain arrays."""
+"""Store the bodies around a robot, and the pairs of them that must not meet, as plain arrays."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ class Body:
     """A solid body: a link's shape, an obstacle, or something that the robot carries.
 
     `joint` is the number of joints that move it, counted from the base. `base_from_body` (4, 4) [m] is its
-    place with all joints at zero. `margin` [m] is the distance that other bodies keep from it. `is_link` is
-    True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml, `of_cell` for a
-    body that stands in the cell; for an obstacle that the cell mounts on the flange, all three are False.
-    `is_part` is True for a part that grippers take, or a tool that a changer takes; `of_tool` for the latter.
+    place with all joints at zero. `margin` [m] is the distance that other bodies must keep from it. `is_link`
+    is True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml, `of_cell` for a
+    body that stands in the cell. All three are False for an obstacle that the cell mounts on the flange.
+    `is_part` is True for a part that grippers take, or a tool that a changer takes; `of_tool` only for such a
+    tool.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Body:
 
     @property
     def may_hold(self) -> bool:
-        """True for a body that may touch a part while that is taken: anything but another part."""
+        """True for a body that may touch a part while the part is taken: any body but another part."""
         return not self.is_part or self.of_tool
 
 
@@ -49,9 +50,9 @@ class Pairs:
     """K pairs of bodies that must not meet.
 
     Attributes:
-        first: one body of each (K,).
+        first: one body of each pair (K,).
         second: the other body (K,), moved by more joints.
-        margin: the distance that both keep from each other (K,) [m].
+        margin: the distance that both must keep from each other (K,) [m].
         touching: True if they may touch while a part is taken or put down (K,).
         of_cell: True if one of them stands in the cell (K,).
     """
@@ -65,14 +66,14 @@ class Pairs:
 
 @frozen(eq=False)
 class Boxes:
-    """M bodies as arrays: the box around each, the hull within it, and the shape itself.
+    """M bodies as arrays: the box around each, the hull within the box, and the shape itself.
 
     Attributes:
-        joint: the number of joints that move it (M,).
+        joint: the number of joints that move the body (M,).
         middle: of its box, with all joints at zero, in {B} (M, 3) [m].
         rotation: of its box, with all joints at zero, in {B} (M, 3, 3).
         half: half of its box's edges (M, 3) [m].
-        radius: by which its box is rounded (M,) [m].
+        radius: radius by which its box is rounded (M,) [m].
         bound: radius of the sphere around it (M,) [m].
         core: half of the edges of its hull's core (M, 3) [m].
         disc: radius of its hull's disc (M,) [m].
@@ -80,7 +81,7 @@ class Boxes:
         solids: the shapes themselves: coal's, or large meshes in tiles.
         own_middle: the middle of the box in the shape's frame (M, 3) [m].
         closed: True for meshes that enclose a volume (M,).
-        hollow: True for meshes that aren't their hulls (M,).
+        hollow: True for meshes that aren't their own hulls (M,).
     """
 
     joint: Rows
@@ -100,12 +101,12 @@ class Boxes:
 
 @frozen(eq=False)
 class Scene:
-    """The bodies around an arm, and those of their pairs that must not meet.
+    """The bodies around an arm, and those pairs of them that must not meet.
 
     Attributes:
         chain: the arm.
-        bodies: in any order.
-        pairs: of these bodies.
+        bodies: the bodies, in any order.
+        pairs: pairs of these bodies.
         boxes: the same bodies, as arrays.
         at_home: names of the pairs of links that touch in the robot's HOME. Since the robot can stand there,
             their shapes are too large, and they aren't among the pairs.
@@ -129,7 +130,7 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
     """Combine several scenes of one robot into one.
 
     Returns:
-        A scene with the bodies of all scenes, each of them once, and for each scene the indices of its own
+        A scene with the bodies of all scenes, each body once; and for each scene the indices of its own
         pairs.
     """
     if len(scenes) == 1:
@@ -161,13 +162,13 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
 def paired(
     bodies: Sequence[Body], first: Rows, second: Rows, margin: Array, touching: NDArray[np.bool_]
 ) -> Pairs:
-    """Return pairs of bodies as `Pairs`.
+    """Return `Pairs` of bodies.
 
     Args:
         bodies: all bodies.
         first: one body of each pair (K,).
         second: the other body (K,).
-        margin: the distance that they keep (K,) [m].
+        margin: the distance that they must keep (K,) [m].
         touching: True if they may touch (K,).
     """
     of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
@@ -181,8 +182,8 @@ def assembled(
 
     Args:
         chain: the arm.
-        bodies: in any order.
-        pairs: of these bodies.
+        bodies: the bodies, in any order.
+        pairs: pairs of these bodies.
         at_home: names of the links that touch in HOME.
     """
     return Scene(chain, bodies, pairs, _boxes(bodies), at_home)

@@ -1,4 +1,6 @@
-"""Report on a robot's bodies for `yarc robot check`: which are missing, and which always touch."""
+"""Report on a robot's bodies for `yarc robot check`: bodies that are missing, and bodies that always
+touch.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,13 @@ from yarclang.shapes import Mesh
 POSITIONS = 200
 """Number of joint positions, spread over the limits, at which links are checked."""
 OFTEN = 0.9
-"""Links that touch in more than this share of the positions are drawn too large, or are joined."""
+"""Share of the positions above which links that touch are drawn too large, or are joined."""
 MOSTLY = 0.5
-"""Links that touch in HOME and in more than this share of the positions are as well."""
+"""The same share for links that also touch in HOME."""
 
 
 def body_items(robot: Robot) -> Iterator[Item]:
-    """Yield the items about links and tools with shapes, and about those that touch."""
+    """Yield the items about links and tools with shapes, and about shapes that touch."""
     yield from _tools(robot)
     if not robot.shapes:
         found = "no link has a collision shape: nothing is checked for collisions"
@@ -61,8 +63,8 @@ def body_items(robot: Robot) -> Iterator[Item]:
 
 
 def flat_meshes(robot: Robot) -> tuple[str, ...]:
-    """Return the meshes of links and mounted tools that lie in one plane, each as a clause; none if a mesh
-    can't be read.
+    """Return the meshes of links and mounted tools that are flat, each as a clause; none if a mesh can't
+    be read.
     """
     if scene_of(robot, None).value is None:
         return ()
@@ -81,13 +83,12 @@ def _is_flat(shape: Mesh) -> bool:
 
 
 def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
-    """Return the pairs of bodies, by name, that seem to touch whatever the robot does, each with the reason;
-    none if a mesh can't be read.
+    """Return the pairs of bodies, by name, that seem to touch in all positions, each with the reason.
 
-    Bodies that touch in HOME and seldom elsewhere may really collide: then HOME is chosen badly, and the pair
-    isn't proposed.
+    The result is empty if a mesh can't be read. Bodies that touch in HOME and seldom elsewhere may really
+    collide: HOME is then badly chosen, and the pair isn't proposed.
     """
-    # with all pairs, including those that touch in HOME
+    # Use all pairs, including those that touch in HOME.
     scene = scene_of(robot, None, lenient=False).value
     if scene is None or not len(scene.pairs.first):
         return ()

@@ -1,5 +1,5 @@
-"""Represent a motion for the collision check: the joint positions at each instant, and bounds of how far the
-joints move.
+"""Represent a motion for the collision check: the joint positions at each instant, and bounds of the
+joints' motion.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Course:
         """
         begins = np.concatenate([[0.0], np.cumsum(h)])
         way = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(peaks * h[:, None], axis=0)])
-        # the acceleration is linear on a segment: its largest magnitude is at an end
+        # The acceleration is linear on a segment, so its largest magnitude is at an end.
         strength = np.maximum(np.abs(a), np.abs(a + h[:, None] * j))
         return Course(x, v, a, j, begins, way, peaks, strength)
 
@@ -57,9 +57,10 @@ class Course:
     def gone(self, time: Array) -> Array:
         """Return upper bounds (P, n) of the distance that each joint has travelled up to times (P,) [s].
 
-        Between two times a joint moves by no more than the difference of its bounds.
+        Between two times, a joint moves by at most the difference of its bounds.
         """
         row, t = self._segment(time)
+        # Within a segment the bound grows at the segment's largest speed.
         share = t / (self.begins[row + 1] - self.begins[row])
         way: Array = self.way[row] + share[:, None] * (self.way[row + 1] - self.way[row])
         return way

@@ -1,5 +1,5 @@
-"""Decide if single joint positions are free, thousands of times one by one: Pinocchio moves the bodies, coal
-checks the pairs.
+"""Decide if joint positions are free, one by one and thousands of times: Pinocchio places the bodies, and
+coal checks the pairs.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class FreeSpace:
-    """The joint positions at which all pairs of a scene stay farther apart than their margins, by an extra
-    distance.
+    """The joint positions at which all pairs of a scene keep their margins and an additional distance.
 
     `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's. The manager examines only pairs whose
-    axis-aligned boxes, grown by the margins, overlap. Inside a hollow mesh nothing is near; use `gaps` there.
-    Pairs with a large mesh in tiles (`tiled`, with the distances `apart` (K,) of all pairs [m]) aren't
-    Pinocchio's, which would need a tree of all triangles. Pairs that no joint position brings near are left out.
+    axis-aligned boxes, grown by the margins, overlap. Inside a hollow mesh no distance is small; use `gaps`
+    there. Pairs with a large mesh in tiles (`tiled`, with the distances `apart` (K,) of all pairs [m]) aren't
+    Pinocchio's, since it would need a tree of all triangles. Pairs that no joint position brings near are
+    left out.
     """
 
     scene: Scene
@@ -84,7 +84,7 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
     pairs = geometry.createData()
     for number, pair in enumerate(others):
         pairs.collisionRequests[number].security_margin = float(apart[pair])
-    # after the margins are set: each body's box grows by half of its largest margin
+    # Create the manager after the margins are set: each body's box grows by half of its largest margin.
     manager = pinocchio.BroadPhaseManager_NaiveCollisionManager(model, geometry, pairs)
     return FreeSpace(scene, model, data, geometry, pairs, manager, np.flatnonzero(meet & in_tiles), apart)
 
@@ -92,15 +92,18 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
 def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
     """Return a mask (K,) of the pairs that some joint position could bring nearer than `apart` (K,) [m].
 
-    What a joint carries stays within a ball around a point on the first axis: each joint turns the next axis
-    about its own, so that points on both axes keep their distance. Arms with joints that slide keep all pairs.
+    A body that the arm carries stays within a ball around a point on the first axis. This follows since each
+    joint turns the next axis about its own axis, so that points on both axes keep their distance. For arms
+    with sliding joints, the mask contains all pairs.
     """
     boxes, points = scene.boxes, _on_axes(scene.chain)
     if points is None:
         return np.ones(len(scene.pairs.first), dtype=np.bool_)
     joints, carrier = boxes.joint, np.maximum(boxes.joint - 1, 0)
+    # Longest distance from the point on the first axis to the body, along the points on the axes.
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     reach = way[carrier] + np.linalg.norm(boxes.middle - points[carrier], axis=1) + boxes.bound
+    # Distance of that point from the rounded box of a body that stands still.
     seen = np.einsum("bij,bi->bj", boxes.rotation, points[0] - boxes.middle)
     away = np.linalg.norm(np.maximum(np.abs(seen) - boxes.half, 0.0), axis=1) - boxes.radius
     first, second = scene.pairs.first, scene.pairs.second
@@ -111,7 +114,9 @@ def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
 
 
 def _on_axes(chain: Chain) -> Array | None:
-    """Return a point (n, 3) on each axis with all joints at zero [m]; None if a joint slides, also as a screw."""
+    """Return a point (n, 3) on each axis with all joints at zero [m]; None if a joint slides, or is a
+    screw.
+    """
     linear, angular = chain.screws[:, :3], chain.screws[:, 3:]
     rate = np.einsum("ni,ni->n", angular, angular)
     if (
@@ -126,13 +131,16 @@ def _on_axes(chain: Chain) -> Array | None:
 
 @lru_cache(maxsize=32)
 def plain_free_space(scene: Scene) -> FreeSpace:
-    """Return the free space of a scene, with no more than its margins; remembered by the scene's identity."""
+    """Return the free space of a scene with its margins and no additional distance; cached by the scene's
+    identity.
+    """
     return free_space(scene)
 
 
 def gaps(scene: Scene, q: Array) -> Array:
-    """Return by how much the distance of each pair exceeds its margin at one joint position (n,), (K,) [m]:
-    negative if it is too near.
+    """Return the distances of all pairs less their margins at one joint position (n,), (K,) [m].
+
+    A value is negative if the pair is too near.
     """
     every = np.arange(len(scene.pairs.first))
     seen = relative(place(scene, q[None]), np.zeros_like(every), every)
@@ -141,8 +149,8 @@ def gaps(scene: Scene, q: Array) -> Array:
 
 
 def _model(chain: Chain) -> Any:
-    """Build the arm for Pinocchio from the chain's screws: all frames are parallel to {B} with all joints at
-    zero.
+    """Build the arm for Pinocchio from the chain's screws. With all joints at zero, all frames are
+    parallel to {B}.
     """
     import pinocchio
 
@@ -155,7 +163,7 @@ def _model(chain: Chain) -> Any:
         if not rate:
             joint = pinocchio.JointModelPrismaticUnaligned(linear)
         else:
-            # the axis's point nearest to the origin, and its pitch [m/rad] (Lynch and Park, ch. 3.3)
+            # The axis's point nearest to the origin, and its pitch [m/rad] (Lynch and Park, ch. 3.3).
             point = np.cross(angular, linear) / rate**2
             pitch = float(angular @ linear) / rate
             axis = angular / rate

@@ -27,15 +27,15 @@ from yarclang.units import MM
 
 @frozen(eq=False)
 class Geometry:
-    """A shape for distances: coal's own (or a large mesh in tiles), and the points within `radius` [m] of a box that enclose it.
+    """A shape for distances: coal's own shape (or a large mesh in tiles), and the rounded box around it.
 
-    The box has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m]. `point` (3,) belongs
-    to the shape. `skin` (T, 3, 3) are a mesh's triangles if they enclose a volume: coal knows only the
-    triangles, not the volume.
+    All points of the shape are within `radius` [m] of a box, which has the half edges `half` (3,) around
+    `middle` (3,) in the shape's frame [m]. `point` (3,) belongs to the shape. `skin` (T, 3, 3) are a mesh's
+    triangles if they enclose a volume: coal knows only the triangles, not the volume.
 
-    Support functions (the farthest point in a direction) need the shape's convex hull. It is the Minkowski
-    sum of a smaller box of half edges `core` (3,), a disc of radius `disc` perpendicular to z, and a ball of
-    `radius`; or, for a mesh, the hull of `corners` (V, 3), relative to `middle`.
+    Support functions (the farthest point in a direction) need the shape's convex hull. The hull is the
+    Minkowski sum of a smaller box of half edges `core` (3,), a disc of radius `disc` perpendicular to z, and
+    a ball of `radius`; or, for a mesh, the hull of `corners` (V, 3), relative to `middle`.
     """
 
     solid: Any
@@ -48,13 +48,15 @@ class Geometry:
     corners: Array | None = None
     skin: Array | None = None
     is_hollow: bool = False
-    """True for triangles that need not be closed: a point far from them may be inside their hull."""
+    """True for a mesh that isn't its own hull: a point far from its triangles may be inside their hull."""
     cell: tuple[Array, Array] | None = None
-    """For a piece of a mesh, two corners (3,) of the box whose part of the mesh it contains [m]."""
+    """For a piece of a mesh, two corners (3,) of a box [m]: the piece contains the part of the mesh in
+    this box.
+    """
 
     @property
     def of_coal(self) -> Any:
-        """Coal's own shape. That of a large mesh is built at the first call, which takes seconds."""
+        """Coal's own shape. The shape of a large mesh is built at the first call, which takes seconds."""
         return self.solid.whole() if isinstance(self.solid, TiledMesh) else self.solid
 
     @property
@@ -72,25 +74,26 @@ _FAR = 1e5
 
 
 _LARGE = 1_000_000
-"""Size of a file [bytes] from which the hull of a mesh is made from its corners, without coal's reader if
-possible.
+"""Size of a file [bytes] from which the hull of a mesh is computed from its corners.
+
+Where possible, coal's reader isn't used for such files.
 """
 
 
 class UnreadableError(Exception):
-    """A mesh can't be read; the message is the end of a sentence that begins with its name."""
+    """A mesh can't be read. The message is the end of a sentence that begins with the mesh's name."""
 
 
 def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
     """Convert a shape for distances.
 
     Args:
-        shape: any; an opening in a mesh stays open.
-        hull: replace a mesh by its convex hull, as for links: it is never smaller, and a hundred times as
-            fast.
+        shape: any shape; an opening in a mesh stays open.
+        hull: replace a mesh by its convex hull, as for links: the hull is never smaller, and a hundred times
+            as fast.
 
     Raises:
-        UnreadableError: a mesh that isn't one, or has no triangles.
+        UnreadableError: the file of a mesh has another format, or no triangles.
     """
     import coal
 
@@ -138,7 +141,7 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
 
 
 def hull_of(model: Any, corners: Array) -> Geometry:
-    """Return the hull of corners (V, 3), which are those of a model."""
+    """Return the hull of corners (V, 3), which are the corners of a model."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     convex = _with_hull(model, corners).convex
@@ -150,7 +153,7 @@ def _checked(corners: Array) -> Array:
     """Return the spread of corners (V, 3) along their main axes (3,) [m].
 
     Raises:
-        UnreadableError: a corner is no number or too far away, or all lie on a line.
+        UnreadableError: a corner is not a number or is too far away, or all corners are on a line.
     """
     if not np.isfinite(corners).all():
         raise UnreadableError("has corners that are no finite numbers")
@@ -180,11 +183,11 @@ def _tiled(mesh: Prepared) -> Geometry:
 
 
 def _outer_model(shape: Mesh) -> Any | None:
-    """Return a model with only the corners of a large mesh's hull; None for a small file, a flat mesh, or one
-    with a fault.
+    """Return a model with only the corners of a large mesh's hull.
 
-    coal first builds a tree of all triangles, which takes 5 s for a million and which a hull doesn't need.
-    Points inside the hull don't change it, so that the body is the same.
+    The result is None for a small file, a flat mesh, or a file with a fault. coal would first build a tree of
+    all triangles, which takes 5 s for a million and which a hull doesn't need. Points inside the hull don't
+    change it, so the body is the same.
     """
     content = _content(shape)
     if len(content) < _LARGE:
@@ -208,10 +211,10 @@ def _outer_model(shape: Mesh) -> Any | None:
 
 
 def _plain_model(shape: Mesh) -> Prepared | None:
-    """Return a large mesh with equal corners merged, from the cache if it is there; None if the file is small or
-    faulty.
+    """Return a large mesh with equal corners merged, from the cache if it is there.
 
-    A file that can be read as arrays doesn't need coal's reader, which takes three times as long.
+    The result is None if the file is small or faulty. coal's reader takes three times as long; it is used
+    only if the file can't be read as arrays.
     """
     try:
         is_large = shape.path.stat().st_size >= _LARGE
@@ -225,7 +228,7 @@ def _plain_model(shape: Mesh) -> Prepared | None:
 
 
 def content_key(shape: Mesh) -> str:
-    """Return all on which the triangles of a mesh depend."""
+    """Return a key of everything that determines the triangles of a mesh."""
     return f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
 
 
@@ -268,7 +271,7 @@ _TRIANGLES: dict[str, Callable[[bytes], Array | None]] = {
     ".obj": obj_triangles,
     ".ply": _ply_triangles,
 }
-"""Readers of the triangles (T, 3, 3) of files without a fault as arrays; coal reads all other files."""
+"""Functions that read the triangles (T, 3, 3) of a faultless file as arrays; coal reads all other files."""
 
 
 def _read_by_coal(shape: Mesh) -> Array:
@@ -286,8 +289,8 @@ def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArr
     """Find equal corners among corners (V, 3).
 
     Returns:
-        The order that sorts the corners (V,); for each corner the number of its group of equal ones (V,); and
-        a mask (V,) of the places in the order at which a new group begins.
+        The order that sorts the corners (V,); the number of each corner's group of equal corners (V,); and a
+        mask (V,) of the places in the order at which a new group begins.
     """
     order = np.lexsort(corners.T)
     in_order = corners[order]
@@ -298,8 +301,9 @@ def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArr
 
 
 def _with_all_corners(model: Any, shape: Mesh) -> Any:
-    """Return coal's model of an OBJ, or a model of its own corners if the first lacks some: coal's reader
-    omits parts of some polygons that it divides into triangles.
+    """Return coal's model of an OBJ, or a model of the file's own corners if coal's model lacks some of them.
+
+    coal's reader omits parts of some polygons that it divides into triangles.
     """
     from scipy.spatial import cKDTree
 
@@ -314,22 +318,24 @@ def _with_all_corners(model: Any, shape: Mesh) -> Any:
 
 
 _ROUGH = 1e-5
-"""Deviation of a corner by another reader's rounding, as a share of the largest coordinate."""
+"""Difference of a corner that another reader's rounding may cause, as a share of the largest coordinate."""
 
 
 _CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".obj": obj_corners}
-"""Readers of the corners of files without a fault as arrays; coal reads all other formats."""
+"""Functions that read the corners of a faultless file as arrays; coal reads all other formats."""
 
 
 _DIRECTIONS = (1000, 300, 100)
-"""Numbers of planes of a body around a hull; the first number that coal accepts is used. With 1000 the body
-is larger by less than 1 % of its size, with 100 by some %.
+"""Numbers of planes of a body around a hull; the first one that coal accepts is used.
+
+With 1000 planes the body exceeds the hull by less than 1 % of its size, with 100 planes by some percent.
 """
 
 
 def _with_hull(model: Any, corners: Array) -> Any:
-    """Return a model with a hull: its own, or that of a body around it, if a corner has more neighbours than
-    coal can count (the tip of a fine cone).
+    """Return a model with a hull: its own, or that of a body around it.
+
+    The second is used if a corner, such as the tip of a fine cone, has more neighbours than coal can count.
     """
     for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:
@@ -363,7 +369,8 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
         plain: True if only corners are needed: a simple tree is built, which is slow for distances.
 
     Raises:
-        UnreadableError: it isn't a mesh, or has a fault at which coal would omit a face or end the process.
+        UnreadableError: the file isn't a mesh, or has a fault at which coal would omit a face or end the
+            process.
     """
     import coal
 
@@ -397,20 +404,22 @@ def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
 def _has_even_edges(count: int, faces: NDArray[np.int64]) -> bool:
     """Return True if triangles (T, 3) of `count` different corners enclose a volume."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    # Number the edges by their two corners; in a closed mesh each number occurs an even number of times.
     in_order = np.sort(edges[:, 0] * count + edges[:, 1])
     ends = np.flatnonzero(np.concatenate(([True], in_order[1:] != in_order[:-1], [True])))
     return bool((np.diff(ends) % 2 == 0).all())
 
 
 def encloses(triangles: Array, point: Array) -> bool:
-    """Return True if closed triangles (T, 3, 3) have a point (3,) inside: their solid angles around it add up
-    to a full sphere.
+    """Return True if a point (3,) is inside of closed triangles (T, 3, 3).
 
-    The solid angle of a triangle is by Van Oosterom and Strackee (IEEE Trans. Biomed. Eng. 30(2), 1983).
+    The solid angles of the triangles then add up to a full sphere (Van Oosterom and Strackee, IEEE Trans.
+    Biomed. Eng. 30(2), 1983).
     """
     arms = triangles - point
     length = np.linalg.norm(arms, axis=2)
     a, b, c = arms[:, 0], arms[:, 1], arms[:, 2]
+    # tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
     volume = np.einsum("ti,ti->t", a, np.cross(b, c))
     rest = length.prod(axis=1)
     for (one, other), far in (((a, b), 2), ((b, c), 0), ((c, a), 1)):

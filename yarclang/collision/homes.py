@@ -1,4 +1,4 @@
-"""Choose joint positions that could be HOME: those in which the robot doesn't touch itself."""
+"""Choose joint positions that could be HOME: positions in which the robot doesn't touch itself."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Array, Robot
 
 GAPS = (0.05, 0.02, 0.01, 0.001, 0.0)
-"""Distances that bodies should keep in HOME [m]; the largest one that any position offers is used. Bodies
-that almost touch would touch after a small motion.
+"""Distances that bodies should keep in HOME [m]; the largest one that any position offers is used.
+
+Bodies that almost touch would touch after a small motion.
 """
 
 
 def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[str, str], ...]]:
     """Return the index of the first joint position in which nothing touches or almost touches.
 
-    Bodies that touch in most positions are drawn so, and don't count. A robot with meshes that can't be read
-    touches nothing here.
+    Bodies that touch in most positions are drawn so, and don't count. If the meshes of a robot can't be read,
+    it touches nothing here.
 
     Args:
         robot: its bodies.
@@ -31,7 +32,7 @@ def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[s
     Returns:
         The index, and no pairs; or None and the names of the pairs that touch in the very first position.
     """
-    # with all pairs, including those that touch in HOME
+    # Use all pairs, including those that touch in HOME.
     scene = scene_of(robot, None, lenient=False).value
     if scene is None or not len(scene.pairs.first):
         return 0, ()
@@ -47,14 +48,15 @@ def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[s
 
 
 def _near(names: Sequence[tuple[str, str]], usual: Array, here: Array, gap: float) -> NDArray[np.bool_]:
-    """Return a mask (P, K) of the pairs that are nearer than a gap in each proposed position, without bodies
-    that are so in most positions.
+    """Return a mask (P, K) of the pairs that are nearer than a gap in each proposed position.
+
+    Pairs that are nearer in most positions are left out.
 
     Args:
-        names: of the pairs' bodies.
+        names: names of the pairs' bodies.
         usual: distances in positions spread over the limits [m].
         here: distances in the proposed positions (P, K) [m].
-        gap: [m].
+        gap: the gap [m].
     """
     near = usual <= gap
     shares: dict[tuple[str, str], NDArray[np.bool_]] = {}

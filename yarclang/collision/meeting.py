@@ -19,9 +19,9 @@ SAMPLES = 200
 class Contact:
     """The part of a motion on which a pair is too near.
 
-    It is from `begin` to `end` [s] after the motion's start. The pair is nearest at `worst`, where its
-    distance is `distance` [m]; a negative one is a depth of penetration. The values are sampled: between the
-    samples it may be slightly worse.
+    The part lasts from `begin` to `end` [s] after the motion's start. The pair is nearest at `worst`, where
+    its distance is `distance` [m]; a negative one is a depth of penetration. The values are sampled: between
+    the samples the distance may be slightly less.
     """
 
     begin: float
@@ -43,10 +43,10 @@ def contact(scene: Scene, course: Course, span: tuple[int, int], meeting: Meetin
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), meeting.time))
     apart = _apart(scene, course, times, meeting.pair)
     limit = float(scene.pairs.margin[meeting.pair]) + SLACK
-    # coal's distance at one place may differ by rounding from call to call
+    # coal's distance at one place may differ by rounding from call to call.
     (near,) = np.nonzero(apart < max(limit, float(apart.min()) + SLACK))
     ends = []
-    # bisect between the first and the last sample that is too near and their neighbours
+    # Bisect between the first and the last sample that is too near and their neighbours.
     for here, beside in ((int(near[0]), int(near[0]) - 1), (int(near[-1]), int(near[-1]) + 1)):
         inside, outside = float(times[here]), float(times[min(max(beside, 0), len(times) - 1)])
         for _ in range(20 if 0 <= beside < len(times) else 0):

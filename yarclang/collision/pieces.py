@@ -1,4 +1,4 @@
-"""Meshes as convex pieces, for distances."""
+"""Divide meshes into convex pieces, for distances."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from yarclang.shapes import Mesh
 
 
 class OpenMeshError(UnreadableError):
-    """A mesh is to be divided into pieces, and doesn't enclose a volume."""
+    """A mesh that is to be divided into pieces doesn't enclose a volume."""
 
 
 def pieces_of_mesh(shape: Mesh) -> tuple[Geometry, ...]:
-    """Return the convex pieces of a mesh that has some.
+    """Return the convex pieces of a mesh for which some are requested.
 
     Raises:
         UnreadableError: the mesh can't be read.
-        OpenMeshError: it doesn't enclose a volume.
+        OpenMeshError: the mesh doesn't enclose a volume.
     """
     whole = replace(shape, pieces=0)
     if shape.pieces == 1:

@@ -42,6 +42,7 @@ def place(scene: Scene, q: Array) -> Placed:
         if joint == 0:
             middle[body] = scene.boxes.middle[body][:, None]
             continue
+        # Samples are the last dimension: R p, as p times the rows of R.
         np.matmul(scene.boxes.middle[body], pose[joint, :, :3], out=middle[body])
         middle[body] += pose[joint, :, 3]
     return Placed(
@@ -53,7 +54,8 @@ def place(scene: Scene, q: Array) -> Placed:
 
 
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
-    """Return lower bounds (R,) of the distances of pairs [m]: those of the spheres around their bodies.
+    """Return lower bounds (R,) of the distances of pairs [m]: the distances of the spheres around their
+    bodies.
 
     Args:
         placed: the arm.
@@ -71,8 +73,9 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
 
 @frozen(eq=False)
 class Relative:
-    """The second body of a pair relative to the first: rotation `turn` (R, 3, 3), and the vector between the
-    middles of the boxes `middle` (R, 3) [m].
+    """The second body of a pair, seen from the first.
+
+    `turn` (R, 3, 3) is its rotation, and `middle` (R, 3) the vector between the middles of the boxes [m].
     """
 
     turn: Array
@@ -84,7 +87,7 @@ class Relative:
 
 
 def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
-    """Compute the bodies of pairs relative to each other.
+    """Compute the second body of each pair relative to the first.
 
     Args:
         placed: the arm.
@@ -100,8 +103,9 @@ def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
 
 
 def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
-    """Return sharper lower bounds (R,) of the distances [m]: each rounded box against the axis-aligned box
-    around the other.
+    """Return sharper lower bounds (R,) of the distances [m].
+
+    They are the distances of one rounded box from the box around the other one that is parallel to its axes.
 
     Args:
         scene: bodies and pairs.
@@ -111,6 +115,9 @@ def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     reach = np.abs(seen.turn)
     first, second = scene.boxes.half[one], scene.boxes.half[other]
+    # |R| h is half the extent of a turned box along the other box's axes. Beyond both half extents there is a
+    # gap on that axis, and the gaps of three axes are components of a lower bound of the distance. Do the
+    # same with both boxes exchanged.
     gap = np.abs(seen.middle) - first - (reach @ second[:, :, None])[:, :, 0]
     back = np.abs((seen.middle[:, None, :] @ seen.turn)[:, 0]) - second - (first[:, None, :] @ reach)[:, 0]
     gaps: Array = (
@@ -127,15 +134,15 @@ def _outside(gap: Array) -> Array:
 
 
 _TOUCHING = 1e-6
-"""Without penetration depths, coal returns a distance of up to this for bodies that overlap [m], not always
-zero.
+"""Distance [m] up to which coal's result may mean an overlap, which isn't always zero without penetration
+depths.
 """
 
 
 def distances(
     scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True, normal: Array | None = None
 ) -> Array:
-    """Compute the distances of pairs [m]; zero or less where the bodies overlap.
+    """Compute the distances of pairs [m]; zero or less for bodies that overlap.
 
     Args:
         scene: bodies and pairs.
@@ -143,7 +150,7 @@ def distances(
         seen: the bodies of each pair relative to each other.
         deep: True to return minus the depth of overlapping bodies, for meshes only roughly; False takes half
             the time.
-        normal: (R, 3) receives the directions, in the first body's axes, in which the second body is apart;
+        normal: (R, 3) receives unit directions from the first to the second body, in the first body's axes;
             or None.
 
     Returns:
@@ -161,7 +168,7 @@ def distances(
         - (seen.turn @ own[scene.pairs.second[pair]][:, :, None])[:, :, 0]
     )
     found = np.empty(len(pair))
-    # one call for each pair and position: coal has no batches
+    # coal has no batches: call it for each pair and position.
     pairs = zip(scene.pairs.first[pair].tolist(), scene.pairs.second[pair].tolist(), strict=True)
     for row, ((one, other), turn, shift) in enumerate(zip(pairs, seen.turn, origin, strict=True)):
         if isinstance(shapes[one], TiledMesh) or isinstance(shapes[other], TiledMesh):
@@ -176,7 +183,7 @@ def distances(
             normal[row] = answer.normal
     if not deep:
         found[np.abs(found) < _TOUCHING] = 0.0
-    # coal sees only the surface of a mesh: check if the other body is inside the closed ones
+    # coal sees only the surface of a mesh: check if the other body is inside a closed one.
     for one, other, inside in (
         (scene.pairs.first, scene.pairs.second, True),
         (scene.pairs.second, scene.pairs.first, False),
@@ -186,6 +193,7 @@ def distances(
         for row in np.flatnonzero(scene.boxes.closed[one[pair]] & (found > 0.0)).tolist():
             turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
+            # Both bodies don't touch, so one point decides if the whole body is inside of the closed mesh.
             inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
             assert skin.skin is not None  # it is closed
             if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):
@@ -196,8 +204,9 @@ def distances(
 def _of_tiles(
     scene: Scene, bodies: tuple[int, int], seen: tuple[Array, Array], request: Any
 ) -> tuple[float, Array]:
-    """Compute the distance of two bodies [m], of which one is a large mesh, and the direction (3,) in the
-    first body's axes in which the second one is apart.
+    """Compute the distance of two bodies [m], one of which is a large mesh.
+
+    Also return the direction (3,) from the first to the second body, in the first body's axes.
 
     Args:
         scene: bodies and pairs.

@@ -1,11 +1,12 @@
-"""Bound the distance of two bodies on a piece of a motion by a plane between them: sharper than distances if
-they pass along each other.
+"""Bound the distance of two bodies on a piece of a motion by a plane between them.
+
+This is sharper than a bound from distances if the bodies pass along each other.
 
 A plane that is fixed in the first body, with normal n, separates the bodies a and b by h(t) = min n·b(t) -
 max n·a over their points. Each n·b(t) has a second derivative of at most K. Between two times at distance d
-it is therefore above the chord of its values less K d² / 8, and so is their minimum. Motion along the plane
-costs nothing, so that grazing bodies need few pieces: their number grows with the inverse square root of the
-distance, not with its inverse. Any normal gives a valid bound; a good one gives a good bound.
+it is therefore at most K d² / 8 below the chord of its values, and so is the minimum over the points. Motion
+along the plane costs nothing, so grazing bodies need few pieces: their number grows with the inverse square
+root of the distance, not with its inverse. Any normal gives a valid bound; a good one gives a sharp bound.
 """
 
 from __future__ import annotations
@@ -18,8 +19,13 @@ from yarclang.shapes import Array
 
 
 def support(scene: Scene, body: Rows, direction: Array) -> Array:
-    """Return how far bodies (R,) reach from the middles of their boxes [m] in unit directions (R, 3) in the
-    bodies' own axes.
+    """Return the support of bodies: the largest d · p (R,) [m] over their points p, relative to the middles
+    of their boxes.
+
+    Args:
+        scene: the bodies.
+        body: (R,) the bodies.
+        direction: (R, 3) unit directions in the bodies' own axes.
     """
     reach: Array = np.einsum("ri,ri->r", np.abs(direction), scene.boxes.core[body])
     reach = (
@@ -35,7 +41,8 @@ def support(scene: Scene, body: Rows, direction: Array) -> Array:
 
 
 def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
-    """Return the gaps between the bodies of pairs along plane normals; below zero where a plane cuts a body.
+    """Return the gaps between the bodies of pairs along plane normals; negative if no plane with this normal
+    separates them.
 
     Args:
         scene: bodies and pairs.
@@ -46,6 +53,7 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
     Returns:
         (R,) [m].
     """
+    # Distance of the middles along the normal, less what both bodies reach towards each other.
     along = np.einsum("ri,ri->r", seen.middle, normal)
     turned = -(normal[:, None, :] @ seen.turn)[:, 0]
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
@@ -63,8 +71,8 @@ def least_gap(
         arms: the arm at the beginnings, in the middles and at the ends of P pieces.
         at: (R,) the piece of each row.
         pair: (R,) the pair of each row.
-        normal: (R, 3) of its plane, in the first body's axes.
-        slack: (R,) the largest distance of the gap below its chords between these times [m].
+        normal: (R, 3) normals of the planes, in the first body's axes.
+        slack: (R,) the largest distance by which the gap may be below its chords between these times [m].
     """
     gaps = [plane_gap(scene, pair, relative(placed, at, pair), normal) for placed in arms]
     least: Array = np.minimum.reduce(gaps) - slack
@@ -74,7 +82,7 @@ def least_gap(
 ROUNDING = 1e-12
 """Upper bound of the rounding in a plane's gap [m]: some thirty operations on lengths of up to 10 m."""
 POOR = 1e-6
-"""A plane that shows less than the proposed distance by more than this [m] is turned."""
+"""Difference from the proposed distance [m] above which a plane is turned to show a larger gap."""
 _TURNS = 60
 
 
@@ -82,9 +90,9 @@ def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Ar
     """Return distances (R,) [m] that planes prove, for distances that were only proposed.
 
     A plane with any normal has the two bodies on opposite sides, by their support functions: their distance
-    is no less than its gap. Therefore an error in a proposed distance or normal never makes the result too
-    large. Planes that show too little are turned towards the nearest points of both bodies. Bodies that
-    overlap, and meshes that aren't their hulls, keep the proposed distance.
+    is no less than the plane's gap. Therefore an error in a proposed distance or normal never makes the
+    result too large. Planes with too small a gap are turned towards the nearest points of both bodies. Bodies
+    that overlap, and meshes that aren't their own hulls, keep the proposed distance.
 
     Args:
         scene: bodies and pairs.
@@ -111,8 +119,9 @@ def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Ar
 
 
 def _directions(normal: Array, middle: Array) -> Array:
-    """Return unit vectors (R, 3) along proposed normals, or, if these have no direction, from one body's
-    middle to the other's.
+    """Return unit vectors (R, 3) along proposed normals.
+
+    For a normal without a direction, the vector leads from the first body's middle to the second's.
     """
     length = np.sqrt(np.einsum("ri,ri->r", normal, normal))
     is_good = np.isfinite(length) & (np.abs(length - 1.0) < 0.5)
@@ -125,15 +134,15 @@ def _directions(normal: Array, middle: Array) -> Array:
 def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Array, Array]:
     """Turn planes so that they separate pairs by more, and return the best normals (R, 3) and gaps (R,) [m].
 
-    Gilbert's algorithm (E. G. Gilbert, SIAM Journal on Control 4(1), 1966): the Minkowski difference of both
-    bodies is convex. From the current point of it, step towards its support point against the current
-    direction, to the point of that segment nearest to the origin.
+    Gilbert's algorithm (E. G. Gilbert, SIAM Journal on Control 4(1), 1966) works on the Minkowski difference
+    of both bodies, which is convex. Each step goes from the current point of the difference towards its
+    support point against the current direction, and takes the point of that segment nearest to the origin.
 
     Args:
         scene: bodies and pairs.
         pair: (R,).
         seen: the bodies of each pair relative to each other.
-        normal: (R, 3) to begin with, in the first body's axes.
+        normal: (R, 3) normals to begin with, in the first body's axes.
     """
     best, gap = normal.copy(), plane_gap(scene, pair, seen, normal)
     at = _difference(scene, pair, seen, normal)
@@ -145,6 +154,7 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
         now = plane_gap(scene, pair, seen, along)
         more = now > gap
         best[more], gap[more] = along[more], now[more]
+        # The point nearest to the origin on the segment from `at` to the new support point.
         step = _difference(scene, pair, seen, along) - at
         square = np.einsum("ri,ri->r", step, step)
         share = np.clip(-np.einsum("ri,ri->r", at, step) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
@@ -153,8 +163,10 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
 
 
 def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> Array:
-    """Return the support point (R, 3) against a direction (R, 3) of the second body minus the first, in the
-    first body's axes.
+    """Return the points (R, 3) of the Minkowski difference, second body minus first, that are farthest
+    against directions.
+
+    The directions (R, 3) and the points are in the first body's axes.
     """
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
     own = (direction[:, None, :] @ seen.turn)[:, 0]
@@ -164,10 +176,12 @@ def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> A
 
 
 def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
-    """Return the point (R, 3) of each body farthest in a unit direction (R, 3), in the body's own axes
-    relative to the middle of its box.
+    """Return the farthest points (R, 3) of bodies in unit directions (R, 3).
+
+    Points are relative to the middle of the body's box, in the body's own axes.
     """
     points: Array = (
+        # Farthest point of a Minkowski sum: the sum of the farthest points of box, ball and disc.
         np.copysign(scene.boxes.core[body], direction) + scene.boxes.radius[body][:, None] * direction
     )
     flat = np.hypot(direction[:, 0], direction[:, 1])

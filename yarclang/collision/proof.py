@@ -1,9 +1,9 @@
-"""Prove that bodies stay apart along a whole motion, and how near they come: conservative advancement by
-bisection.
+"""Prove that bodies stay apart along a whole motion, and compute their least distances, by conservative
+advancement with bisection.
 
 A piece of the motion is examined at its middle. The distance of the bodies there, less the largest distance
 that they can move relative to each other towards the ends of the piece, is a lower bound on the whole piece.
-If that isn't enough, the piece is halved; so nothing is missed, however thin. Three bounds are tried, from
+If that isn't enough, the piece is halved. So nothing is missed, however thin. Three bounds are tried, from
 cheap to exact: spheres and boxes on whole arrays, then coal. If the distance suffices but the motion is too
 long, a plane between the bodies is tried (planes.py): most bodies that pass near each other move along it.
 """
@@ -26,30 +26,29 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 SLACK = 1e-5
-"""Bodies whose distance exceeds their margin by less than this [m] count as too near, since a smaller
-difference isn't proved.
-"""
+"""Distance beyond their margin below which bodies count as too near [m]: a smaller one isn't proved."""
 RESOLUTION = 2e-4
-"""Bodies that move by no more than this on a piece [m], and may still get nearer than their margin, count as
-too near; the piece isn't halved any further.
+"""Motion on a piece below which the piece isn't halved any further [m].
+
+Bodies that may still get nearer than their margin on such a piece count as too near.
 """
 KNOWN = 0.1
-"""A distance above this isn't determined more closely [m]."""
+"""Distance above which a distance isn't determined more closely [m]."""
 SHARE, COARSE = 0.1, 1e-3
-"""Accuracy of the smallest distance: this share of it plus this length [m]."""
+"""Allowed error of the smallest distance: this share of the distance plus this length [m]."""
 FIRST = 0.08
-"""Largest joint motion on the first pieces [rad or m]."""
+"""Largest motion of a joint on a piece before any halving [rad or m]."""
 BLOCK = 2048
 """Pieces that are examined together."""
 
 
 @frozen
 class Meeting:
-    """A pair that comes too near on a motion: the place of the first sample at which this was seen, and the
-    distance there [s, m].
+    """A pair that comes too near on a motion: the first sample at which this was seen, and the distance there
+    [s, m].
 
-    The distance is less than the margin plus `SLACK`; or, if more can't be proved in reasonable time, it may
-    become less than the margin on a piece with motion below `RESOLUTION`.
+    The distance is less than the margin plus `SLACK`. If that can't be decided in reasonable time, it may
+    become less than the margin on a piece with a motion below `RESOLUTION`.
     """
 
     motion: int
@@ -62,9 +61,9 @@ class Meeting:
 class Clearances:
     """The result of a proof for G motions.
 
-    `least` (G, 3) is a lower bound of the distance [m] of all pairs: of the robot's bodies from each other,
-    of pairs with the cell's bodies, and of pairs that may touch. `nearest` (G, 3) is the pair that comes
-    nearest, -1 if all stay above `KNOWN`. `meetings` are the pairs that come too near.
+    `least` (G, 3) is a lower bound of the distance [m] of all pairs of a kind: of the robot's bodies from
+    each other, of pairs with the cell's bodies, and of pairs that may touch. `nearest` (G, 3) is the pair
+    that comes nearest, -1 if all stay above `KNOWN`. `meetings` are the pairs that come too near.
     """
 
     least: Array
@@ -75,7 +74,7 @@ class Clearances:
 def clearances(
     scene: Scene, course: Course, spans: NDArray[np.int64], own: Sequence[Rows] | None = None
 ) -> Clearances:
-    """Compute how far all pairs of bodies stay apart.
+    """Compute bounds of the distances of all pairs of bodies along motions.
 
     Args:
         scene: bodies and pairs.
@@ -130,8 +129,8 @@ class _Pieces:
 class _Pairs:
     """Pairs on pieces, (R,) each.
 
-    `gap` is a lower bound of their distance in the middle, `apart` an upper bound of their relative motion
-    from there, `nearer` an upper bound of how much nearer they come [m].
+    `gap` is a lower bound of their distance in the middle of the piece, `apart` an upper bound of their
+    relative motion from there, `nearer` an upper bound of the decrease of their distance [m].
     """
 
     piece: Rows
@@ -149,6 +148,7 @@ class _Pairs:
 def _first_pieces(course: Course, spans: Rows) -> _Pieces:
     begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
     way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
+    # Begin with equal pieces on which no joint moves by more than about `FIRST`.
     count = np.maximum(np.ceil(way / FIRST), 1.0).astype(np.int64)
     motion = np.repeat(np.arange(len(spans)), count)
     number = np.arange(len(motion)) - np.repeat(np.cumsum(count) - count, count)
@@ -187,9 +187,11 @@ class _Search:
         at = piece - base
         gone = [self.course.gone(time) for time in (begin, middle, end)]
         placed = place(scene, self.course.at(middle))
+        # The farther of both halves bounds the motion from the middle.
         moves = travel(placed, np.maximum(gone[1] - gone[0], gone[2] - gone[1]))
         apart = moves[scene.boxes.joint[scene.pairs.first[pair]], scene.pairs.second[pair], at]
         motion = pieces.motion[piece]
+        # From cheap to exact: spheres first, then boxes, then coal for the pairs that are still open.
         rows = _Pairs(at, pair, motion, self.kinds[pair], apart, apart, sphere_gaps(placed, at, pair))
         rows = rows.take(np.flatnonzero(~self.hit[motion, pair]))
         rows = self._open(rows)
@@ -197,7 +199,7 @@ class _Search:
         rows = replace(rows, gap=box_gaps(scene, rows.pair, seen))
         left: list[_Pairs] = []
         number = self._still_open(rows)
-        # first the most promising pair of each motion: its result settles others
+        # Examine the most promising pair of each motion first: its result settles others.
         for turn in range(2):
             now = number if turn else self._promising(rows, number)
             part, normal = rows.take(now), np.empty((len(now), 3))
@@ -218,7 +220,7 @@ class _Search:
         )
 
     def _along_planes(self, rows: _Pairs, normal: Array, placed: Placed, ends: tuple[Array, Array]) -> _Pairs:
-        """Return the same rows, with a smaller `nearer` if planes with normals (R, 3) prove it."""
+        """Return the rows, with a smaller `nearer` if planes with normals (R, 3) prove it."""
         number = self._still_open(rows)
         number = number[rows.gap[number] > self.scene.pairs.margin[rows.pair[number]]]
         if not len(number):
@@ -227,6 +229,7 @@ class _Search:
         begin, end = (times[piece] for times in ends)
         middle = placed.take(piece)
         speed, strength = self.course.peaks(begin, end)
+        # Between the middle and an end, the gap of the plane is at most A (d/2)^2 / 8 below its chord.
         sharpest = accelerations(middle, speed, strength, speed * ((end - begin) / 2.0)[:, None])
         at = np.searchsorted(piece, part.piece)
         first, second = self.scene.pairs.first[part.pair], self.scene.pairs.second[part.pair]
@@ -239,15 +242,17 @@ class _Search:
         return replace(rows, nearer=nearer)
 
     def _give_up(self, rows: _Pairs, time: Array) -> None:
-        """Report pairs that hardly move any more, and may still get nearer than their margin, as too near."""
+        """Report pairs as too near that hardly move any more, but may still get nearer than their margin."""
         margin = self.scene.pairs.margin[rows.pair]
         for row in np.flatnonzero((rows.apart <= RESOLUTION) & (rows.gap - rows.nearer < margin)):
             self._meet(rows, int(row), time)
 
     def _still_open(self, rows: _Pairs) -> Rows:
-        """Return the rows whose gaps don't settle them; record the bounds of the others."""
+        """Return the rows that their gaps don't settle; record the bounds of the other rows."""
         surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
+        # A pair is settled if it keeps its margin, and if it is far enough not to change the least distance
+        # by more than the allowed error.
         done = (surely >= self.scene.pairs.margin[rows.pair]) & (surely >= wanted)
         np.minimum.at(self.least, (rows.motion[done], rows.kind[done]), surely[done])
         return np.flatnonzero(~done)
@@ -256,7 +261,7 @@ class _Search:
         return rows.take(self._still_open(rows))
 
     def _promising(self, rows: _Pairs, number: Rows) -> Rows:
-        """Return, of the rows `number`, the nearest pair of each motion and kind."""
+        """Return, among the rows `number`, the nearest pair of each motion and kind."""
         order = number[np.argsort(rows.gap[number], kind="stable")]
         _, first = np.unique(3 * rows.motion[order] + rows.kind[order], return_index=True)
         return np.sort(order[first])

@@ -27,8 +27,9 @@ TOUCHING = 2e-5
 
 @lru_cache(maxsize=256)
 def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result[Scene]:
-    """Return the robot's links and tools with the bodies of the cell, remembered by identity; None with
-    findings about meshes that can't be read.
+    """Return the robot's links and tools with the bodies of the cell, cached by identity.
+
+    The result is None, with findings, if meshes can't be read.
 
     Args:
         robot: its links and tools.
@@ -93,7 +94,7 @@ def _of_robot(robot: Robot) -> Result[tuple[Body, ...]]:
 
 @lru_cache(maxsize=1024)
 def geometries(shape: Shape, hull: bool) -> tuple[Geometry, ...] | UnreadableError:
-    """Return a shape for distances, in its convex pieces if it has some, or the fault of its mesh."""
+    """Return a shape for distances, in convex pieces if some are requested; or the fault of its mesh."""
     try:
         if isinstance(shape, Mesh) and shape.pieces:
             return pieces_of_mesh(shape)
@@ -117,7 +118,7 @@ _MESH = "save it again as a binary STL, and check that it isn't empty"
 
 @lru_cache(maxsize=32)
 def _touching_at_home(robot: Robot) -> frozenset[tuple[str, str]]:
-    """Return the pairs of links that touch in the robot's HOME, as named by `Scene.names`."""
+    """Return the pairs of links that touch in the robot's HOME, with names as in `Scene.names`."""
     links = tuple(body for body in _of_robot(robot).value or () if body.is_link)
     scene = _scene(robot, links, (), frozenset())
     pairs = np.arange(len(scene.pairs.first))
@@ -165,7 +166,7 @@ def _scene(
 
 
 def allowed_name(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, str]:
-    """Return the names of two bodies as allowances have them; parts of one kind share their name."""
+    """Return the names of two bodies in the form that allowances use; parts of one kind share a name."""
     one, other = sorted(_kind(bodies[number]).upper() for number in pair)
     return one, other
 
@@ -178,8 +179,9 @@ def _kind(body: Body) -> str:
 def _least(
     robot: Robot, bodies: tuple[Body, ...], pairs: list[tuple[int, int]], touches: tuple[Touch, ...]
 ) -> Array:
-    """Return the distances that pairs may come to if these are less than their margins, (K,) [m]; infinite
-    for all others.
+    """Return the least allowed distances of pairs, (K,) [m], where these are less than their margins.
+
+    The value is infinite for all other pairs.
     """
     named: dict[tuple[str, str | None], float] = {}
     for one in touches:
@@ -200,16 +202,16 @@ def _least(
 def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     """Return the pairs that must not meet.
 
-    Excluded are bodies that never move relative to each other, neighbouring links, which meet in the joint
-    between them, and pairs that robot.toml allows.
+    These are all pairs except bodies that never move relative to each other, neighbouring links, which meet in
+    the joint between them, and pairs that robot.toml allows.
     """
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))
     joint = np.array([body.joint for body in bodies])
-    # a tool from a rack is a tool of robot.toml while it hangs on the flange
+    # A tool from a rack counts as a tool of robot.toml while it is on the flange.
     own = [body.of_robot or (body.of_tool and not body.of_cell) for body in bodies]
     found = []
-    # many bodies stand still: these form no pairs with each other
+    # Many bodies stand still. They form no pairs with each other.
     for one, other in zip(*np.nonzero(np.tril(joint[:, None] != joint[None])), strict=True):
         body, neighbour = bodies[one], bodies[other]
         joints = sorted((body.joint, neighbour.joint))
@@ -224,5 +226,5 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
 
 
 def _ordered(bodies: tuple[Body, ...], one: int, other: int) -> tuple[int, int]:
-    """Return the two bodies with the one that fewer joints move first."""
+    """Return the two bodies, with the one that fewer joints move first."""
     return (one, other) if bodies[one].joint <= bodies[other].joint else (other, one)

@@ -1,4 +1,4 @@
-"""Divide the triangles of a large mesh into tiles, whose distances are computed only where they may matter.
+"""Divide the triangles of a large mesh into tiles, whose distances are computed only if they may matter.
 
 coal builds a tree of all triangles before the first distance, which takes seconds for a million of them. Most
 motions pass only a small part of such a mesh, or none.
@@ -22,10 +22,11 @@ _ROUNDED = 1e-9
 
 
 class TiledMesh:
-    """The triangles of a mesh, in tiles of neighbours.
+    """The triangles of a mesh, divided into tiles of neighbours.
 
-    The distance to another shape is that of all triangles. Tiles are examined from the nearest box on, until
-    no other box is nearer than the least distance found; a tile's tree is built when it is first examined.
+    The distance to another shape is that of all triangles. Tiles are examined in the order of the distances
+    of their boxes, until no other box is nearer than the least distance found. A tile's tree is built when
+    the tile is first examined.
     """
 
     def __init__(self, corners: Array, faces: NDArray[np.int64]) -> None:
@@ -33,8 +34,8 @@ class TiledMesh:
 
         Args:
             corners: (V, 3) [m].
-            faces: (T, 3) the corners of each triangle; neighbours are near each other, as `in_order` leaves
-                them.
+            faces: (T, 3) the corners of each triangle, in an order that keeps neighbours together
+                (`in_order`).
         """
         self.corners, self.faces = corners, faces
         begins = np.arange(0, len(faces), TILE)
@@ -69,6 +70,8 @@ class TiledMesh:
         import coal
 
         center, radius = around
+        # Distance of the sphere around the other shape from the box of each tile: a lower bound for all its
+        # triangles.
         outside = np.maximum(np.maximum(self._low - center, center - self._high), 0.0)
         bound = np.sqrt(np.einsum("ti,ti->t", outside, outside)) - radius - _ROUNDED
         best, normal = np.inf, np.zeros(3)
@@ -90,7 +93,7 @@ class TiledMesh:
 
 
 def in_order(corners: Array, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return triangles (T, 3) of corners (V, 3) in an order in which neighbours are near each other."""
+    """Return triangles (T, 3) of corners (V, 3) in an order that keeps neighbours together."""
     middles = (corners[faces[:, 0]] + corners[faces[:, 1]] + corners[faces[:, 2]]) / 3.0
     ordered: NDArray[np.int64] = faces[np.argsort(_places(middles), kind="stable")]
     return ordered
@@ -103,6 +106,7 @@ def _places(points: Array) -> NDArray[np.int64]:
     place = np.zeros(len(points), dtype=np.int64)
     for bit in range(_BITS):
         for axis in range(3):
+            # Interleave the bits of the three coordinates.
             place |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
     return place
 

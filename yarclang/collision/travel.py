@@ -1,4 +1,4 @@
-"""Bound how far and how quickly a change of the joints can move the bodies: for all their points and all
+"""Bound the motion and acceleration of bodies for a change of the joints, for all their points and all
 postures in between.
 """
 
@@ -13,9 +13,9 @@ from yarclang.shapes import Array
 def travel(placed: Placed, change: Array) -> Array:
     """Return upper bounds of the motion of any point of a body when joints change.
 
-    Move the joints one after the other, that of the base first. Each turns the body around its axis on a
-    circle whose radius is the present one, since the joints before it have moved axis and body together.
-    Therefore the postures in between don't matter.
+    Let the joints move one after the other, beginning at the base. Each joint turns the body about its axis
+    on a circle with the present radius, since the joints before it have moved axis and body together. The sum
+    of these motions is therefore a bound for any postures in between.
 
     Args:
         placed: the arm at P joint positions.
@@ -27,6 +27,7 @@ def travel(placed: Placed, change: Array) -> Array:
     arms = arm_lengths(placed)
     steps = np.zeros((len(arms) + 1, *arms.shape[1:]))
     np.multiply(arms, change.T[:, None, :], out=steps[:-1])
+    # Row k is the sum over the joints from k on: joints before k move both bodies alike.
     against: Array = np.cumsum(steps[::-1], axis=0)[::-1]
     return against
 
@@ -34,7 +35,7 @@ def travel(placed: Placed, change: Array) -> Array:
 def arm_lengths(placed: Placed) -> Array:
     """Return the largest distance of any point of a body from each joint's axis, (n, M, P) [m].
 
-    It is 1 for a joint that slides, 0 for a joint that doesn't move the body.
+    The value is 1 for a sliding joint, and 0 for a joint that doesn't move the body.
     """
     scene, chain = placed.scene, placed.scene.chain
     bodies, count = placed.middle.shape[:2]
@@ -49,21 +50,22 @@ def arm_lengths(placed: Placed) -> Array:
         rate = float(np.linalg.norm(angular))
         axis = turn @ (angular / rate)
         point = turn @ (np.cross(angular, linear) / rate**2) + shift
+        # Distance of the body's middle from the axis, |arm x axis|, plus the radius of its sphere.
         arm = placed.middle[moved] - point
         away = np.cross(arm, axis)
         radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.boxes.bound[moved, None]
-        # a screw with a pitch slides as well
+        # A screw with a pitch slides as well.
         slide = abs(float(angular @ linear)) / rate
         arms[joint, moved] = np.hypot(radius * rate, slide)
     return arms
 
 
 def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) -> Array:
-    """Return upper bounds of the acceleration of any point of a body, (n + 1, M, P) [m/s^2]: row k relative
-    to a body that only the first k joints move.
+    """Return upper bounds of the acceleration of any point of a body, (n + 1, M, P) [m/s^2].
 
-    The second derivative of a point with respect to two joints is a double cross product with their axes. It
-    is no longer than the point's distance from the axis nearer to it in the chain. The sum over the joints k
+    Row k is relative to a body that only the first k joints move. The second derivative of a point with
+    respect to two joints is a double cross product with their axes. Its length is at most the point's
+    distance from one of the axes, the one that is nearer to the point in the chain. The sum over the joints k
     is r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the turning joints j between. If one of the joints
     slides, the derivative is at most 1; it is zero if both slide.
 
@@ -83,13 +85,13 @@ def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) 
     before = np.cumsum(turning, axis=0) - turning
     first, second = np.zeros_like(steps), np.zeros_like(steps)
     for joint in range(chain.size):
-        # away from the middle the body may be farther from the axis; for sliding joints nothing changes
+        # Away from the middle, the body may be farther from the axis. For sliding joints nothing changes.
         reach = arms[joint] + rate[joint] * away[joint + 1]
         w, a = speed[:, joint], strength[:, joint]
         first[joint] = reach * (a + w * (turning[joint] + 2.0 * before[joint]))
         second[joint] = reach * 2.0 * w
     first, second = (np.cumsum(one[::-1], axis=0)[::-1] for one in (first, second))
-    # joints that move both bodies count neither by themselves nor as joints before others
+    # Joints that move both bodies have no effect, neither by themselves nor as joints before others.
     before = np.concatenate([before, before[-1:] + turning[-1:]])
     total: Array = first - before[:, None, :] * second
     return total

@@ -1,7 +1,7 @@
 """Specifications of commands: a `CommandSpec`, or an `ActionSpec` for a command without motion.
 
-Each stands in a file of commands/builtin. The checks, the documentation, the completion, the forms and the
-highlighter read it; nothing else in the language knows a command by name.
+Each specification is in a file of commands/builtin. The checks, the documentation, the completion, the forms
+and the highlighter read these files; no other code knows a command by its name.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Values(Enum):
 
     @property
     def is_delta(self) -> bool:
-        """True if the values are relative to the place where the robot stands."""
+        """True if the values are relative to the robot's current position."""
         return self is Values.JOINT_DELTAS or self is Values.DELTA_RPY or self is Values.DELTA_QUAT
 
     @property
@@ -76,7 +76,7 @@ class Timed:
         table: times and positions of the way-points.
         within: (n,) tolerance of the joints [rad or m].
         stretch: factor of all times.
-        file: path of the file with the rows; empty if they stand in the program.
+        file: path of the file with the rows; empty if the rows are in the program.
     """
 
     table: Timetable
@@ -91,15 +91,15 @@ class Arguments:
 
     Attributes:
         origin: the command.
-        goals: for each way-point a JointGoal, JointDelta, PoseGoal or PoseDelta, by the target of the
-            command's name. The name of a joint position gives a JointGoal; a position is an array (3,) in {B}
-            [m].
+        goals: for each way-point a JointGoal, JointDelta, PoseGoal or PoseDelta, depending on the target in
+            the command's name. The name of a joint position gives a JointGoal; a position is an array (3,) in
+            {B} [m].
         profile: name of the profile.
         timing: its motion time.
         tolerance: TOL [m]; None without it.
         blend: BLEND; None without it.
         avoids: True if the name has _AVOID.
-        timed: timetable of a command with `is_timed`, instead of goals.
+        timed: timetable of a command with `is_timed`, which has it instead of goals.
         search: input that ends the motion, only for commands with `may_search`; None without one.
     """
 
@@ -122,19 +122,19 @@ class CommandSpec:
         name: the command's name.
         summary: one line about it.
         doc: its description on pages.
-        build: makes its step.
+        build: creates its step.
         examples: lines that compile for every robot after the standard DEFAULT of the documentation.
         old_name: a former name, which gets a finding with a fix; empty without one.
-        targets: kind of the values by the target suffix ("" for none); empty for a command without values.
+        targets: kind of the values for each target suffix ("" for none); empty for a command without values.
         waypoints: smallest and largest number of way-points (None: no limit).
-        is_motion: True if it takes a profile and a motion time.
+        is_motion: True if it accepts a profile and a motion time.
         frames_may_move: True if the base frame may be on the flange.
         leading: kinds of the values of the first way-points, if they differ from the target's.
-        moves_frame: True if it leads the moving frame along a path: a speed is allowed then.
-        may_avoid: True if it takes the suffix _AVOID.
+        moves_frame: True if it moves the moving frame along a path. A speed is then allowed.
+        may_avoid: True if it accepts the suffix _AVOID.
         may_search: True if an input may end it (UNTIL).
-        is_timed: True if each way-point has its own time. The command then takes no profile, and no time from
-            DEFAULT; the path of a file in quotes may stand instead of the way-points.
+        is_timed: True if each way-point has its own time. The command then accepts no profile, and ignores
+            the time of DEFAULT. The path of a file in quotes may replace the way-points.
     """
 
     name: str
@@ -191,7 +191,7 @@ class ActionArguments:
 
     Attributes:
         origin: the command.
-        values: values of its form's slots: a `Signal`, a number for a state, a `ToolChange`, or a str.
+        values: values of the slots of its form: a `Signal`, a number for a state, a `ToolChange`, or a str.
         seconds: the time after the values [s]; None without one.
         report: adds a finding at the command, from code, message and help.
     """
@@ -210,11 +210,12 @@ class ActionSpec:
         name: the word.
         title: heading of its form on pages: a few words.
         summary: one line about it.
-        wants: its values in words, for the finding about wrong ones: `an output and its value`.
-        build: makes the steps, carried out one after the other. All of them have the origin of the arguments.
-        forms: the sets of values that it takes, each with another number of values.
-        examples: lines without an index; their signals must be declared first.
-        may_be_a_name: True if other things may be called so: programs had the name before the word was there.
+        wants: description of its values, for the finding about wrong ones: `an output and its value`.
+        build: creates the steps, which are carried out one after the other. They all have the origin of the
+            arguments.
+        forms: the sets of values that it accepts, each with another number of values.
+        examples: lines without an index. Their signals must be declared first.
+        may_be_a_name: True if the word may also be a declared name, because older programs use it as one.
     """
 
     name: str

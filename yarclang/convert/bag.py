@@ -1,4 +1,6 @@
-"""Reader of trajectories in bags of ROS 1 (`.bag`) and ROS 2 (a folder, `.db3`, `.mcap`), by rosbags."""
+"""Reader of trajectories in bags of ROS 1 (`.bag`) and ROS 2 (a folder, `.db3`, `.mcap`), using the
+package rosbags.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,7 @@ _SECOND = 1_000_000_000
 
 
 def is_bag(path: Path) -> bool:
-    """Return True if a path has the suffix of a bag, or is the folder of one."""
+    """Return True if a path has the suffix of a bag, or is the folder of a bag."""
     return path.suffix.lower() in ENDINGS or (path / _METADATA).is_file()
 
 
@@ -142,7 +144,7 @@ def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any
 
 
 def _nanoseconds(message: Any, received: int) -> int:
-    """Return the time of a message's header; without one, the time of its recording [ns]."""
+    """Return the time of a message's header [ns]; the time of its recording if it has no header."""
     stamp = message.header.stamp
     sent = int(stamp.sec) * _SECOND + int(stamp.nanosec)
     return sent or received

@@ -20,10 +20,10 @@ CLOUDS = (".pcd", ".ply")
 """Suffixes of point clouds."""
 
 MOST_TRIANGLES = 2_000_000
-"""Most triangles of the mesh. A larger mesh is refused, since a coarser one is good enough."""
+"""Largest number of triangles of the mesh. A larger mesh is refused; a coarser mesh is good enough then."""
 
 _FAR = 1e5
-"""Largest distance of a point from the cloud's origin [m], as for the corners of meshes."""
+"""Largest distance of a point from the cloud's origin [m]. The same limit applies to corners of meshes."""
 
 
 @frozen(eq=False)

@@ -8,7 +8,7 @@ from yarclang.convert.course import Course
 from yarclang.hir import Array
 
 _DECIMALS = {"JOINTS": (6,), "RPY": (6,), "QUAT": (6, 6, 6, 9, 9, 9, 9)}
-"""Most decimals of each value; the last number applies to the rest."""
+"""Largest number of decimals of each value; the last number applies to the rest."""
 
 STEP = 10
 """Difference of successive indices."""
@@ -17,7 +17,7 @@ SAME_PLACE = 1e-6
 """Difference of coordinates up to which targets are equal [deg, mm]."""
 
 DEFAULT_TIME = "50%"
-"""Time of motions without a time of their own."""
+"""Time of motions for which the file has no time."""
 
 
 def rows_of(values: Array, target: str) -> list[str]:
@@ -47,7 +47,7 @@ def index_text(number: int) -> str:
 
 
 def comment_of(course: Course, number: int, with_name: bool = False) -> str:
-    """Return the comment after a target, with its name if wanted; empty without one."""
+    """Return the comment after a target, with the target's name if wanted; empty if there is no comment."""
     texts = [course.names[number]] if course.names and with_name else []
     text = plain(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
     return f"  ! {text}" if text else ""

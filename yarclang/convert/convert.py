@@ -1,4 +1,6 @@
-"""Conversion of a file of another kind to a YARC program: finds the kind and calls its reader."""
+"""Conversion of a file of another kind to a YARC program. The kind is determined, and its reader is
+called.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +31,9 @@ _YAML_KEY = re.compile(r"\s*-?\s*[a-z_]+:(\s|$)")
 
 
 def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converted]:
-    """Convert a table, a trajectory or an SRDF to a program; None with an error.
+    """Convert a table, a trajectory or an SRDF to a program; return None with an error if this fails.
 
-    The kind of the file follows from its suffix, or from its beginning.
+    The kind of the file is determined by its suffix, or by its beginning.
 
     Args:
         source: the file.
@@ -48,7 +50,7 @@ def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converte
 
 
 def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
-    """Convert the trajectories of a bag to a program; None with an error.
+    """Convert the trajectories of a bag to a program; return None with an error if this fails.
 
     Args:
         path: the bag.

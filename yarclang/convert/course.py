@@ -22,10 +22,11 @@ class Wishes:
     """Options of a conversion.
 
     Attributes:
-        units: units of columns that don't name theirs.
-        joints: names of the robot's joints in the file, in the robot's order; empty if they are equal.
-        form: the robot stops at each target (moves), passes all without a stop (spline), or passes them at
-            their times (timed); None to choose by the file.
+        units: units of columns whose names contain no unit.
+        joints: names of the robot's joints in the file, in the robot's order; empty if they are the same as
+            in the robot.
+        form: the robot stops at each target (moves), passes all targets without a stop (spline), or passes
+            them at their times (timed); None to choose by the file.
         time: time in [ ] that replaces the times of the file.
         every: n to keep each n-th target.
         tolerance: largest deviation from omitted targets [deg and mm].
@@ -76,7 +77,9 @@ class Course:
         return len(self.values)
 
     def only(self, kept: NDArray[np.intp]) -> Course:
-        """Return the course with only the targets of given indices (m,), in increasing order."""
+        """Return the course with only the targets of the given indices (m,), which are in increasing
+        order.
+        """
         return Course(
             self.target,
             self.values[kept],

@@ -1,6 +1,6 @@
 """Reader of YAML and JSON texts as plain data: mappings, lists, texts and numbers.
 
-YAML is read event by event, without recursion. Aliases and tags are refused, so that a file can't run code,
+YAML is read event by event, without recursion. Aliases and tags are refused. A file therefore can't run code,
 and a small file can't become large data.
 """
 
@@ -16,7 +16,9 @@ _DEEPEST = 60
 
 
 def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """Read the values of a JSON text, one after the other or separated by `---`; None with a finding."""
+    """Read the values of a JSON text, which follow each other directly or are separated by `---`; None
+    with a finding.
+    """
     decoder = json.JSONDecoder()
     text, at = source.text, 0
     documents: list[Any] = []
@@ -46,7 +48,7 @@ def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
 def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
     """Read the documents of a YAML stream; None with a finding.
 
-    Scalars are texts, except that empty ones and nulls are None.
+    Scalars become texts, except that empty scalars and nulls become None.
     """
     import yaml
 

@@ -73,7 +73,7 @@ def _factor(column: Column) -> float:
 
 
 def _rising(table: Table, times: Array, findings: Collector) -> bool:
-    """Check that the times increase; report a finding."""
+    """Check that the times increase, and report a finding if they don't."""
     steps = np.diff(times)
     if (steps > 0).all():
         return True
@@ -84,7 +84,7 @@ def _rising(table: Table, times: Array, findings: Collector) -> bool:
 
 
 def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> bool:
-    """Check that all quaternions have norm 1; report a finding."""
+    """Check that all quaternions have norm 1, and report a finding if they don't."""
     norms = np.linalg.norm(quaternions, axis=1)
     bad = np.abs(norms - 1.0) > _QUATERNION_TOLERANCE
     if not bad.any():
@@ -96,9 +96,9 @@ def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> boo
 
 
 def _names(table: Table, columns: Columns, values: Array, findings: Collector) -> tuple[str, ...] | None:
-    """Return the names of the rows as names of the language; None with a finding.
+    """Return the names of the rows, converted to names of the language; None with a finding.
 
-    Rows of equal names must have equal values.
+    Rows with equal names must have equal values.
     """
     if columns.name is None:
         return ()

@@ -69,7 +69,7 @@ def understand(
         table: the table.
         robot: the robot. Columns may have the names of its joints, or j1, q1, joint1, joint_1 and so on.
         joints: names of the joints in the table, in the robot's order; may be empty.
-        units: units of columns that don't name theirs.
+        units: units of columns whose names contain no unit.
         findings: collects findings, including a warning for columns that are ignored.
     """
     own = {name.lower(): name for name in robot.joint_names}
@@ -133,10 +133,10 @@ def understand(
 def _rates(
     table: Table, robot: Robot, target: Target, found: dict[str, tuple[int, str]], unknown: list[str]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the meanings of the used columns of velocities and of accelerations.
+    """Return the meanings of the velocity and acceleration columns that are used.
 
-    They are used if there is one for each joint and a time. Accelerations also need velocities. Other columns
-    are added to `unknown`.
+    Velocities are used if the table has a time and a velocity for each joint. Accelerations are used if
+    velocities are used and there is an acceleration for each joint. Unused columns are added to `unknown`.
     """
     rates: list[tuple[str, ...]] = []
     for order in (1, 2):

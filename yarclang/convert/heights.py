@@ -17,7 +17,7 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 _FAR = 1e5
-"""Largest height, and extent, of a field [m], as for the corners of meshes."""
+"""Largest height, and largest extent, of a field [m]. The same limit applies to corners of meshes."""
 
 
 @frozen(eq=False)
@@ -27,7 +27,7 @@ class HeightMesh:
     Attributes:
         content: a binary STL file, in mm.
         size: numbers of rows and columns.
-        left_out: number of heights that are no finite numbers.
+        left_out: number of heights that aren't finite.
         triangles: number of triangles.
     """
 

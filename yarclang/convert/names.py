@@ -13,7 +13,7 @@ _INDEX = re.compile(r"P[0-9]+")
 
 
 def legal_name(text: str, is_frame: bool = False) -> str:
-    """Return the reason why a text can't be the name of a joint position or frame; empty if it can."""
+    """Return the reason why a text can't be the name of a joint position or frame; empty if it can be."""
     name = text.upper()
     if not _NAME.fullmatch(text):
         return f"{text[:40]!r} is no name: a name has letters A to Z, digits and _, and no digit first"

@@ -76,7 +76,7 @@ def _values(
 ) -> Array | None:
     """Return the joint values (n,) of a state [deg, mm].
 
-    None with an error, or, for a state of another group, with a warning.
+    Return None with an error, or, for a state of another group, None with a warning.
     """
     given = {joint.attributes.get("name", ""): joint for joint in state.all("joint")}
     shown = state.attributes.get("name", "")[:40]

@@ -104,7 +104,7 @@ def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Arr
     """Return columns as numbers (rows, columns); None with a finding.
 
     A decimal comma is allowed if the delimiter isn't a comma. The finding is at the first cell that isn't a
-    number, and gives the number of further ones.
+    number, and states the number of further such cells.
     """
     values = np.empty((len(table.rows), len(columns)))
     bad: list[tuple[int, int]] = []
@@ -145,5 +145,7 @@ def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Arr
 
 
 def _more(count: int, what: str) -> str:
-    """Return the end of a message that gives the number of further cells or lines; empty without any."""
+    """Return the end of a message that states the number of further cells or lines; empty if there are
+    none.
+    """
     return f" (and {count - 1:,} more {what}{'s' * (count > 2)})" if count > 1 else ""

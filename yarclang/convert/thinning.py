@@ -1,8 +1,9 @@
-"""Thinning of dense courses: selection of targets that are enough for a tolerance.
+"""Thinning of dense courses: a selection of targets that is sufficient for a tolerance.
 
-The algorithm is that of Douglas and Peucker (Cartographica 10, 1973, 112-122): a chord from the first to the
-last target is divided at the target farthest from it, and so on, until none is farther than the tolerance. If
-the program follows a spline, distances are measured to the spline, after a coarse start with chords.
+The algorithm is that of Douglas and Peucker (Cartographica 10, 1973, 112-122). A chord from the first to the
+last target is divided at the target farthest from it. This is repeated for the parts until no target is
+farther away than the tolerance. If the program follows a spline, the first targets are chosen with chords and
+a coarse tolerance; then distances are measured to the spline.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from yarclang.robot.model import Robot
 _SAMPLES = 16
 """Number of chords that approximate a leg of the spline."""
 _COARSE = 50
-"""Factor of the tolerance for the first targets of a spline, which needs far fewer than straight lines."""
+"""Factor of the tolerance with which the first targets of a spline are chosen. A spline needs far fewer
+targets than straight lines do.
+"""
 
 
 def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, form: Form) -> Course:
@@ -51,9 +54,8 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
 
 
 def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
-    """Return the indices (m,) of targets to keep.
-
-    At the times of all others, the path through these targets is within the tolerance.
+    """Return the indices (m,) of targets to keep. The path through these targets is within the tolerance of
+    all other targets at their times.
     """
     assert course.times is not None
     kept = np.array([0, course.size - 1])
@@ -62,7 +64,7 @@ def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
         off[kept] = 0.0
         if (off <= tolerance).all():
             return kept
-        # the worst target of each leg that exceeds the tolerance
+        # find the target of each leg that exceeds the tolerance most
         leg = np.searchsorted(kept, np.arange(course.size), side="right")
         order = np.lexsort((-off, leg))
         worst = order[np.unique(leg[order], return_index=True)[1]]
@@ -72,9 +74,9 @@ def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
 def path_in_time(course: Course, times: Array) -> Array:
     """Return joint values (m, n) at `times` (m,) [s] on the path of MOVEJ_TIMED through a course [deg, mm].
 
-    The path is quintic with accelerations, cubic with velocities only, and otherwise a cubic spline in time
-    that is at rest at both ends. A course that doesn't begin at time 0 begins at its first target here, since
-    the position of the robot isn't known.
+    With accelerations the path is quintic; with velocities only, it is cubic. Otherwise it is a cubic spline
+    in time that is at rest at both ends. The path begins at the first target of the course, even if this has
+    a later time than 0: the position of the robot before it isn't known.
     """
     from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
@@ -100,8 +102,8 @@ def way_shares(points: Array) -> Array:
 def _points(course: Course) -> Array:
     """Return targets as points whose distances are in deg and mm.
 
-    Points are joint values, or positions and twice the quaternions in deg. A chord between two quaternions is
-    inside of their arc, so that rotations seem a little farther away than they are.
+    Points are joint values, or positions and twice the quaternions in deg. A chord between two quaternions
+    runs inside the arc between them, so that distances of rotations are slightly overestimated.
     """
     if course.target == "JOINTS":
         return course.values
@@ -127,7 +129,7 @@ def _quaternions(rpy: Array) -> Array:
 
 
 def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Return True (w,) for each of `points` (w, k) to keep."""
+    """Return a mask (w,) of the `points` (w, k) to keep."""
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True
     waiting = [(0, len(points) - 1)]
@@ -147,7 +149,7 @@ def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
 def _along_spline(
     points: Array, keep: NDArray[np.bool_], tolerance: float, robot: Robot
 ) -> NDArray[np.bool_]:
-    """Add targets until the natural spline through the kept ones is within the tolerance of all others."""
+    """Add targets until the natural spline through the kept targets is within the tolerance of all others."""
     units = robot.axis_units
     keep = keep.copy()
     while True:
@@ -168,7 +170,7 @@ def _along_spline(
             distances = np.minimum(distances, _to_chords(points[left], *ends))
         if (distances <= tolerance).all():
             return keep
-        # the worst target of each leg that exceeds the tolerance
+        # find the target of each leg that exceeds the tolerance most
         order = np.lexsort((-distances, leg))
         worst = order[np.unique(leg[order], return_index=True)[1]]
         keep[left[worst[distances[worst] > tolerance]]] = True

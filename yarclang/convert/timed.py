@@ -24,10 +24,12 @@ from yarclang.semantics.motions.trajectory_file import write_table
 from yarclang.units import DEG, MM
 
 MOST_LINES = 20
-"""Most way-points in the program. More are written into a file."""
+"""Largest number of way-points in the program. If there are more, all are written into a file."""
 
 _SMALL_ANGLE, _SMALL_LENGTH = 1e-5 / DEG, 1e-5 / MM
-"""Change of the path up to which a velocity at rest is noise [deg, mm]: a tenth of the allowed error."""
+"""Change of the path up to which a velocity at an end of the course counts as noise [deg, mm]: a tenth of the
+allowed error.
+"""
 
 _SAMPLES = 8
 """Number of intervals of a leg at whose ends two paths are compared."""
@@ -53,7 +55,8 @@ class Written:
 def at_rest(
     course: Course, where: str, robot: Robot, findings: Collector
 ) -> tuple[Course, tuple[str, ...]] | None:
-    """Return a course that is at rest at both ends, and remarks. Noise in its velocities there is set to 0.
+    """Return a course that is at rest at both ends, and remarks. Velocities at the ends that are only noise
+    are set to 0.
 
     Args:
         course: joint values with times.
@@ -100,10 +103,10 @@ def at_rest(
 
 
 def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, file: str | None) -> Written:
-    """Write a course that is passed at its times.
+    """Write the lines of a course that is passed at its times.
 
-    A MOVEJ leads to the start of a course that begins at time 0, unless the robot is there. A single leg from
-    rest to rest becomes a MOVEJ with its time, and a course without motion a WAIT.
+    If the course begins at time 0, a MOVEJ leads to its start, unless the robot is there. A single leg from
+    rest to rest becomes a MOVEJ with its time, and a course without motion becomes a WAIT.
 
     Args:
         course: two or more joint positions, at rest at both ends.
@@ -139,7 +142,7 @@ def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, f
             rows, index + STEP, tuple(remarks), ((file, write_table(robot, _table(course, robot))),)
         )
     if has_start_acceleration:
-        # The lines have no entry for time 0.
+        # the lines have no entry for time 0
         without = replace(course, accelerations=None)
         off = _difference(course, without)
         units = "/".join(dict.fromkeys(robot.axis_unit_names))
@@ -153,12 +156,12 @@ def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, f
 
 
 def _is_plain(course: Course) -> bool:
-    """Return True if the course has no velocities and accelerations other than 0."""
+    """Return True if all velocities and accelerations of the course are 0 or missing."""
     return not any(rates is not None and rates.any() for rates in (course.velocities, course.accelerations))
 
 
 def _path(course: Course) -> str:
-    """Return the motion of the joints between the points, in words."""
+    """Return the kind of motion between the points, in words."""
     if course.velocities is None:
         return "between them each joint follows one cubic spline in time, with continuous acceleration."
     if course.accelerations is None:

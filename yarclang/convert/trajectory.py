@@ -67,7 +67,7 @@ def _trajectories(data: Any) -> Iterator[Mapping[str, Any]]:
 def _is_empty_multi_dof(key: str, value: Any) -> bool:
     """Return True for the empty multi-DOF trajectory that MoveIt adds to each message.
 
-    One with points is a motion, which must not be lost.
+    A multi-DOF trajectory with points is a motion, which must not be lost.
     """
     return key == _MULTI_DOF and isinstance(value, Mapping) and not value.get("points")
 
@@ -167,7 +167,7 @@ def _rates(
     wanted: tuple[str, ...],
     findings: Collector,
 ) -> list[float] | None:
-    """Return the velocities or accelerations of a point, in the robot's order; empty without any.
+    """Return the velocities or accelerations of a point, in the robot's order; empty if it has none.
 
     Args:
         point: the point.
@@ -178,7 +178,7 @@ def _rates(
         findings: collects findings.
 
     Returns:
-        None with a finding.
+        The values; None with a finding.
     """
     plural = _PLURALS[name]
     given = point.get(plural)
@@ -204,7 +204,7 @@ _PLURALS = {"velocity": "velocities", "acceleration": "accelerations"}
 
 
 def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[str]:
-    """Yield remarks about velocities and accelerations that are ignored, since not all points have them."""
+    """Yield remarks about velocities and accelerations that are ignored because not all points have them."""
     for name, rows in rates.items():
         if 0 < len(rows) < count:
             yield (
@@ -242,7 +242,7 @@ def _order(
 
 
 def _number(value: Any) -> float | None:
-    """Return a finite number, given as such or as a text; None for anything else."""
+    """Return a finite number from a number or its text; None for anything else."""
     if isinstance(value, str) and _NUMBER.fullmatch(value):
         value = float(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -253,7 +253,7 @@ def _number(value: Any) -> float | None:
 def _time(value: Any) -> float | None:
     """Return a duration of ROS 1 or ROS 2, or a number, in seconds.
 
-    A missing one is 0, a wrong one is None.
+    A missing duration is 0; a wrong one gives None.
     """
     if value is None:
         return 0.0

@@ -1,4 +1,6 @@
-"""Writer of readable YARC programs from the content of a file: a comment on its origin, names, columns."""
+"""Writer of readable YARC programs from the content of a file: a comment about its origin, names, and
+columns.
+"""
 
 from __future__ import annotations
 
@@ -93,7 +95,7 @@ def program_text(
 
 
 def _form(course: Course, wishes: Wishes) -> Form:
-    """Return the form of a course: the requested one, or the one that its values and times allow."""
+    """Return the form of a course: the requested form, or else the one that its values and times allow."""
     if wishes.form is not None:
         return wishes.form
     if course.times is None:
@@ -151,7 +153,7 @@ def _spline(
     """Return the lines of a motion through all targets without a stop, the next index, and the last target.
 
     The motion takes the time from the first to the last target. The first course of joint values begins at
-    START. For any other, a move leads to its beginning, unless the robot is there.
+    START. Before any other course, a move leads to its beginning, unless the robot is there.
 
     Args:
         course: the course.
@@ -197,7 +199,7 @@ def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
 
 
 def _without_repeats(course: Course) -> Course:
-    """Return the course without targets that equal the one before, unless they have a name."""
+    """Return the course without targets that equal the target before them, unless they have a name."""
     moved = np.abs(np.diff(course.values, axis=0)).max(axis=1) > SAME_PLACE
     if course.names:
         moved |= np.array([bool(name) for name in course.names[1:]], dtype=bool)
@@ -228,7 +230,7 @@ def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
 
 
 def _lspb_time(way: Array) -> Array:
-    """Return the shares of the time (w,) at which the LSPB law has covered shares of the way (w,).
+    """Return the shares of the time (w,) at which the LSPB law has covered the shares `way` (w,) of the path.
 
     The law accelerates for a third of the time, moves at 1.5 times the mean speed for a third, and then
     decelerates.

@@ -1,5 +1,5 @@
-"""The surroundings of a robot, as known by its coordinator: the cell, and inputs and outputs by
-name. No I/O.
+"""The surroundings of a robot as known to its coordinator: the cell, and inputs and outputs by name. No
+I/O.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yarclang.simulated_cell.script import Known, known_in
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """The file of the cell, and the controller's variables of inputs and outputs by their names."""
+    """File of the cell, and the controller's variables for inputs and outputs by their names."""
 
     cell: str | None
     inputs: Mapping[str, str]
@@ -30,7 +30,7 @@ class Around:
 
     Args:
         names: names of the session.
-        lines: lines of the session, whose revision shows if its names have changed.
+        lines: lines of the session. Their revision changes when a name may have changed.
     """
 
     def __init__(self, names: Names, lines: Lines) -> None:
@@ -45,14 +45,14 @@ class Around:
 
     @property
     def is_current(self) -> bool:
-        """Return True if `look` has nothing to read again."""
+        """Return True if nothing has changed since the last `look`."""
         return self._revision == self._lines.revision
 
     def know(self, program: Program | None, cell: Cell | None) -> None:
-        """Store what belongs to a program that is run now.
+        """Store the surroundings of a program that is about to run.
 
         Args:
-            program: the program whose names are shown; None if only its text is known.
+            program: the program with the names; None if only its text is known.
             cell: the cell of the program.
         """
         self._known = known_in(program, cell)
@@ -61,13 +61,13 @@ class Around:
 
     @property
     def cells(self) -> tuple[Cell | None, Cell | None]:
-        """Return the cells of the last program and of the session, as they were read; None: there is none, or
-        it isn't known before `look`.
+        """Return the cells of the last program and of the session, as they were read. None: there is no cell,
+        or it isn't known before `look`.
         """
         return self._program_cell, self._session_cell
 
     def look(self) -> Seen:
-        """Return the surroundings. After a declaration of the session, its lines are read again."""
+        """Return the surroundings. The lines of the session are read again after a new declaration."""
         if not self.is_current:
             revision = self._lines.revision
             scope = self._names.scope()
@@ -80,7 +80,7 @@ class Around:
                 elif isinstance(meaning, Output):
                     outputs |= {bit.name: bit.variable for bit in meaning.signal.bits}
             program = self._names.cell().value
-            # Motions still keep to a cell that can't be read any more.
+            # If the cell can't be read any more, motions still respect the one that was read before.
             if program is not None:
                 self._session_cell = program.cell
             cell = _file(self._session_cell)

@@ -1,4 +1,4 @@
-"""The client's side of a coordinator, in the same process or at the other end of a socket: it sends messages
+"""The client's side of a coordinator, in the same process or at the other end of a socket. It sends orders,
 and receives replies and events.
 """
 
@@ -30,7 +30,7 @@ from yarclang.runtime.actions import Trouble
 
 R = TypeVar("R", bound=Reply)
 _PATIENCE = 5.0
-"""Longest time for the greeting [s]."""
+"""Longest wait for the coordinator's first message [s]."""
 
 Refused = Callable[[Trouble], object]
 
@@ -46,8 +46,8 @@ class Attached(Protocol):
 
     @property
     def silence(self) -> float:
-        """Return the time since the coordinator was heard last [s]. One that drives a robot reports positions
-        all the time.
+        """Return the time since the last message of the coordinator [s]. A coordinator that is connected to a
+        robot reports positions all the time.
         """
         ...
 
@@ -55,21 +55,21 @@ class Attached(Protocol):
         """Send an order, and wait for the reply.
 
         Raises:
-            Trouble: it was denied, or the coordinator has gone.
+            Trouble: the order was denied, or the coordinator has gone.
         """
         ...
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Send an order at once, without waiting.
+        """Send an order at once, without waiting for the reply.
 
         Args:
             order: the order.
-            refused: called if the order was denied.
+            refused: called if the order is denied.
         """
         ...
 
     async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
-        """Return all events from now on."""
+        """Return an iterator over all events from now on."""
         ...
 
     async def leave(self) -> None:
@@ -82,7 +82,7 @@ class Here:
 
     Args:
         coordinator: the robot's coordinator.
-        name: name of the client for others.
+        name: name of the client that others see.
 
     Attributes:
         desk: carries out the orders.
@@ -97,15 +97,15 @@ class Here:
 
     @property
     def silence(self) -> float:
-        """Return 0: the coordinator is in this process."""
+        """Return 0, because the coordinator is in this process."""
         return 0.0
 
     async def ask(self, order: Order[R]) -> R:
-        """Send an order, as `Attached.ask`."""
+        """Send an order and wait for the reply. See `Attached.ask`."""
         return await self.desk.answer(order)
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Send an order at once, as `Attached.send`."""
+        """Send an order at once. See `Attached.send`."""
         try:
             made = self.desk.answer_now(order)
         except Trouble as trouble:
@@ -117,15 +117,15 @@ class Here:
             task.add_done_callback(lambda done: _ended(done, refused))
 
     async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
-        """Return all events from now on, as `Attached.listen`."""
+        """Return an iterator over all events from now on. See `Attached.listen`."""
         return self._coordinator.subscribe(capacity, positions=positions)
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached; its state is unknown then."""
+        """End without waiting for a robot that can't be reached. The state of the robot is unknown then."""
         self._coordinator.give_up()
 
     async def leave(self) -> None:
-        """Stop being a client, as `Attached.leave`."""
+        """Stop being a client. See `Attached.leave`."""
         self.desk.stop_steering()
         self.client.session.leave()
 
@@ -139,7 +139,7 @@ def _ended(task: asyncio.Future[Any], refused: Refused | None) -> None:
 
 
 class There:
-    """A client of a coordinator in another process; made by `attach`.
+    """A client of a coordinator in another process. Use `attach` to create one.
 
     Args:
         path: path of the coordinator's socket.
@@ -164,7 +164,7 @@ class There:
         """Become a client of the coordinator that listens on a socket.
 
         Raises:
-            Trouble: no one listens, or the coordinator has another version of the protocol.
+            Trouble: no coordinator listens on the socket, or it has another version of the protocol.
         """
         try:
             reader, writer = await asyncio.open_unix_connection(str(path), limit=MOST_ANSWER)
@@ -186,7 +186,7 @@ class There:
 
     @property
     def silence(self) -> float:
-        """Return the time since the coordinator was heard last [s]."""
+        """Return the time since the last message of the coordinator [s]."""
         return self._loop.time() - self._heard
 
     @property
@@ -195,12 +195,12 @@ class There:
         return self._hearing.done() or self._writer.is_closing()
 
     async def ask(self, order: Order[R]) -> R:
-        """Send an order, as `Attached.ask`."""
+        """Send an order and wait for the reply. See `Attached.ask`."""
         answer: R = await self._send(order)
         return answer
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Send an order at once, as `Attached.send`."""
+        """Send an order at once. See `Attached.send`."""
         try:
             future = self._send(order)
         except Trouble as trouble:
@@ -210,14 +210,14 @@ class There:
         future.add_done_callback(lambda done: _ended(done, refused))
 
     async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
-        """Return all events from now on, as `Attached.listen`."""
+        """Return an iterator over all events from now on. See `Attached.listen`."""
         one = Subscription(capacity, self._listeners.remove)
         self._listeners.append(one)
         await self.ask(orders.Listen(positions=positions))
         return one
 
     async def leave(self) -> None:
-        """Stop being a client, as `Attached.leave`."""
+        """Stop being a client. See `Attached.leave`."""
         self._writer.close()
         self._hearing.cancel()
         with contextlib.suppress(asyncio.CancelledError, OSError):
@@ -237,7 +237,7 @@ class There:
             while line := await self._reader.readline():
                 self._heard = self._loop.time()
                 self._take(line)
-        except (OSError, ValueError):  # it is gone, or sends something that no coordinator sends
+        except (OSError, ValueError):  # the coordinator has gone, or sends something unknown
             pass
         finally:
             for _, future in self._asked.values():

@@ -1,5 +1,5 @@
 """The last motions in reverse: the same paths from end to start, as a program that is planned and certified
-like any other.
+like any other program.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ from yarclang.transforms import constant
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Passed:
-    """A motion that was carried out, or its beginning.
+    """A motion that was carried out completely or in part.
 
-    `step` is the motion and `waypoints` (k, n) the joint positions that were chosen; `start` and `end` (n,)
-    are the robot's positions before and after it, `middle` (n,) is a position between them, all [rad or m].
-    `whole` is True if the motion came to its end, `flows` if it flowed into the next one.
+    `step` is the motion and `waypoints` (k, n) the joint positions that were chosen for it. `start` and `end`
+    (n,) are the robot's positions before and after the motion, and `middle` (n,) is a position between them,
+    all [rad or m]. `whole` is True if the motion reached its end, `flows` if it flowed into the next motion.
     """
 
     step: Motion
@@ -58,7 +58,8 @@ def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> 
 
     Args:
         plan: the plan that was carried out.
-        stands: (n,) where the robot was stopped on its path [rad or m]; None if it came to its end.
+        stands: (n,) position at which the robot was stopped on its path [rad or m]; None if it reached the
+            end.
         done: progress of the program at the stop [s].
     """
     found: list[Passed] = []
@@ -80,7 +81,7 @@ def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> 
 
 
 def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
-    """Return the last motions between which the robot didn't stand."""
+    """Return the last motions between which the robot didn't stop."""
     first = len(motions) - 1
     while first > 0 and motions[first - 1].flows:
         first -= 1
@@ -88,22 +89,25 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
 
 
 def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
-    """Return the motions that can be taken back: those after the last search and the motion that follows it,
-    and after the last motion in a shifted frame and those that follow it up to a known place.
+    """Return the motions at the end of a list that can be taken back along their own path.
 
-    A search may have ended anywhere on its line. The plan leads from the end of that line, where what was
-    searched for may be in the way. The plan also has shifted motions without their shift.
+    Two kinds of motions, and everything before them, can't be taken back:
+
+    - A search and the motion after it. A search may have ended anywhere on its line, but the plan continues
+      from the end of the line. On the way there the robot might hit the thing that was searched for.
+    - A motion in a shifted frame and the motions after it up to the next known position. The plan contains
+      shifted motions without their shift.
 
     Args:
-        motions: that were carried out, in order. A search that was stopped on its line is no obstacle, since
-            its own line leads back.
+        motions: motions that were carried out, in order. A search that was stopped on its own line can be
+            taken back, because the robot returns along this line.
     """
     known, is_away = 0, False
     for number, one in enumerate(motions):
         step = one.step
         shifts = any(isinstance(goal, PoseGoal | PoseDelta) and goal.shifted for goal in step.goals)
         if shifts or is_away:
-            # a relative motion from a shifted place ends at one
+            # A relative motion from a shifted position ends at a shifted position.
             is_away = shifts or not isinstance(step.end, JointGoal | PoseGoal)
             known = number + 1
         if one.whole and isinstance(step, JointMove | LineMove) and step.search is not None:
@@ -116,11 +120,11 @@ def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Prog
 
     Args:
         robot: the robot.
-        group: motions between which the robot doesn't stand, in the order in which they were carried out.
-        program: the program of the motions; its cell stays around the robot.
+        group: motions between which the robot doesn't stop, in the order in which they were carried out.
+        program: program that contains the motions. Its cell is also that of the new program.
 
     Returns:
-        A finding if there is no way back along the same path.
+        The program; a finding instead if the robot can't go back along the same path.
     """
     steps: list[Motion] = []
     blends = [one.step.blend if one.flows else None for one in group[:-1]]
@@ -164,7 +168,7 @@ def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:
 
 
 def _turned(table: Timetable, start: Array) -> Timetable:
-    """Return a timetable in reverse, from its last row to `start` (n,) [rad or m]."""
+    """Return a timetable in reverse: from its last row to the position `start` (n,) [rad or m]."""
     rows = slice(int(table.begins), None)
     rest = np.zeros((1, len(start)))
     whole = np.concatenate(([0.0], table.times[rows]))

@@ -1,4 +1,4 @@
-"""The steps of a program that were carried out, as far as its end shows. No I/O."""
+"""The steps of a program that were carried out, derived from the way in which the program ended. No I/O."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ from yarclang.runtime.scripts import scripts_of
 from yarclang.ways import Turn
 
 _LOST = "Y1606"
-"""Code of a connection that was lost."""
+"""Code of the finding for a lost connection."""
 
 _AT_END = 2.0
-"""Number of segments before a motion's end within which a robot at rest may already have begun
-what follows.
+"""Distance from the end of a motion [segments]. If the robot rests nearer to the end, the steps after the
+motion may have begun already.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class CarriedOut:
-    """The steps that were certainly carried out, and the SETs after them, the first of which may have been,
-    in order.
+    """The steps that were certainly carried out, and the SETs after them that may have been: a first part of
+    these SETs, in their order.
     """
 
     surely: tuple[int, ...]
@@ -54,14 +54,14 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
     """Return the steps that were passed on the branches that were taken, up to the first WHEN whose branch
     isn't known.
 
-    A WHEN is included if it was passed, an ELSE if a branch ended at it, and the end of a WHEN or a loop if
-    the robot reached it. Of a loop, only the last pass counts.
+    A WHEN is included if it was passed, an ELSE if a branch ended at it, and the end of a WHEN or of a loop
+    if the robot reached it. Only the last pass of a loop counts.
 
     Args:
         steps: all steps of the program.
         begin: number of the first step.
         end: number after the last step.
-        ways: for each WHEN that was passed, in order, True if its first branch was taken.
+        ways: for each WHEN that was passed, in order: True if its first branch was taken.
 
     Returns:
         The numbers of the steps.
@@ -92,16 +92,18 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
 
 
 _WAY, _PASSES = (When, EndWhen), (Loop, EndLoop)
-"""The beginnings and ends of steps that are skipped: another branch, and the rest of a loop that is left."""
+"""Pairs of the steps between which steps are skipped: the branch that isn't taken, and the rest of a loop
+that is left.
+"""
 
 
 def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: Ended) -> CarriedOut:
-    """Find the steps that were carried out.
+    """Return the steps that were carried out.
 
     Args:
         plan: plan of the program.
-        begin: first step of the performed part.
-        end: step after the last one.
+        begin: first step of the part that was run.
+        end: step after the last one of this part.
         program: job of the whole program.
         ended: outcome of the run.
     """
@@ -117,7 +119,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
         return CarriedOut((*before, *leg))
     motions = [number for number in leg if isinstance(steps[number], Motion)]
     if not ended.command:
-        # Nothing has moved: at most the steps before the first motion were carried out.
+        # The robot hasn't moved, so at most the steps before the first motion were carried out.
         return CarriedOut(tuple(before), _sets(steps, leg, -1, motions[0] if motions else len(steps)))
     now, began, rests = _motion_at(plan, program, ended)
     latest = _latest(plan, program, ended)
@@ -128,7 +130,8 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
     if began:
         surely = [*before, *(number for number in leg if number < now)]
     else:
-        # At the very beginning of a motion, the steps before it may not have been carried out yet.
+        # The robot rests at the very beginning of a motion, so the steps before it may not have been carried
+        # out yet.
         since = motions[place - 1] if place else -1
         surely = [*before, *(number for number in leg if number <= since)]
         return CarriedOut(tuple(surely), _sets(steps, leg, since, now))
@@ -148,7 +151,8 @@ def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) ->
 def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
     """Return the step of the first motion that can't have begun yet.
 
-    The last report may be old: after a lost connection, by as much as the controller's buffer holds.
+    The last report of the robot may be old. After a lost connection, its age is bounded by the lines that the
+    controller's buffer holds.
     """
     command = program.command_at(ended.done)
     if ended.joints is None or command is None or len(program.commands) != len(plan.motions):
@@ -167,8 +171,8 @@ def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
 
 
 def _motion_at(plan: MotionPlan, program: Job, ended: Ended) -> tuple[int, bool, str]:
-    """Return the step of the motion at which the robot rests, True if this motion has certainly begun, and if
-    the robot rests `within` the motion, at its `end`, or possibly far `behind` it.
+    """Return the step of the motion at which the robot rests, True if this motion has certainly begun, and
+    the place of the robot: `within` the motion, at its `end`, or possibly far `behind` it.
     """
     place = None if ended.joints is None else resting_place(plan, program, ended.joints, ended.done)
     command = program.command_at(ended.done) if place is None else place.command

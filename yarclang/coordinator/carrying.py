@@ -1,5 +1,5 @@
-"""Performing motions and keeping track of the cell's parts: all motions run through here, so the places of
-parts are known afterwards.
+"""Execution of all motions, and tracking of the cell's parts. All motions are executed here, so that the
+places of the parts are known afterwards.
 """
 
 from __future__ import annotations
@@ -22,17 +22,19 @@ from yarclang.runtime.live import Live
 from yarclang.runtime.outcome import Ended
 
 Planning = Callable[..., Awaitable[Any]]
-"""Calls a function with arguments somewhere and returns its result."""
+"""Function that calls a planning function with arguments, in a thread or in the same one, and returns its
+result.
+"""
 
 
 class Carrying:
-    """Performs all motions, and stores where the parts are.
+    """Executes all motions, and keeps track of the places of parts.
 
     Args:
         robot: the robot.
-        engine: performs the motions.
-        plan: runs planning, one call at a time.
-        beside: runs a function, without waiting for planning.
+        engine: executes the motions.
+        plan: runs planning functions, one at a time.
+        beside: runs a function without waiting for planning.
 
     Attributes:
         kept: the places of parts.
@@ -50,10 +52,10 @@ class Carrying:
 
         Args:
             loaded: the program.
-            here: (n,) where the robot stands [rad or m].
+            here: (n,) position of the robot [rad or m].
 
         Raises:
-            Trouble: the parts aren't where they were when the program was proved.
+            Trouble: the parts aren't in the places that were assumed in the program's proof.
         """
         self.kept.check(loaded.around, loaded.assumed)
         around = None if loaded.around is None else self.kept.now(replace(loaded.around, present=None), here)
@@ -61,14 +63,14 @@ class Carrying:
         return way
 
     async def renewed(self, loaded: Loaded, number: int) -> Loaded | Ended:
-        """Return a program for its next pass. If its parts are elsewhere now, it is proved again.
+        """Return a program for its next pass. If its parts have moved, the program is proved again.
 
         Args:
             loaded: the program.
-            number: number of the pass that is to begin.
+            number: number of the next pass.
 
         Returns:
-            The outcome instead, if it can't be proved.
+            The program; an outcome instead if it can't be proved.
         """
         plan, stands = loaded.plan, loaded.program.end
         given = loaded.around if plan is None else plan.program.cell
@@ -93,11 +95,11 @@ class Carrying:
         return loaded
 
     async def perform(self, job: Job, program: Job | None = None, what: Performed | None = None) -> Ended:
-        """Carry a job out; for work of `Engine.move`.
+        """Carry a job out. Call this only within the work of `Engine.move`.
 
         Args:
             job: job that is streamed.
-            program: whole program that the job is a part of.
+            program: the whole program to which the job belongs.
             what: steps that the job carries out; None: it moves no parts.
         """
         cell = None if what is None else what.plan.program.cell
@@ -111,7 +113,7 @@ class Carrying:
             self.kept.doubt(cell, f"{what.program.name} was ended by something unforeseen")
             raise
         outputs = {} if ended.well else await self._outputs(cell)
-        # Bodies are compared, which may take a while.
+        # Comparing the bodies may take a while.
         await self._beside(self.kept.performed, what, ended, outputs)
         return ended
 
@@ -133,13 +135,13 @@ class Carrying:
         return ended
 
     async def perform_live(self, live: Live) -> Ended:
-        """Carry a live motion out; for work of `Engine.move`."""
+        """Carry a live motion out. Call this only within the work of `Engine.move`."""
         ended = await self._engine.perform_live(live)
         self.kept.stands(ended.joints)
         return ended
 
     async def _outputs(self, cell: Cell) -> dict[str, float]:
-        """Return the outputs that move parts, except those that can't be asked for."""
+        """Return the values of the outputs that move parts, except those that can't be read now."""
         session, found = self._engine.session, dict[str, float]()
         with contextlib.suppress(Trouble, Lost):
             for variable in (*cell.grips, *cell.removals):

@@ -1,7 +1,7 @@
-"""The coordinator: owns one robot, takes commands and programs, plans from where the robot really stands,
-moves it, and reports.
+"""The coordinator. It owns one robot, accepts commands and programs, plans them from the robot's actual
+position, executes them, and reports.
 
-Everything runs in one event loop; `plan` may hand planning to a thread. docs/coordinator.md shows it in use.
+Everything runs in one event loop; `plan` may pass planning to a thread. docs/coordinator.md shows examples.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from yarclang.runtime.inspection import Inspection
 
 
 class Coordinator(SharedRobot):
-    """A robot to which clients attach, from its connection to the end."""
+    """A robot to which clients attach, from the first connection until the coordinator is closed."""
 
     async def start(self) -> Inspection | None:
         """Connect to the controller, inspect it, and begin to serve clients.
 
         Returns:
-            The inspection; None if a patient coordinator doesn't reach the controller yet.
+            The inspection; None if the coordinator is patient and can't reach the controller yet.
 
         Raises:
-            Trouble: the controller can't be reached, or isn't as the robot needs it (`NotReady`).
+            Trouble: the controller can't be reached, or isn't in the state that the robot needs (`NotReady`).
         """
         if self.surroundings is not None:
             later = asyncio.get_running_loop().call_soon_threadsafe
@@ -33,11 +33,11 @@ class Coordinator(SharedRobot):
         return await self.engine.start(patient=self._patient)
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached; its state is unknown then."""
+        """End without waiting for a robot that can't be reached. The state of the robot is unknown then."""
         self.engine.give_up()
 
     async def close(self) -> None:
-        """Bring the robot to rest on its path, close the connection, and end all event streams."""
+        """Bring the robot to rest on its path, close the connection, and end all streams of events."""
         if self.surroundings is not None:
             self.surroundings.listen(None)
             self.surroundings.receive(None)
@@ -53,9 +53,9 @@ class Coordinator(SharedRobot):
         await self.close()
 
     def attach(self, name: str) -> Client:
-        """Add a client, which only watches at first.
+        """Add a client. It doesn't own the robot yet.
 
         Args:
-            name: name of the client for others; if it is taken, a number is added.
+            name: name of the client that others see; a number is added if the name is taken.
         """
         return Client(self, self.enter(name))

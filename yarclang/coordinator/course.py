@@ -1,7 +1,7 @@
-"""The motion of a loaded program along its longest branches, and its proofs, for people who look at it before
-the start.
+"""The motion of a loaded program along its longest branches, and its proofs, for users who want to see it
+before the start.
 
-Reads the program's file; nothing moves.
+The program's file is read; nothing moves.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ _TEXT_ALONE = "only the controller's text is known, and not its program"
 
 @dataclass(slots=True)
 class _Way:
-    """A sequence of the program's steps, and the known time that they take [s]."""
+    """A sequence of the program's steps, and the known part of its duration [s]."""
 
     steps: list[int] = field(default_factory=list)
     time: float = 0.0
     ends: bool = False
-    """True if the program ends in this sequence."""
+    """True if the program ends at the end of this sequence."""
     exits: bool = False
-    """True if a loop is left in this sequence."""
+    """True if this sequence leaves a loop."""
 
 
 def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
@@ -45,8 +45,9 @@ def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
     it in a thread.
 
     Args:
-        loaded: the program; with a first command, or by steps, the rest of it from there.
-        samples: number of joint positions of the course.
+        loaded: the program. If it begins at a command, or is run command by command, only the rest of it
+            counts.
+        samples: number of joint positions in the course.
     """
     job, plan = loaded.rest, loaded.plan or loaded.text_plan
     proved = json.loads(job.certificate) if job.certificate else {}
@@ -71,8 +72,8 @@ def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
 
 
 def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[int, PlannedMotion, float]]:
-    """Return the motions on the longest branches: number among `motions`, motion, and the clock at which it
-    begins [s].
+    """Return the motions on the longest branches: the number among `motions`, the motion, and the time of the
+    program's clock at which it begins [s].
     """
     longest = longest_way(plan)
     clocks = plan.schedule.clocks
@@ -80,8 +81,8 @@ def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[
 
 
 def longest_way(plan: MotionPlan) -> set[int]:
-    """Return the steps that are done if each WHEN takes its longer branch (the first one if both take equally
-    long), and each loop makes one pass, up to where it is left.
+    """Return the steps that are executed if each WHEN takes its longer branch (the first branch if both are
+    equally long), and each loop makes one pass, up to the place at which the loop is left.
     """
     durations = {motion.step: motion.curve.duration for motion in plan.motions}
     way, opened, loops = _Way(), list[tuple[_Way, _Way | None]](), list[_Way]()
@@ -101,7 +102,7 @@ def longest_way(plan: MotionPlan) -> set[int]:
             case Finish():
                 way.ends = True
             case Exit() if loops:
-                # The rest of the loop is skipped: the robot continues from here.
+                # Skip the rest of the loop: the program continues after it.
                 way.exits = True
             case Loop():
                 loops.append(way)
@@ -120,8 +121,8 @@ def longest_way(plan: MotionPlan) -> set[int]:
 
 
 def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
-    """Return the steps before, followed by the longer of two branches; branches in which the program
-    continues take precedence.
+    """Return the steps before a WHEN, followed by the longer of its two branches. A branch in which the
+    program continues has precedence over one in which it ends.
     """
     if before.exits:
         return before
@@ -138,7 +139,7 @@ def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
 
 
 def _course(job: Job, chosen: list[tuple[int, PlannedMotion, float]], samples: int) -> replies.Course:
-    """Return the joint positions at times of the program's clock; between two motions the robot stands."""
+    """Return the joint positions at times of the program's clock. Between two motions the robot stands."""
     if job.lasting.most <= 0.0:
         return replies.Course(times=(), joints=())
     times = job.clock + np.linspace(0.0, job.lasting.most, samples)
@@ -176,8 +177,8 @@ def _commands(
 
 
 def _nearest(job: Job, proved: list[dict[str, Any]]) -> courses.NearestProved | None:
-    """Return the smallest clearance of all commands; clearances with named bodies take precedence over a
-    bound for all.
+    """Return the smallest clearance of all commands. A clearance for which the bodies are known has
+    precedence over a bound for all bodies.
     """
     found: list[tuple[bool, float, courses.NearestProved]] = []
     for one, command in zip(proved, job.commands, strict=False):
@@ -213,7 +214,7 @@ def _peaks(proved: dict[str, Any]) -> replies.Peaks:
 
 
 def _changed(plan: MotionPlan | None, proved: str) -> bool | None:
-    """Return True if the text of the program's file has changed; None if it can't be read."""
+    """Return True if the program's file has changed since it was loaded; None if it can't be read."""
     if plan is None or not proved:
         return None
     place = plan.program.source.name

@@ -1,4 +1,4 @@
-"""Conversion of internal values to messages: joints by their names, offers, programs, outcomes. No I/O."""
+"""Conversion of internal values to messages: joints by name, offers, programs, outcomes. No I/O."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from yarclang.runtime.standing import off_the_start
 from yarclang.units import DEG, MM
 
 _SHOWN = 129
-"""Number of joint positions of a thinned motion."""
+"""Number of joint positions in the message about a motion."""
 
 
 def joints_by_name(robot: Robot, joints: Array) -> Joints:
-    """Return joint positions by their names, in deg or mm.
+    """Return joint positions by the names of the joints, in deg or mm.
 
     Args:
         robot: the robot.
-        joints: (n,) the positions [rad or m].
+        joints: (n,) joint positions [rad or m].
     """
     return {
         name: round(float(value), 6)
@@ -46,17 +46,17 @@ def joints_by_name(robot: Robot, joints: Array) -> Joints:
 
 
 def joints_of(robot: Robot, joints: Joints) -> Array:
-    """Return the joint positions of a message (n,) [rad or m]."""
+    """Return the joint positions (n,) that a message contains [rad or m]."""
     return np.array([joints[name] for name in robot.joint_names]) * robot.axis_units
 
 
 def finished(time: float, name: str, ended: Ended, robot: Robot) -> Finished:
-    """Return the event that an action has ended.
+    """Return the event for the end of an action.
 
     Args:
         time: time of the event [s].
         name: name of the action.
-        ended: its outcome.
+        ended: outcome of the action.
         robot: the robot.
     """
     return Finished(
@@ -85,7 +85,7 @@ def takes(lasting: Lasting) -> replies.Takes:
 
 
 def lasting_of(takes: replies.Takes) -> Lasting:
-    """Return the duration in a message."""
+    """Return the duration that a message contains."""
     return Lasting(
         takes.duration_at_least_s, takes.duration_s, takes.waits_at_least, takes.waits, takes.loops
     )
@@ -160,7 +160,7 @@ def _course(plan: MotionPlan | None) -> replies.Course:
 
 
 def program_described(number: int, loaded: Loaded) -> replies.ProgramDescribed:
-    """Return a program that can be run as a message."""
+    """Return a loaded program as a message."""
     program, rest = loaded.program, loaded.rest
     off = off_the_start(program, program.end)
     reason = ""
@@ -201,12 +201,12 @@ def _tools_at(loaded: Loaded) -> tuple[str, ...] | None:
 
 
 def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
-    """Return the way between a robot and a program's start as a message.
+    """Return the motion from the robot's position to a program's start as a message.
 
     Args:
-        way: the way.
+        way: the motion.
         robot: the robot.
-        start: (n,) start of the program [rad or m], used as `end` if there is no motion.
+        start: (n,) start of the program [rad or m]. It is the `end` of the message if there is no motion.
     """
     job = way.job
     return replies.Way(
@@ -226,7 +226,7 @@ def signals_described(
 
     Args:
         variables: controller variables, by the names of the signals.
-        values: values, by the variables; None if a value isn't known.
+        values: values by variable; None if a value isn't known.
     """
     return tuple(
         replies.NamedSignal(name=name, variable=one, value=values.get(one)) for name, one in variables.items()
@@ -234,7 +234,7 @@ def signals_described(
 
 
 def place_described(where: Where | None) -> replies.SourcePlace | None:
-    """Return the place of a command in its source as a message."""
+    """Return the place of a command in its source file as a message."""
     if where is None:
         return None
     return replies.SourcePlace(
@@ -270,7 +270,7 @@ def parts_described(made: Result[Known]) -> replies.Parts:
 
 
 def signal_of(event: events.OutputSet | events.WaitEnded | events.InputChanged) -> signals.Signal:
-    """Return an event about an input or output as a signal of the runtime."""
+    """Convert an event about an input or output to a signal of the runtime."""
     match event:
         case events.OutputSet():
             return signals.OutputSet(event.time_s, event.name, event.variable, event.value)

@@ -1,4 +1,4 @@
-"""Execution of a client's orders: the one place where messages become calls."""
+"""Execution of a client's orders. Only this module turns messages into calls."""
 
 from __future__ import annotations
 
@@ -51,11 +51,11 @@ T = TypeVar("T")
 R = TypeVar("R", bound=Reply)
 
 _KEPT = 32
-"""Number of offers, and of programs, that are kept for `go` and `run`: the newest ones."""
+"""Number of offers that are kept for `go`, and of programs that are kept for `run`: the newest ones."""
 
 
 class Desk:
-    """The orders of one client to a coordinator.
+    """Executes the orders of one client to a coordinator.
 
     Args:
         coordinator: the robot's coordinator.
@@ -132,8 +132,8 @@ class Desk:
         """Carry an order out.
 
         Raises:
-            NotOwner: only the robot's owner may give it.
-            Trouble: it can't be carried out now, and why.
+            NotOwner: only the robot's owner may give this order.
+            Trouble: the order can't be carried out now.
         """
         made = self.answer_now(order)
         answer: R = await made if inspect.iscoroutine(made) else made
@@ -141,21 +141,21 @@ class Desk:
         return answer
 
     def answer_now(self, order: Order[R]) -> Any:
-        """Begin to carry an order out; return the reply, or an awaitable for it. Stops, holds and the
+        """Begin to carry an order out. Return the reply, or an awaitable for the reply. Stops, holds and the
         override never wait.
         """
         return self._handlers[type(order)](order)
 
     def stop_steering(self) -> None:
-        """Bring a live motion of this client to rest, if there is one."""
+        """Bring a live motion of this client to rest, if any."""
         self._steered.stop()
 
     def keep(self, loaded: Loaded, generation: int | None = None) -> replies.ProgramDescribed:
-        """Keep a program that was loaded in this process, so that it can be run.
+        """Keep a program that was loaded in this process, so that the client can run it.
 
         Args:
             loaded: the program.
-            generation: the planner's generation when it was loaded; None: the current one.
+            generation: the planner's generation when the program was loaded; None: the present one.
         """
         number = next(self._coordinator.numbers)
         known = self._coordinator.planner.generation if generation is None else generation
@@ -163,11 +163,11 @@ class Desk:
         return program_described(number, loaded)
 
     def offer_of(self, number: int) -> Offer | None:
-        """Return an offer that was made for this client; for callers in the same process."""
+        """Return an offer that was made for this client. For callers in the same process."""
         return self._offers.get(number)
 
     def loaded_of(self, number: int) -> Loaded | None:
-        """Return a program that was loaded for this client; for callers in the same process."""
+        """Return a program that was loaded for this client. For callers in the same process."""
         found = self._programs.get(number)
         return None if found is None else found[0]
 
@@ -344,14 +344,14 @@ class Desk:
             order.approach,
         )
         made = await self.client.files.load(source, here=order.here, as_now=not order.recover)
-        # Thousands of findings would keep a live motion waiting here.
+        # Convert findings in the planning thread: thousands of them would delay a live motion in this loop.
         found = await self._coordinator.plan(finding_messages, made.diagnostics)
         program = None if made.value is None else self.keep(made.value, generation)
         return replies.Loaded(program=program, findings=found)
 
     async def _way(self, order: orders.AskWay) -> replies.Way:
         loaded = self._loaded(order.program)
-        # A stop from now on also cancels the run that is being prepared.
+        # From now on, a stop also cancels the run that is being prepared.
         self._stops = self._coordinator.stops
         await self._check_cell(order.program)
         here = await self._coordinator.stands()
@@ -372,7 +372,8 @@ class Desk:
         if coordinator.surroundings is not None:
             coordinator.surroundings.know(program)
             if loaded.begins_within and loaded.assumed is not None and loaded.around is not None:
-                # a simulated robot begins there with what it would hold there
+                # A simulated robot begins there with the parts that it would hold at this place of the
+                # program.
                 coordinator.surroundings.place(loaded.assumed, loaded.around)
         undertaking = Undertaking(loaded, coordinator, order.times)
         ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)
@@ -390,10 +391,10 @@ class Desk:
         return loaded
 
     async def _check_cell(self, number: int) -> None:
-        """Check that the cell is still the one for which a program was proved.
+        """Check that the cell is still the one with which a program was proved.
 
         Raises:
-            Trouble: it has changed.
+            Trouble: the cell has changed.
         """
         generation = await self._coordinator.look_around()
         loaded, known = self._programs[number]
@@ -409,7 +410,7 @@ class Desk:
 
 
 def status_of(coordinator: Coordinator) -> replies.Status:
-    """Return the coordinator's status."""
+    """Return the coordinator's status as a message."""
     robot, progress, position = coordinator.robot, coordinator.progress, coordinator.position
     places = [None] * robot.size if position is None else (position / robot.axis_units).round(6).tolist()
     known = progress if coordinator.under_way else None

@@ -1,5 +1,5 @@
-"""The outcome of an action as reported to its client: why, where on its path the robot rests, the place in
-the source, and how to continue.
+"""The outcome of an action for its client: the reason, the place on the path at which the robot rests, the
+place in the source file, and the way to continue.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from yarclang.runtime.outcome import Concerned, Ended, Where
 from yarclang.runtime.state import State
 
 _ABORTED = "Y1635"
-"""Code of an end that the program itself wants; such a program isn't continued."""
+"""Code of an end that the program itself has requested. Such a program isn't continued."""
 
 
 def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
-    """Return the outcome of an offer."""
+    """Return the outcome of an offer as a message."""
     return replies.Ended(
         well=ended.well,
         what=ended.what or None,
@@ -41,10 +41,11 @@ def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
 
 
 def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
-    """Return an outcome with the place in the source of the faulty command, and where on the path the robot
-    rests.
+    """Add two places to an outcome: the source position of the faulty command, and the place on the path at
+    which the robot rests.
 
-    The last report of a robot that rests on its path may be old, so the command is searched on the path.
+    The last report of a robot that rests on its path may be old. Therefore the command is searched on the
+    path.
     """
     plan, program, concerned = loaded.plan, loaded.program, ended.concerns
     found: Resting | None = None
@@ -62,13 +63,13 @@ def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
 def run_described(
     ended: Ended, resting: Resting | None, loaded: Loaded, undertaking: Undertaking, state: State
 ) -> replies.Ended:
-    """Return the outcome of a program.
+    """Return the outcome of a program as a message.
 
     Args:
         ended: outcome, as returned by `placed`.
-        resting: where on its path the robot rests, as returned by `placed`.
+        resting: place on the path at which the robot rests, as returned by `placed`.
         loaded: the program.
-        undertaking: its execution.
+        undertaking: execution of the program.
         state: state of the robot.
     """
     robot = loaded.program.robot
@@ -91,14 +92,17 @@ def run_described(
 
 
 def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
-    """Return the command with which the program can continue; empty: the first one; None if unknown."""
+    """Return the command with which the program can continue; empty for the first command; None if
+    unknown.
+    """
     plan = loaded.plan
     if plan is None or not ended.command or ended.code == _ABORTED:
         return None
     if not is_motion:
         if can_begin_at(plan, ended.command_index):
             return ended.command_index
-        # The robot stands before a step that isn't a motion: continuing begins before it.
+        # The robot stands before a step that isn't a motion, so the program continues with the motion before
+        # this step.
         before = motion_before(plan, ended.command_index)
         return chain_place(plan, before) if before else ""
     index = ended.command_index if resting is None else resting.command.index
@@ -106,8 +110,8 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
 
 
 def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
-    """Return the command to begin with, if the robot can get there. If parts are carried, a motion may end in
-    a place that only that motion leads out of.
+    """Return the command with which to continue if the robot can get to its beginning; otherwise None. If
+    parts are carried, a motion may end in a place that can only be left by the program's own motion.
     """
     plan, here = loaded.plan, ended.joints
     if place is None or plan is None or here is None:
@@ -119,8 +123,8 @@ def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
 
 
 def where_of(origins: Origins, concerned: Concerned) -> Where:
-    """Return the place of a command in its source, as far as it is known; for a command in a module, the
-    place of the program's call.
+    """Return the place of a command in its source file, or a note if it isn't known. For a command in a
+    module, this is the place of the program's call.
     """
     origin = origins.of(concerned.index, concerned.name, concerned.source_line)
     if origin is None:

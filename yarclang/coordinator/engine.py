@@ -1,7 +1,8 @@
-"""The only task that talks to the controller: it watches while idle, carries out work, and reconnects.
+"""The only task that talks to the controller: it monitors the idle controller, carries out work, and
+reconnects.
 
-All other code gives it work and learns the results from notices; orders to stop bypass it and go directly to
-the session.
+All other code gives work to this task and learns the results from notices. Orders to stop go directly to the
+session instead.
 """
 
 from __future__ import annotations
@@ -38,26 +39,26 @@ _AGAIN_EACH = 0.5
 """Time between two attempts to restore a lost connection [s]."""
 
 _TRIED, _TRIES = 1.0, 20
-"""Time for which a caller waits for a connection [s], and the number of checks during that time."""
+"""Longest time for which a caller waits for a connection [s], and the number of checks during this time."""
 
 _RESCUE = 30.0
-"""Longest time to bring a robot to rest after a bug of ours [s]."""
+"""Longest time to bring a robot to rest after a bug in yarclang [s]."""
 
 _LOST, _BUG = "Y1606", "Y2001"
-"""Codes of a lost connection, and of a bug in yarclang."""
+"""Codes of the findings for a lost connection, and for a bug in yarclang."""
 
 _RETRIED = "it is made again as soon as the controller can be reached: look at its cable and its power"
 """Remedy for a lost connection."""
 
 UNDER_WAY = "Y1612"
-"""Code of an action that is refused because another one is in progress."""
+"""Code of the finding for an action that is refused because another one is in progress."""
 
 NO_LOG = Path()
-"""Disables the log."""
+"""Value for "no log"."""
 
 
 class NotReady(Trouble):
-    """The controller isn't as the robot needs it; `inspection` has the details."""
+    """Raised if the controller isn't in the state that the robot needs; `inspection` has the details."""
 
     def __init__(self, inspection: Inspection) -> None:
         count = len(inspection.errors)
@@ -72,7 +73,9 @@ class NotReady(Trouble):
 
 @dataclass(slots=True, eq=False)
 class _Work:
-    """Work to be done, the future of the caller that waits for it, and True if it moves the robot."""
+    """Work to be done: the function, the future for which the caller waits, and True if the work moves the
+    robot.
+    """
 
     do: Callable[[], Awaitable[Any]]
     done: asyncio.Future[Any]
@@ -80,10 +83,10 @@ class _Work:
 
 
 class Running(Generic[T]):
-    """Work that continues even if no one waits for its end.
+    """Work that continues even if nobody waits for its end.
 
     Args:
-        task: task that carries it out.
+        task: task that carries the work out.
     """
 
     def __init__(self, task: asyncio.Task[T]) -> None:
@@ -91,11 +94,13 @@ class Running(Generic[T]):
 
     @property
     def has_ended(self) -> bool:
-        """Return True if it has ended, in any way."""
+        """Return True if the work has ended, in any way."""
         return self._task.done()
 
     async def ended(self) -> T:
-        """Wait for the end, and return or raise the result. Cancelling the caller doesn't end the work."""
+        """Wait for the end, and return the result or raise the exception. The work continues if the caller
+        is cancelled.
+        """
         return await asyncio.shield(self._task)
 
 
@@ -104,17 +109,17 @@ class Engine:
 
     Args:
         robot: the robot.
-        session: the connection to its controller.
-        log: where motions are logged: a file or a folder; None: a new file in yarc-runs/; `NO_LOG`: nowhere.
+        session: connection to the controller.
+        log: file or folder in which motions are logged; None: a new file in yarc-runs/; `NO_LOG`: no log.
         on_bug: called with the description of a bug in yarclang, and the place to which the robot was brought
             before.
 
     Attributes:
         under_way: name of the work in progress; empty: none.
-        client: name of the client that ordered it, for the log; empty: unknown.
-        run_log: log of the motions, from the first one on.
+        client: name of the client that ordered the work, for the log; empty: unknown.
+        run_log: log of the motions; None before the first motion.
         ended: outcome of the last motion, as written at the end of the log.
-        lost: why there is no connection; empty: there is one.
+        lost: reason why there is no connection; empty: there is one.
         inspection: result of the last inspection; None: none yet.
     """
 
@@ -143,26 +148,26 @@ class Engine:
 
     @property
     def operation(self) -> Operation:
-        """Return the session's state, orders and notices."""
+        """Return the state, orders and notices of the session."""
         return self.session.operation
 
     @property
     def scripts(self) -> Scripts:
-        """Return the scripts of the controller's kind."""
+        """Return the scripts for this kind of controller."""
         return self.session.scripts
 
     async def start(self, *, patient: bool = False) -> Inspection | None:
-        """Connect, inspect the controller, and serve from now on.
+        """Connect, inspect the controller, and begin to serve.
 
         Args:
-            patient: if True, wait for a controller that can't be reached, and treat one that isn't as the
-                robot needs it as a fault: nothing moves until it is.
+            patient: if True, wait for a controller that can't be reached. If the controller isn't in the
+                state that the robot needs, enter a fault, so that nothing can move.
 
         Returns:
             The inspection; None if the controller can't be reached yet.
 
         Raises:
-            NotReady: the controller isn't as the robot needs it.
+            NotReady: the controller isn't in the state that the robot needs.
             Trouble: the robot's settings aren't proved, or the controller can't be reached or inspected.
         """
         self._items = items_of(self.robot)
@@ -190,12 +195,12 @@ class Engine:
         """
         operation = self.operation
         await self.session.perform(self.scripts.connect(operation))
-        if operation.searches and self.scripts.services is not None:  # no one watches the search any more
+        if operation.searches and self.scripts.services is not None:  # nobody watches the search any more
             await self.session.perform(self.scripts.services.end_search(operation))
         return await self.look()
 
     def _judge(self, found: Inspection) -> None:
-        """Enter a fault if the inspection found something wrong."""
+        """Enter a fault if the inspection has found something wrong."""
         if found.errors:
             trouble = NotReady(found)
             self.operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
@@ -204,7 +209,7 @@ class Engine:
         """Try at once to restore a lost connection.
 
         Raises:
-            Trouble: there is none yet, and why.
+            Trouble: there is still no connection.
         """
         if not self.lost:
             return
@@ -217,7 +222,7 @@ class Engine:
             raise Trouble(f"there is no connection yet: {self.lost}", "it is tried again and again", "Y1606")
 
     async def close(self) -> None:
-        """End the current action on its path, and close the connection."""
+        """End the current action by coming to rest on its path, and close the connection."""
         self._closing = True
         if self.under_way:
             self.session.order(Stop())
@@ -230,7 +235,7 @@ class Engine:
         self.session.close()
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached. Further messages of its controller are
+        """End without waiting for a robot that can't be reached. Further messages of the controller are
         ignored.
         """
         self._closing = True
@@ -238,8 +243,8 @@ class Engine:
             self._task.cancel()
 
     def close_log(self) -> RunLog | None:
-        """Close the log of the motions so far, if there is one, and return it; the next motion begins another
-        one.
+        """Close the log of the motions so far, and return it; None if there is none. The next motion
+        begins a new log.
         """
         log, self.run_log = self.run_log, None
         if log is not None:
@@ -249,10 +254,10 @@ class Engine:
         return log
 
     async def ask(self, script: Callable[[], Script[T]]) -> T:
-        """Run a short script between two looks; nothing moves meanwhile.
+        """Run a short script while the controller is idle. Nothing moves meanwhile.
 
         Raises:
-            Trouble: as raised by the script; the robot is moving, or there is no connection.
+            Trouble: the script has raised it, the robot is moving, or there is no connection.
         """
         self._refuse_while_under_way()
         return await self._wait_for(lambda: self.session.perform(script()), moves=False)
@@ -261,12 +266,13 @@ class Engine:
         """Carry out work that moves the robot.
 
         Args:
-            name: name of the work for people.
-            work: calls `perform` and the like; it begins when all earlier requests are done.
+            name: name of the work, for messages.
+            work: function that calls `perform` and similar functions. It begins when all earlier requests are
+                done.
             serves: True for work that prepares a controller; it may be done after a fault.
 
         Raises:
-            Trouble: something else is in progress, or the state forbids it.
+            Trouble: something else is in progress, or the robot's state forbids it.
         """
         self._refuse_while_under_way()
         if self.lost:
@@ -275,20 +281,20 @@ class Engine:
             raise Trouble(
                 "after a fault nothing moves before the controller was inspected", "clear it", code="Y1612"
             )
-        self.operation.orders.clear()  # they belonged to something else
+        self.operation.orders.clear()  # they were meant for an earlier action
         if not self._closing:
             self.under_way = name
         return await self._wait_for(work, moves=True)
 
     async def begin(self, work: Coroutine[Any, Any, T], name: str) -> Running[T]:
-        """Start work that then continues by itself.
+        """Start work and return without waiting for its end.
 
         Args:
             work: a coroutine that calls `move`.
-            name: name of the work for people.
+            name: name of the work, for messages.
 
         Raises:
-            Trouble: it was refused at once.
+            Trouble: the work was refused at once.
         """
         task = asyncio.create_task(work, name=name)
         await asyncio.sleep(0)
@@ -297,7 +303,7 @@ class Engine:
         return Running(task)
 
     async def beside(self, function: Callable[..., T], *arguments: Any) -> T:
-        """Call a slow function in a thread, so that no one is kept from stopping the robot."""
+        """Call a slow function in a thread, so that stops aren't delayed."""
 
         def called() -> T:
             with shares_the_interpreter():
@@ -306,14 +312,14 @@ class Engine:
         return await asyncio.to_thread(called)
 
     async def perform(self, job: Job, program: Job | None = None) -> Ended:
-        """Carry a job out; for work of `move`. `program` is the whole that the job is a part of; the log is
-        named after it.
+        """Carry a job out. Call this only within the work of `move`. `program` is the whole program to which
+        the job belongs; the log is named after it.
         """
         return await self._logged(job, self.scripts.perform(self.operation, job), program)
 
     async def perform_live(self, live: Live) -> Ended:
-        """Carry a live motion out; for work of `move`. The log has its states, positions and orders, but not
-        its lines.
+        """Carry a live motion out. Call this only within the work of `move`. The log contains its states,
+        positions and orders, but not its lines.
         """
         script = self.scripts.perform_live
         if script is None:
@@ -332,11 +338,11 @@ class Engine:
         return self.ended
 
     async def clear(self) -> None:
-        """Inspect the controller after a fault; if all is well, the fault is cleared. A program that was left
-        in the middle is ended first.
+        """Inspect the controller after a fault. If everything is in order, clear the fault. A program that
+        was interrupted is ended first.
 
         Raises:
-            NotReady: something is wrong.
+            NotReady: something isn't in order.
             Trouble: something is in progress, or there is no connection.
         """
         self._refuse_while_under_way()
@@ -360,7 +366,7 @@ class Engine:
         return await self._wait_for(self.look, moves=False)
 
     async def look(self) -> Inspection:
-        """Inspect the controller; if all is well, a fault is cleared."""
+        """Inspect the controller. If everything is in order, clear a fault."""
         self.inspection = await self.session.perform(
             self.scripts.look(self.operation, self.robot, self._items)
         )
@@ -378,7 +384,7 @@ class Engine:
         done: asyncio.Future[T] = asyncio.get_running_loop().create_future()
         self._work.append(_Work(do, done, moves))
         self.session.wake()
-        # A client that leaves doesn't end what it began: ending needs an order.
+        # If a client leaves, the work that it began continues; ending it needs an order.
         return await asyncio.shield(done)
 
     async def _serve(self) -> None:
@@ -411,7 +417,7 @@ class Engine:
         except Trouble as trouble:
             self._end(work, trouble)
         except Exception as error:
-            where = await self._rescue()  # whoever waits for the end is informed once the robot rests
+            where = await self._rescue()  # callers are informed only after the robot rests
             self._end(work, error)
             self._on_bug(error, where)
         else:
@@ -420,7 +426,7 @@ class Engine:
                 work.done.set_result(result)
 
     def _end(self, work: _Work, error: Exception | None) -> None:
-        """Finish work; its caller may have gone."""
+        """Finish work, and give the result to the caller if it still waits."""
         if work.moves:
             self.under_way = ""
             self.operation.orders.clear()
@@ -428,11 +434,11 @@ class Engine:
             work.done.set_exception(error)
 
     async def _reconnect(self, why: str, lost: str) -> None:
-        """Reconnect until there is a connection, or no one wants one any more.
+        """Reconnect until there is a connection or the engine is closed.
 
         Args:
-            why: reported as the reason of the state.
-            lost: why the connection was lost.
+            why: reason for the state, for reports.
+            lost: reason why the connection was lost.
         """
         operation = self.operation
         self.lost = lost
@@ -458,11 +464,11 @@ class Engine:
             return
 
     async def _rescue(self) -> str:
-        """Bring the robot to rest after a bug of ours, and end what runs, without trusting the session's
-        state.
+        """Bring the robot to rest after a bug in yarclang, and end the running program. The session's state
+        isn't trusted.
 
         Returns:
-            Where the robot is then, as the end of a sentence; empty if nothing had moved.
+            The place at which the robot is then, as the end of a sentence; empty if nothing had moved.
         """
         session, operation = self.session, self.operation
         operation.orders.clear()
@@ -495,7 +501,7 @@ class Engine:
         """Open the log before the first motion.
 
         Raises:
-            OSError: it can't be made.
+            OSError: the log can't be created.
         """
         if self._log_place is NO_LOG:
             return

@@ -1,4 +1,4 @@
-"""The state of a robot's motors, link and buffer, and its frames, as messages."""
+"""The state of a robot's motors, connection and buffer, and the robot's frames, as messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def health_of(coordinator: Coordinator) -> replies.Health:
-    """Return the last reported state; nothing is asked."""
+    """Return the last reported state, without a request to the controller."""
     robot, operation = coordinator.robot, coordinator.engine.operation
     sample = coordinator.sample
     errors: list[float | None] = [None] * robot.size
@@ -51,9 +51,7 @@ def health_of(coordinator: Coordinator) -> replies.Health:
 
 
 def _is_guarded(coordinator: Coordinator) -> bool:
-    """Return True if the guard PLC was tested and works. It is tested only if everything else is as it must
-    be.
-    """
+    """Return True if the guard PLC was tested and works. It is tested only if everything else is in order."""
     inspection = coordinator.inspection
     if inspection is None or inspection.errors or coordinator.engine.lost:
         return False
@@ -61,7 +59,7 @@ def _is_guarded(coordinator: Coordinator) -> bool:
 
 
 def frames_of(coordinator: Coordinator) -> replies.Frames:
-    """Return the frames that have a name in the session."""
+    """Return the named frames of the session."""
     return replies.Frames(
         frames=tuple(
             replies.NamedFrame(

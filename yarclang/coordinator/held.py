@@ -1,6 +1,4 @@
-"""Hold-to-run for planned motions: an offer that is carried out only as long as a client confirms that it is
-still wanted.
-"""
+"""Hold-to-run for planned motions: an offer is carried out only as long as a client keeps confirming it."""
 
 from __future__ import annotations
 
@@ -25,8 +23,8 @@ _LOOKED_EACH = 0.01
 
 
 class Held(Part):
-    """The motion that one client holds, if there is one. A client that falls silent brings it to rest on its
-    path; `resume` continues.
+    """The motion that one client holds, if any. If the client falls silent, the robot comes to rest on its
+    path; `resume` continues the motion.
     """
 
     def __init__(self, coordinator: Coordinator, name: str) -> None:
@@ -36,7 +34,7 @@ class Held(Part):
 
     @property
     def rests(self) -> bool:
-        """Return True if a motion was begun that no client holds now."""
+        """Return True if a motion was begun, but the client doesn't hold it now."""
         return self._carried and self._is_silent
 
     @property
@@ -44,11 +42,13 @@ class Held(Part):
         return asyncio.get_running_loop().time() - self._heard > SILENCE
 
     def keep(self) -> None:
-        """Confirm that the motion is still wanted."""
+        """Confirm that the client still wants the motion."""
         self._heard = asyncio.get_running_loop().time()
 
     async def carry_out(self, going: Coroutine[Any, Any, Ended]) -> Ended:
-        """Carry a motion out while it is wanted; without confirmation it comes to rest, or does not begin."""
+        """Carry a motion out while the client confirms it. Without confirmation the robot comes to rest, or
+        the motion doesn't begin.
+        """
         if self._carried:
             going.close()
             raise Trouble("something is held already", "wait for its end, or stop it", UNDER_WAY)

@@ -1,4 +1,6 @@
-"""The history of a session: for the way back, and for saving it as a program. No I/O."""
+"""The history of a session, which is needed to take motions back and to save the session as a program. No
+I/O.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +23,19 @@ from yarclang.syntax.print import print_module
 from yarclang.syntax.renumber import renumbered
 
 _COUNT = 1.0
-"""Distance within which two positions are the same [counts]."""
+"""Largest difference of two positions that count as equal [counts]."""
 
 _FIRST, _STEP = 10, 10
 """First index of a saved program, and the step between two indices."""
 
 _BRIDGE = "[10%]"
-"""Speed of a saved program where the robot was moved by something other than the session's commands."""
+"""Speed of the motions in a saved program that replace moves by something other than the session's
+commands.
+"""
 
 
 def stands_there(robot: Robot, here: Array, there: Array) -> bool:
-    """Return True if two joint positions agree to a count.
+    """Return True if two joint positions differ by at most one count per motor.
 
     Args:
         robot: the robot.
@@ -43,10 +47,10 @@ def stands_there(robot: Robot, here: Array, there: Array) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """An action that was carried out: its commands as written, its motions and their program, from `start` to
-    `end` (n,) [rad or m].
+    """An action that was carried out: its commands as written, its motions, and the program that contains
+    them. The robot moved from `start` to `end` (n,) [rad or m].
 
-    `whole` is True if it came to its end.
+    `whole` is True if the action reached its end.
     """
 
     commands: tuple[str, ...]
@@ -58,14 +62,14 @@ class Entry:
 
 
 _ROUNDED = 1e-3
-"""Rounding of the numbers in a text: they differ from the planned ones by less [deg or mm]."""
+"""Largest rounding error of the numbers in a text [deg or mm]."""
 
 
 class History:
     """The actions that were carried out and not taken back, oldest first.
 
     Args:
-        robot: the robot that was moved.
+        robot: the robot.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -73,21 +77,22 @@ class History:
         self._entries: list[Entry] = []
 
     def add(self, offer: Offer, ended: Ended) -> None:
-        """Add an offer that was carried out, or begun."""
+        """Add an offer that was carried out completely or in part."""
         assert offer.compiled is not None
         if offer.takes_back:
             self._take_back(offer, ended)
             return
         plan = offer.compiled.plan
         if ended.well:
-            # Use the planned end: the text has rounded numbers.
+            # Use the planned end, because the text contains rounded numbers.
             end = plan.motions[-1].waypoints[-1] if plan.motions else offer.start
             if (
                 ended.joints is not None
                 and (np.abs(ended.joints - end) > _ROUNDED * self._robot.axis_units).any()
             ):
                 end = ended.joints  # the program has ended in another branch
-            # Text that no one has written, such as the way to a program, is no command of the session.
+            # Text that nobody has typed, such as the motion to a program's start, isn't a command of the
+            # session.
             whole = bool(offer.parts.commands)
             entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, whole)
         elif ended.joints is None or not ended.command:
@@ -98,17 +103,17 @@ class History:
         self._entries.append(entry)
 
     def ran(self, motions: tuple[Passed, ...], program: Program) -> None:
-        """Add motions of a program from a file. They are no commands of the session, and serve only for the
-        way back.
+        """Add motions of a program from a file. They aren't commands of the session; they only serve to
+        move back.
         """
         self._entries.append(Entry((), motions, program, motions[0].start, motions[-1].end, False))
 
     def forget(self) -> None:
-        """Clear the history: the motors were homed, so that the old positions have other values now."""
+        """Clear the history after the motors were homed: the old positions have other counts now."""
         self._entries.clear()
 
     def _take_back(self, offer: Offer, ended: Ended) -> None:
-        """Shorten the last entry after a motion back; its command no longer counts."""
+        """Shorten the last entry after its motion was taken back. Its command no longer counts."""
         if not ended.well and (ended.joints is None or not ended.command):
             return
         last = self._entries.pop()
@@ -119,12 +124,12 @@ class History:
 
     @property
     def end(self) -> Array | None:
-        """Return where the robot stood at the end (n,) [rad or m]."""
+        """Return the position of the robot after the last action (n,) [rad or m]."""
         return self._entries[-1].end if self._entries else None
 
     def last(self) -> tuple[tuple[Passed, ...], Program] | None:
-        """Return the last motions between which the robot didn't stand, and their program; None if there are
-        none.
+        """Return the last motions between which the robot didn't stop, and their program; None if there
+        are none.
         """
         while self._entries and not self._entries[-1].motions and not self._entries[-1].whole:
             self._entries.pop()
@@ -136,8 +141,8 @@ class History:
     def saved(self, lines: Lines, home: Path, folder: Path | None = None) -> str:
         """Return the session as a program: its declarations, and all completed commands.
 
-        If something else has moved the robot between two commands, a slow motion of all joints leads to the
-        next start.
+        If something else moved the robot between two commands, a slow motion of all joints to the next start
+        is inserted.
 
         Args:
             lines: lines of the session.
@@ -158,14 +163,14 @@ class History:
                 text.append(f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to where the robot was moved")
             text += (seen_from(command, home.absolute(), there) for command in one.commands)
             stands = one.end
-        # Renumber the commands as they stand in the file: typed lines may share an index.
+        # Number the commands in the order of the file, because typed lines may have the same index.
         module = parse(SourceFile("<session>", "\n".join(text) + "\n")).value
         assert module is not None  # parsing always gives a tree
         return print_module(renumbered(module, _FIRST, _STEP))
 
 
 def _robot_name(robot: Robot, folder: Path) -> str:
-    """Return the robot's name in the library, or else its path relative to a folder."""
+    """Return the robot's name in the library, otherwise its path relative to a folder."""
     known = any(one.folder == robot.folder for one in list_robots())
     return robot.name if known else f'"{relative(robot.folder / "robot.toml", folder)}"'
 

@@ -1,5 +1,5 @@
 """Places of the cells' parts between the actions of a coordinator. Each program, line and jog begins with the
-parts as the one before has left them. No I/O.
+parts in the places in which the previous action left them. No I/O.
 """
 
 from __future__ import annotations
@@ -26,18 +26,21 @@ from yarclang.runtime.outcome import Ended
 from yarclang.ways import Turn
 
 ELSEWHERE = "Y1620"
-"""Code of an action that is refused because parts are elsewhere, or their places are unknown."""
+"""Code of the finding for an action that is refused because parts are elsewhere or their places are
+unknown.
+"""
 
 _COUNTS = 1.0
-"""Distance within which two positions are the same [counts]."""
+"""Largest difference of two positions that count as equal [counts]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
     """Places of a cell's parts.
 
-    `cell` is the reading of the cell's file that they belong to, `stands` (n,) where the robot stood then
-    [rad or m] (None: not known). `doubt` is why the places are unknown; empty: they are known.
+    `cell` is the cell as read from its file; the places refer to this version. `stands` (n,) is the position
+    of the robot at that time [rad or m] (None: not known). `doubt` is the reason why the places are unknown;
+    empty: they are known.
     """
 
     cell: Cell
@@ -48,10 +51,10 @@ class Known:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Performed:
-    """The part of a plan that was performed: steps from `begin` to `end` (exclusive); `program` is the job of
-    the whole.
+    """The part of a plan that was carried out: steps from `begin` to `end` (exclusive). `program` is the job
+    of the whole program.
 
-    `assumed` has the places of parts at `begin`, used if nothing is known about them.
+    `assumed` has the places of parts at `begin`. It is used if nothing is known about them.
     """
 
     plan: MotionPlan
@@ -62,7 +65,7 @@ class Performed:
 
 
 class KeptParts:
-    """Places of the parts of each cell, as far as they are known from actions, or from people.
+    """Places of the parts in each cell, as known from actions or from users.
 
     Args:
         robot: the robot that carries the parts.
@@ -76,26 +79,27 @@ class KeptParts:
 
     @property
     def all(self) -> tuple[Known, ...]:
-        """Return the places in all cells. The result compares equal as long as nothing has changed."""
+        """Return the places in all cells. Two results are equal if nothing has changed between them."""
         return tuple(self._known.values())
 
     def known(self, cell: Cell) -> Known | None:
-        """Return the places of a cell's parts; None: only its file is known."""
+        """Return the places of a cell's parts; None if nothing is known beyond the cell's file."""
         found = self._known.get(file_of_cell(cell)) if cell.parts else None
         if found is None or found.cell.parts == cell.parts:
             return found
         return replace(found, cell=cell, present=on_cell(found.present, found.cell, cell))
 
     def of_file(self, file: Path) -> Known | None:
-        """Return the places of parts in the cell with this file; None: only the file is known."""
+        """Return the places of parts in the cell with this file; None if nothing is known beyond the file."""
         return self._known.get(file_of(file))
 
     def now(self, cell: Cell, start: Array) -> Cell | None:
-        """Return a cell with its current parts; None if only its file is known.
+        """Return a cell with its parts at their present places; None if nothing is known beyond the cell's
+        file.
 
         Args:
             cell: the cell.
-            start: (n,) where the program starts [rad or m].
+            start: (n,) start of the program [rad or m].
         """
         known = self.known(cell)
         if known is None:
@@ -104,12 +108,12 @@ class KeptParts:
         return cell if present == Present(first_parts(cell)) else presently(cell, present)
 
     def now_for_lines(self, cell: Cell, start: Array) -> Cell:
-        """Return a cell with its current parts for lines of a session: further lines may follow, and close or
-        open grippers.
+        """Return a cell with its parts at their present places, for lines of a session. Later lines may open
+        or close grippers.
 
         Args:
             cell: the cell.
-            start: (n,) where the lines start [rad or m].
+            start: (n,) start of the lines [rad or m].
 
         Raises:
             Trouble: the places of parts are unknown.
@@ -119,7 +123,9 @@ class KeptParts:
         return presently(cell, replace(self._at(known, start), goes_on=True))
 
     def _at(self, known: Known, start: Array) -> Present:
-        """Return the parts for a start: only a start where the robot stands is beside parts."""
+        """Return the parts for a program that begins at `start`. Parts that the robot is just leaving count
+        only if it still stands there.
+        """
         stands = known.stands
         if known.present.leaving and (stands is None or not self._is_there(start, stands)):
             return replace(known.present, leaving=())
@@ -129,10 +135,10 @@ class KeptParts:
         return bool((abs(to_counts(self._robot, one) - to_counts(self._robot, other)) <= _COUNTS).all())
 
     def check(self, cell: Cell | None, assumed: Parts | None) -> None:
-        """Check that the parts of a cell are where a proof has them.
+        """Check that the parts of a cell are in the places that a proof has assumed.
 
         Raises:
-            Trouble: they are elsewhere, or their places are unknown.
+            Trouble: the parts are elsewhere, or their places are unknown.
         """
         known = None if cell is None or assumed is None else self.known(cell)
         if known is None or assumed is None:
@@ -149,7 +155,7 @@ class KeptParts:
     # changing
 
     def say(self, known: Known) -> None:
-        """Set the places of parts as a person declares them."""
+        """Set the places of parts to those that a user declares."""
         present = beside(self._robot, known.cell, known.present, known.stands)
         if present == Present(first_parts(known.cell)):
             self._known.pop(file_of_cell(known.cell), None)  # nothing was declared or done
@@ -168,7 +174,7 @@ class KeptParts:
             self._known[file] = replace(known, doubt=why)
 
     def stands(self, q: Array | None) -> None:
-        """Record where the robot stands (n,) [rad or m] after a motion that moves no parts."""
+        """Record the position of the robot (n,) [rad or m] after a motion that moves no parts."""
         for file, known in tuple(self._known.items()):
             if known.present.leaving:
                 present = beside(self._robot, known.cell, known.present, q)
@@ -180,8 +186,8 @@ class KeptParts:
         Args:
             cell: the cell; None: there is none.
             variable: variable of the output.
-            value: its value.
-            q: where the robot stood (n,) [rad or m].
+            value: value of the output.
+            q: position of the robot at that time (n,) [rad or m].
         """
         if cell is None or not cell.parts:
             return
@@ -189,13 +195,13 @@ class KeptParts:
         self._known[file_of_cell(cell)] = self._given(known, {variable: value}, q)
 
     def performed(self, what: Performed, ended: Ended, outputs: Mapping[str, float]) -> None:
-        """Record a performed action.
+        """Record an action that was carried out completely or in part.
 
         Args:
-            what: steps that were performed.
+            what: steps of the action.
             ended: outcome.
-            outputs: current values of the outputs of grippers and machines, as far as they could be asked
-                for.
+            outputs: present values of the outputs of grippers and machines, without those that couldn't be
+                read.
         """
         plan, given = what.plan, what.plan.program.cell
         assert given is not None, "nothing is followed in a program without a cell"
@@ -232,16 +238,16 @@ class KeptParts:
         q: Array | None,
         outputs: Mapping[str, float],
     ) -> Present:
-        """Apply the steps that were carried out; of those that may have been, as many as agree with the
-        outputs.
+        """Apply the steps that were carried out. Of the steps that may have been carried out, apply as many
+        as agree with the outputs.
 
         Args:
             handling: grippers and parts of the cell, and the steps that use them.
-            what: the part of the plan that was performed.
+            what: the part of the plan that was carried out.
             done: steps that were carried out, and those that may have been.
-            start: (n,) where the robot stood before [rad or m].
-            q: (n,) where it stands now [rad or m]; None: unknown.
-            outputs: current values of outputs, by their variables.
+            start: (n,) position of the robot before [rad or m].
+            q: (n,) present position of the robot [rad or m]; None: unknown.
+            outputs: present values of outputs, by their variables.
         """
         cell, steps = handling.cell, handling.steps
         ends = {step - what.begin: at for step, at in ends_of(what.plan).items()}
@@ -250,7 +256,7 @@ class KeptParts:
         perhaps = [at - what.begin for at in done.perhaps if _output(steps[at - what.begin]) in moving]
         found: list[Present] = []
         for count in range(len(perhaps) + 1):
-            # Motions between these SETs were carried out, too.
+            # The motions between these SETs were also carried out.
             more = range(max(surely, default=-1) + 1, perhaps[count - 1] + 1 if count else 0)
             chosen = surely | {at for at in more if isinstance(steps[at], Motion) or at in perhaps}
             if perhaps and not _agrees(steps, chosen, outputs):
@@ -258,13 +264,15 @@ class KeptParts:
             left_out = {at for at, one in enumerate(steps) if at not in chosen or isinstance(one, Turn)}
             walked = followed(handling, start, ends, left_out)
             found.append(present_after(handling, walked, q))
-        if not found:  # someone else has set an output: assume the program's values
+        if not found:  # somebody else has set an output: assume the program's values
             return self._followed(handling, what, done, start, q, {})
         leaving = tuple(dict.fromkeys(one for each in found for one in each.leaving))
         return Present(reduce(either, (one.parts for one in found)), leaving)
 
     def _given(self, known: Known, outputs: Mapping[str, float], q: Array) -> Known:
-        """Return the places of parts if outputs have these values while the robot stands at `q` (n,)."""
+        """Return the places of parts after outputs were set to given values while the robot stands at `q`
+        (n,) [rad or m].
+        """
         handling = handling_of(self._robot, presently(known.cell, known.present), ())
         present = known.present
         for variable, value in outputs.items():
@@ -280,7 +288,7 @@ class KeptParts:
 
 
 def _moved(one: Parts, other: Parts) -> str:
-    """Return the names of parts whose places differ in two states; if there are none, a gripper whose state
+    """Return the names of parts whose places differ in two states; "a gripper" if only a gripper's state
     differs.
     """
     pairs = ((one, other), (other, one))
@@ -299,7 +307,7 @@ def file_of_cell(cell: Cell) -> Path:
 
 
 def _start(plan: MotionPlan, begin: int) -> Array:
-    """Return where the robot stands (n,) before the step with which a part of a plan begins."""
+    """Return the position of the robot (n,) [rad or m] before the first step of a part of a plan."""
     motion = next((one for one in plan.motions if one.step == begin), None)
     return plan.program.start if begin == 0 or motion is None else motion.curve.points[0]
 
@@ -322,7 +330,7 @@ def check_sure(known: Known) -> None:
     """Check that the places of parts are known.
 
     Raises:
-        Trouble: they aren't.
+        Trouble: the places aren't known.
     """
     if known.doubt:
         raise Trouble(

@@ -1,5 +1,5 @@
-"""Values of KEPT registers between runs: a small database in the state folder, which a kill or a power cut
-never leaves half written.
+"""Values of KEPT registers between runs, in a small database in the state folder. A kill or a power cut never
+leaves it half written.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from yarclang.frozen import frozen
 from yarclang.runtime.actions import Trouble
 
 _LONGEST_WAIT = 5.0
-"""Longest time to wait for another process that has locked the database [s]."""
+"""Longest wait while another process locks the database [s]."""
 
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS kept (controller TEXT NOT NULL, program TEXT NOT NULL, register TEXT "
@@ -25,14 +25,14 @@ _TABLE = (
 
 
 def registers_file() -> Path:
-    """Return the file of the database (XDG base directories)."""
+    """Return the path of the database (XDG base directories)."""
     given = Path(os.environ.get("XDG_STATE_HOME", ""))
     return (given if given.is_absolute() else Path.home() / ".local" / "state") / "yarc" / "registers.sqlite"
 
 
 def program_of(name: str) -> str:
-    """Return the name under which a program's registers are kept: its path, the same for the program and its
-    controller text.
+    """Return the name under which the registers of a program are stored: its path. It is the same for the
+    program and its controller text.
     """
     return str(Path(name).resolve().with_suffix(""))
 
@@ -52,15 +52,15 @@ class KeptRegisters:
     """The registers of one program on one controller.
 
     Attributes:
-        controller: robot and address; a simulated one has values of its own.
-        program: as `program_of` returns it.
+        controller: robot and address; a simulated controller has values of its own.
+        program: name of the program, from `program_of`.
     """
 
     controller: str
     program: str
 
     def first(self, registers: Iterable[Register]) -> tuple[dict[str, int], list[str]]:
-        """Return the kept values of registers, and a sentence for each value that is now outside its
+        """Return the stored values of registers, and one sentence for each value that is now outside of its
         register's range.
 
         Raises:
@@ -80,10 +80,10 @@ class KeptRegisters:
         return {name: value for name, value in found.items() if name not in beyond}, told
 
     def keep(self, name: str, value: int) -> None:
-        """Keep a value; when this returns, it is on the disk.
+        """Store a value. When this returns, the value is on the disk.
 
         Raises:
-            OSError: it can't be kept, and why.
+            OSError: the value can't be stored.
         """
         place = registers_file()
         try:
@@ -97,7 +97,7 @@ class KeptRegisters:
 
 
 def listed(controller: str = "", program: str = "") -> list[Kept]:
-    """Return the kept values, in the order of programs and names; an empty argument matches all.
+    """Return the stored values, sorted by program and name. An empty argument matches all.
 
     Raises:
         Trouble: the database can't be read.
@@ -120,7 +120,7 @@ def listed(controller: str = "", program: str = "") -> list[Kept]:
 
 
 def forget(program: str) -> int:
-    """Delete the kept values of a program on all controllers, and return how many there were.
+    """Delete the stored values of a program on all controllers. Return their number.
 
     Raises:
         Trouble: the database can't be read or written.
@@ -129,11 +129,11 @@ def forget(program: str) -> int:
 
 
 def deleted(table: str, delete: str, program: str) -> int:
-    """Delete a program's rows of a table, and return how many there were.
+    """Delete a program's rows of a table. Return their number.
 
     Args:
-        table: statement that makes the table if it isn't there.
-        delete: statement that deletes the rows of the program that is its argument.
+        table: statement that creates the table if it doesn't exist.
+        delete: statement that deletes the rows of a program; its argument is the program.
         program: the program.
 
     Raises:
@@ -151,7 +151,7 @@ def deleted(table: str, delete: str, program: str) -> int:
 
 
 def unreadable(place: Path, error: Exception) -> Trouble:
-    """Return the trouble of a database that can't be used."""
+    """Return the exception for a database that can't be used."""
     what = f"{place}, where registers are kept, can't be used: {error}"
     return Trouble(
         what,
@@ -163,7 +163,7 @@ def unreadable(place: Path, error: Exception) -> Trouble:
 
 @contextmanager
 def opened(place: Path) -> Iterator[sqlite3.Connection]:
-    """Open the database; what is committed is on the disk."""
+    """Open the database. Committed values are on the disk."""
     with closing(sqlite3.connect(place, timeout=_LONGEST_WAIT)) as base:
         base.execute("PRAGMA synchronous = FULL")
         yield base

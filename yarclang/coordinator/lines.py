@@ -1,4 +1,4 @@
-"""The lines of a session: declarations stay, commands are carried out. No I/O.
+"""The lines of a session: declarations stay, commands are carried out once. No I/O.
 
 A session is one growing program. A line is planned after all declarations that were accepted before it.
 Earlier commands are not planned again: their effect is the robot's position.
@@ -18,15 +18,15 @@ from yarclang.syntax.blocks import arrange
 from yarclang.syntax.words import DECLARATIONS
 
 SESSION = "<session>"
-"""Name, in findings, of the accepted lines."""
+"""Name of the accepted lines in findings."""
 
 TYPED = "<line>"
-"""Name, in findings, of the entered text."""
+"""Name of the entered text in findings."""
 
 _FILE = re.compile(
     r'^(?P<before>\s*(?:CELL|(?:P[0-9]+\s+)?MOVEJ_TIMED)\s+)"(?P<file>[^"\n]+)"', re.IGNORECASE | re.MULTILINE
 )
-"""A line that names a file: that of a cell, or that of a trajectory, also in a SUB."""
+"""Pattern for a line that names a file: of a cell or of a trajectory, also within a SUB."""
 
 _STEP = 10
 """Step between two indices."""
@@ -34,7 +34,7 @@ _STEP = 10
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """A text's top-level declarations and commands, each as it was written, in order."""
+    """A text's top-level declarations and commands, each as written, in order."""
 
     declarations: tuple[str, ...]
     commands: tuple[str, ...]
@@ -43,9 +43,9 @@ class Parts:
 
 
 def parts_of(module: Module) -> Parts:
-    """Return which parts of a text stay, and which are carried out.
+    """Return the parts of a text that stay, and those that are carried out.
 
-    Blocks are carried out, except SUB, and except an IF that only declares.
+    Blocks are carried out, except a SUB, and except an IF that contains only declarations.
     """
     nodes = arrange(module).value or ()
     declarations: list[str] = []
@@ -61,7 +61,7 @@ def numbered(module: Module, before: int, first: int) -> Module:
 
     Args:
         module: the module.
-        before: number of lines before the new text; commands of SUBs within these lines are numbered from the
+        before: number of lines before the new text. Commands of SUBs within these lines are numbered from the
             beginning.
         first: first index after these lines.
     """
@@ -84,7 +84,7 @@ def _commands(node: Node) -> int:
 
 def _stays(node: Node) -> bool:
     if isinstance(node, Block):
-        # An IF that only declares leaves names to later lines.
+        # Later lines may use the names of an IF that contains only declarations.
         only_declares = node.head.name.name == "IF" and all(
             map(_stays, (*node.body, *(node.otherwise or ())))
         )
@@ -109,12 +109,12 @@ def _last(node: Node) -> Statement:
 
 
 def seen_from(text: str, home: Path, folder: Path) -> str:
-    """Rewrite lines in one folder for another folder: a CELL and a MOVEJ_TIMED may name a file.
+    """Rewrite lines of one folder for another folder. CELL and MOVEJ_TIMED may name a file.
 
     Args:
-        text: a declaration, a block or a command as it was written.
-        home: folder that its file's name is relative to, absolute.
-        folder: new folder, absolute.
+        text: a declaration, a block or a command, as written.
+        home: absolute path of the folder to which the file's name is relative.
+        folder: absolute path of the new folder.
     """
 
     def renamed(named: re.Match[str]) -> str:
@@ -126,21 +126,23 @@ def seen_from(text: str, home: Path, folder: Path) -> str:
 
 
 def relative(path: Path, folder: Path) -> str:
-    """Return a file's name relative to a folder; both are absolute."""
+    """Return a file's path relative to a folder; both are absolute."""
     return os.path.relpath(path, folder).replace(os.sep, "/")
 
 
 @dataclass(frozen=True, slots=True)
 class Typed:
-    """A text after the session's declarations: `source` has both, and the text begins after
-    `before` lines.
+    """A text after the session's declarations. `source` contains both; the text begins after `before`
+    lines.
     """
 
     source: SourceFile
     before: int
 
     def placed(self, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-        """Return findings with places relative to the text; those about a line of the session keep theirs."""
+        """Return findings with places relative to the text. Findings about a line of the session keep
+        their places.
+        """
         typed = SourceFile(TYPED, "\n".join(self.source.lines[self.before :]) + "\n")
         return tuple(self._placed(one, typed) for one in found)
 
@@ -151,7 +153,7 @@ class Typed:
         if fix is not None:
             edits = tuple(Edit(self._moved(edit.span), edit.text) for edit in fix.edits)
             within = all(edit.span.line > 0 for edit in edits)
-            fix = Fix(fix.title, edits) if within else None  # no one can apply a fix of the session's lines
+            fix = Fix(fix.title, edits) if within else None  # fixes of the session's lines can't be applied
         return replace(one, source=typed, span=self._moved(span), fix=fix)
 
     def _moved(self, span: Span) -> Span:
@@ -162,9 +164,10 @@ class Lines:
     """The declarations of a session, in their order.
 
     Attributes:
-        declarations: as they were written.
+        declarations: the declarations, as written.
         count: number of commands that were carried out.
-        revision: grows with each change of the declarations; earlier plans may be invalid after it.
+        revision: number that grows with each change of the declarations. Plans of an earlier revision may be
+            invalid.
     """
 
     def __init__(self) -> None:
@@ -179,14 +182,14 @@ class Lines:
         return made
 
     def behind(self, text: str) -> Typed:
-        """Return a text after all declarations."""
+        """Return a text, preceded by all declarations."""
         before = "".join(f"{one}\n" for one in self.declarations)
         count = sum(one.count("\n") + 1 for one in self.declarations)
         return Typed(SourceFile(SESSION, before + text + "\n"), count)
 
     @property
     def next_number(self) -> int:
-        """Return the index for a command without one."""
+        """Return the index for a command that has none."""
         return _STEP * (self.count + 1)
 
     def declare(self, declarations: tuple[str, ...]) -> None:
@@ -196,10 +199,10 @@ class Lines:
             self.revision += 1
 
     def adopt(self, declarations: tuple[str, ...]) -> None:
-        """Replace all declarations by these."""
+        """Replace all declarations by the given ones."""
         self.declarations = list(declarations)
         self.revision += 1
 
     def doubt(self) -> None:
-        """Record that something named by the declarations, such as the cell, has changed."""
+        """Record that something that the declarations name, such as the cell, has changed."""
         self.revision += 1

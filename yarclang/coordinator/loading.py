@@ -1,4 +1,4 @@
-"""Loading a program's file or text so that it can be run. Only files are read; nothing moves."""
+"""Loading of a program's file or text so that it can be run. Files are read; nothing moves."""
 
 from __future__ import annotations
 
@@ -29,14 +29,15 @@ class Source:
     """The program to be run, and options for compiling it.
 
     Attributes:
-        file: path of the program; `-` for standard input.
-        text: text used instead of the file's; None: the file's.
+        file: path of the program; `-` for the standard input.
+        text: text that is used instead of the file's; None: the file's text.
         first: index of the command to begin with; None: the first.
         by_steps: True if the commands are run one by one.
         options: robot, start, tolerance, segment time, cell.
-        program: for a compiled program, the source against which it is verified; None: the one beside it.
-        approach: True if the way to its start is wanted as well.
-        present: places of the cell's parts; None: as the program assumes them.
+        program: for a compiled program, the path of the source against which it is verified; None: the file
+            beside it.
+        approach: True if the motion to its start is wanted as well.
+        present: returns the cell with its parts at their present places; None: as the program assumes them.
     """
 
     file: str
@@ -50,26 +51,27 @@ class Source:
 
     @property
     def is_compiled(self) -> bool:
-        """Return True if the file has a name as written by yarcc."""
+        """Return True if the file name has the ending that yarcc gives to compiled programs."""
         return is_compiled(self.file)
 
     @property
     def name(self) -> str:
-        """Return the name for people."""
+        """Return the name of the program, for messages."""
         return "stdin" if self.file == STANDARD_INPUT else Path(self.file).name
 
 
 def load(source: Source, robot: Robot | None = None, stands: Array | None = None) -> Result[Loaded]:
-    """Compile a program, or verify a compiled one again.
+    """Compile a program, or verify a compiled program again.
 
     Args:
         source: the program.
-        robot: robot that the program must be for; None: the one that it names itself, or that of the options.
+        robot: robot that the program must be written for; None: the robot that the program or the options
+            name.
         stands: (n,) start of a program without START [rad or m]; None: as the options and the project
             specify.
 
     Returns:
-        None if an error forbids running it; all findings, in order.
+        The program and all findings in order; no program if an error forbids running it.
     """
     if robot is not None:
         source = replace(source, options=replace(source.options, robot=str(robot.folder)))
@@ -91,8 +93,8 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
 
 
 def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
-    """Return a finding if the robot's files have changed since the running robot was read: proofs for one
-    don't hold for the other.
+    """Return a finding if the robot's files have changed since the running robot was read, because a proof
+    for the new description isn't valid for the running one.
     """
     if loaded is not None and loaded.program.robot.fingerprint == robot.fingerprint:
         return None
@@ -106,8 +108,8 @@ def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
 def _again(
     source: Source, plan: MotionPlan, robot: Robot | None, stands: Array | None
 ) -> Callable[[CellNow], Result[Loaded]]:
-    """Return a function that compiles the program again with its parts elsewhere. It uses the text that was
-    read, even if the file has changed.
+    """Return a function that compiles the program again with its parts in other places. It uses the text that
+    was read, even if the file has changed meanwhile.
     """
     whole = replace(source, text=plan.program.source.text, first=None, by_steps=False)
 
@@ -118,7 +120,7 @@ def _again(
 
 
 def _judged(source: Source) -> Result[Loaded]:
-    """Verify a compiled program against the source beside it."""
+    """Verify a compiled program against its source file."""
     read = read_controller_text(source.file)
     if read.value is None:
         return Result(None, read.diagnostics)
@@ -181,11 +183,11 @@ def _compiled_here(source: Source, stands: Array) -> Result[Loaded]:
 
 
 def open_here(source: Source, stands: Array) -> Result[Opened]:
-    """Read a program that will run from where the robot stands unless it has a START.
+    """Read a program that will run from the robot's position, unless it contains a START.
 
     Args:
         source: the program.
-        stands: (n,) where the robot stands [rad or m].
+        stands: (n,) position of the robot [rad or m].
     """
     if source.text is None:
         opened = open_program(source.file, source.options)

@@ -1,4 +1,4 @@
-"""The queue of one subscriber. Its length is limited, so that a subscriber that doesn't read costs nothing.
+"""The queue of one subscriber. Its length is limited, so that a subscriber that doesn't read costs little.
 No I/O.
 """
 
@@ -9,17 +9,17 @@ from collections import deque
 from yarclang.coordinator.messages.events import COALESCED, BaseEvent, Missed
 
 CAPACITY = 256
-"""Default number of events that wait for a subscriber."""
+"""Default of the largest number of events that wait for a subscriber."""
 
 
 class Mailbox:
-    """Events in their order.
+    """Queue of events, in their order.
 
-    Of positions and of progress, only the newest waits. Of all other events the oldest is dropped if there is
-    no room, and the number of dropped events is reported before anything else.
+    Of positions and of progress, only the newest event waits. If there is no room, the oldest of all other
+    events is dropped. The number of dropped events is reported before any other event.
 
     Args:
-        capacity: maximum number of waiting events, 4 or more.
+        capacity: largest number of waiting events, at least 4.
     """
 
     def __init__(self, capacity: int = CAPACITY) -> None:
@@ -51,7 +51,7 @@ class Mailbox:
         return self._events.popleft() if self._events else None
 
     def _make_room(self) -> None:
-        """Drop the oldest event other than positions and progress, whose loss is never reported."""
+        """Drop the oldest event that isn't a position or progress: dropping these is never reported."""
         oldest = next(one for one in self._events if not isinstance(one, COALESCED))
         self._events.remove(oldest)
         self._missed += 1

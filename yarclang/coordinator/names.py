@@ -1,5 +1,5 @@
-"""The meaning of names after a session's lines, for frames or signals that are named outside of a command. No
-I/O.
+"""The meaning of names after the lines of a session, for frames and signals that are named outside of a
+command. No I/O.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class _Alone:
-    """A name that stands alone in its text."""
+    """A source text that contains only a name."""
 
     def span(self, place: Place) -> Span:
         return Span(1, place.start, 1, place.end)
 
 
 class Names:
-    """The names that have a meaning for a robot after the lines of a session.
+    """Names that have a meaning for a robot after the lines of a session.
 
     Args:
         lines: lines of the session.
@@ -45,29 +45,29 @@ class Names:
         self._planner = planner
 
     def scope(self) -> Scope:
-        """Return the current meaning of all names."""
+        """Return the present meaning of all names."""
         module = parse(self._lines.behind("").source).value
         assert module is not None  # parsing always gives a tree
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
 
     def cell(self) -> Result[Program]:
         """Return the session's declarations as a program, with the cell that motions respect and its parts as
-        in its file. None if the cell can't be used.
+        in the cell's file. None if the cell can't be used.
         """
         parsed = parse(self._lines.behind("").source)
         assert parsed.value is not None  # parsing always gives a tree
         request = replace(self._planner.request(self._planner.robot.home), present=None)
         checked = check_program(parsed.value, request)
-        # Y0104, a file without a command, is normal for a session's declarations.
+        # Y0104, a file without a command, is normal for the declarations of a session.
         found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
         return Result(None if has_errors(found) else checked.value, found)
 
     def moving(self, name: str) -> Result[Frame]:
-        """Return a frame that motions may move: its transform is (4, 4) flange_from_frame [m]."""
+        """Return a frame that motions can move. Its transform is flange_from_frame (4, 4) [m]."""
         return self._frame(name, lambda frame, found: moving_frame(_Alone(), frame, self.scope(), found))
 
     def base(self, name: str) -> Result[Frame]:
-        """Return a frame in which a pose may be given: its transform is (4, 4) base_from_frame [m]."""
+        """Return a frame in which a pose can be given. Its transform is base_from_frame (4, 4) [m]."""
         return self._frame(name, lambda frame, found: base_axes(_Alone(), frame, self.scope(), False, found))
 
     def frames(self) -> dict[str, Frame]:
@@ -102,7 +102,7 @@ def _word(name: str) -> Word:
 
 
 def _looked_up(text: str, look: Callable[[Collector], T | None]) -> Result[T]:
-    """Return the result of a look-up, with findings in the name's own text."""
+    """Return the result of a look-up. The findings refer to the text of the name."""
     findings = Collector(SourceFile(TYPED, f"{text.strip()}\n"))
     found = look(findings)
     return Result(found, tuple(findings.found))

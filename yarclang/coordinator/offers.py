@@ -1,5 +1,5 @@
-"""From a text to an offer: its motions, planned from where the robot stands, and certified. Pure: nothing
-moves.
+"""Conversion of a text to an offer: its motions are planned from the robot's position, and certified. Pure:
+nothing moves.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
 
 NAME = "session"
-"""Name of a program that is made from a session."""
+"""Name of a program that is created from a session."""
 
 _SAME = 1e-6
-"""Distance within which joint positions count as equal [rad or m]."""
+"""Largest distance between joint positions that count as equal [rad or m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class OfferedMotion:
-    """One motion of an offer.
+    """A motion of an offer.
 
-    `title` is its index and name, `seconds` its duration, `branch` the chosen solution of a pose (empty if
-    there was no choice), and `proved` the certificate's values: peaks, path, clearance.
+    `title` is its index and name, `seconds` its duration, `branch` the chosen solution for a pose (empty if
+    there was no choice), and `proved` the values from the certificate: peaks, path, clearance.
     """
 
     title: str
@@ -59,21 +59,21 @@ class OfferedMotion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """A text's motions and declarations, which are carried out if the owner agrees.
+    """Motions and declarations of a text, which are carried out if the owner agrees.
 
     Attributes:
         number: number of the offer, unique within a coordinator.
-        text: text as it was given.
+        text: text as given.
         parts: declarations and commands of the text.
-        start: (n,) where planning began [rad or m].
+        start: (n,) position at which the motions begin [rad or m].
         motions: motions in order; empty if nothing moves.
         findings: warnings and notes; an offer has no errors.
         compiled: text, program, plan and certificate; None if there are only declarations.
         job: job to be streamed; None if there are only declarations.
-        revision: revision of the session's lines for which it was planned.
-        takes_back: number of earlier motions that it takes back.
-        proved_in: cell, with its parts, for which it is valid; None: the session's cell, or the one that its
-            own lines name.
+        revision: revision of the session's lines with which the offer was planned.
+        takes_back: number of earlier motions that the offer takes back.
+        proved_in: cell, with its parts, for which the offer is valid; None: the session's cell, or the cell
+            that the offer's own lines name.
     """
 
     number: int
@@ -95,17 +95,17 @@ class Offer:
 
     @property
     def lasting(self) -> Lasting:
-        """Return the duration, including waits."""
+        """Return the duration, including the number of waits."""
         return NO_TIME if self.job is None else self.job.lasting
 
     @property
     def end(self) -> Array:
-        """Return where the robot stands after it (n,) [rad or m]."""
+        """Return the position of the robot after the offer (n,) [rad or m]."""
         return self.start if self.job is None else self.job.end
 
     @property
     def certificate(self) -> Certificate | None:
-        """Return what was proved; None if nothing moves."""
+        """Return the certificate; None if nothing moves."""
         return None if self.compiled is None else self.compiled.certificate
 
     @property
@@ -120,17 +120,18 @@ class Offer:
 
 
 class Planner:
-    """Makes offers for one robot, in one folder, where modules, cells and yarc.toml are looked for.
+    """Creates offers for one robot, in one folder that contains modules, cells and yarc.toml.
 
     Args:
         robot: the robot.
         folder: folder of the session.
-        tm: longest segment time [ms]; None: the robot's.
+        tm: longest segment time [ms]; None: that of the robot.
         cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
-        present: current places of the cell's parts; None: as in its file.
+        present: returns the cell with its parts at their present places; None: as in the cell's file.
 
     Attributes:
-        generation: grows when the cell or yarc.toml was read again; earlier proofs may be invalid after it.
+        generation: number that grows when the cell or yarc.toml is read again. Proofs of an earlier
+            generation may be invalid.
     """
 
     def __init__(
@@ -160,10 +161,10 @@ class Planner:
         self._read()
 
     def renewed(self) -> bool:
-        """Read the cells again if one of their files has changed; return True if so. Waits for the disk.
+        """Read the cells again if one of their files has changed. Return True if so. Waits for the disk.
 
-        The robot keeps to the cell that was named at first. As long as none is named, yarc.toml is read again
-        as well.
+        Once a cell has been named, the robot respects it until the end. As long as none is named, yarc.toml
+        is read again as well.
         """
         if self._cells.is_current and (self._keeps or self._settings == stamp_of(self._places())):
             return False
@@ -172,7 +173,7 @@ class Planner:
         return True
 
     def _places(self) -> tuple[Path, ...]:
-        """Return the places where a yarc.toml would count: in the folder, and in the folders above it."""
+        """Return the places in which a yarc.toml would be used: the folder, and the folders above it."""
         folder = self.folder.resolve()
         return tuple(one / FILE_NAME for one in (folder, *folder.parents))
 
@@ -200,7 +201,7 @@ class Planner:
         return None if given is None else given.loaded.value
 
     def request(self, start: Array) -> Request:
-        """Return how a text is compiled from where the robot stands (n,) [rad or m]."""
+        """Return the request to compile a text from the robot's position (n,) [rad or m]."""
         return replace(self._request, start=start)
 
     def offer(self, text: str, lines: Lines, start: Array, number: int) -> Result[Offer]:
@@ -209,11 +210,11 @@ class Planner:
         Args:
             text: one command, declaration or block, or several.
             lines: lines of the session.
-            start: (n,) where the robot stands [rad or m].
+            start: (n,) position of the robot [rad or m].
             number: number of the offer.
 
         Returns:
-            None if a finding forbids it. Findings have their places in the text.
+            The offer; None if a finding forbids it. Findings have their places in the text.
         """
         typed = lines.behind(text)
         revision = lines.revision
@@ -225,7 +226,7 @@ class Planner:
             return Result(None, ())
         found = (*parsed.diagnostics, *self._of_robot(module))
         compiled: Compiled | None = None
-        # Commands in loops, and those that call a module, are identified by their index.
+        # Indices are needed to identify commands in loops, and commands that call a module.
         indexed = numbered(module, typed.before, lines.next_number)
         if not has_errors(found):
             made = self._staged(indexed, start, parts)
@@ -240,14 +241,14 @@ class Planner:
     def offered(
         self, number: int, text: str, start: Array, made: Result[Compiled], revision: int
     ) -> Result[Offer]:
-        """Return the offer of a program without text, such as a way back.
+        """Return the offer of a program that wasn't typed, such as a motion back.
 
         Args:
             number: number of the offer.
-            text: text of the offer, for people.
-            start: (n,) where the robot stands [rad or m].
+            text: text of the offer, for messages.
+            start: (n,) position of the robot [rad or m].
             made: the compiled program.
-            revision: revision of the session's lines for which it was planned.
+            revision: revision of the session's lines with which it was planned.
         """
         if made.value is None or has_errors(made.diagnostics):
             return Result(None, made.diagnostics)
@@ -274,7 +275,9 @@ class Planner:
         return Offer(number, text, parts, start, motions, found, compiled, job, revision)
 
     def _of_robot(self, module: Module) -> tuple[Diagnostic, ...]:
-        """Check that a ROBOT line names this robot, and that there is no START, which is for files."""
+        """Check that a ROBOT line names this robot, and that there is no START line, which is only for
+        files.
+        """
         found: list[Diagnostic] = []
         declared = declared_robot(module)
         if declared is not None and declared[0].upper() != self.robot.name.upper():
@@ -294,14 +297,14 @@ class Planner:
         return tuple(found)
 
     def _staged(self, module: Module, start: Array, parts: Parts) -> Result[Compiled]:
-        """Run all compiler stages, and the lint rules."""
+        """Run all stages of the compiler, and the lint rules."""
         request = self.request(start)
         checked = check_program(module, request)
         program = checked.value
         assert program is not None  # a check always gives a program
         products: list[object] = [module, program]
         if not parts.commands:
-            # Y0104, a file without a command, is normal for a session's declarations.
+            # Y0104, a file without a command, is normal for the declarations of a session.
             found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
             return Result(None, found)
         planned = plan_checked(checked, request)
@@ -318,7 +321,7 @@ class Planner:
 
 
 def _new_parts(module: Module, before: int) -> Parts:
-    """Return the parts of the text after the session's lines."""
+    """Return the parts of a text that come after the session's lines."""
     own = replace(module, statements=tuple(one for one in module.statements if one.line > before))
     return parts_of(own)
 
@@ -335,7 +338,7 @@ def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
 
 
 def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
-    """Return which solution of a free pose was chosen: `nearest of 8`."""
+    """Return the rank of the solution that was chosen for a pose, in words: `nearest of 8`."""
     step = program.steps[number]
     if not isinstance(step, JointMove | AvoidMove) or not isinstance(goal := step.goal, PoseGoal):
         return ""

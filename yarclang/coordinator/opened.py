@@ -1,5 +1,5 @@
-"""Opening a coordinator on a controller: alone on this computer, and open to orders of other processes (`yarc
-status`, `yarc stop`, clients).
+"""Start of a coordinator for a controller. Only one can run for a controller on this computer; other
+processes can send it orders (`yarc status`, `yarc stop`, clients).
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from yarclang.runtime.transports.promptness import prompt_thread
 from yarclang.simulated_cell.playing import SimulatedCell
 
 _MOST_FIRST = 2**40
-"""Upper bound of the random first number of programs and offers, so that numbers of an earlier coordinator
-mean nothing to this one.
+"""Upper bound of the random first number of programs and offers. Numbers of an earlier coordinator are
+thereby invalid for this one.
 """
 
 
@@ -31,25 +31,25 @@ class Ground:
     """Settings of a coordinator.
 
     Attributes:
-        host: of the controller.
-        port: of the controller.
-        folder: where modules, cells and yarc.toml are looked for.
+        host: host of the controller.
+        port: port of the controller.
+        folder: folder that contains modules, cells and yarc.toml.
         name: name that `yarc status` shows while nothing is in progress.
-        tm: longest segment time of planned motions [ms]; None: the robot's.
+        tm: longest segment time of planned motions [ms]; None: that of the robot.
         cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
-        log: where motions are logged (`Engine`).
-        reply_time: longest time for a reply [s].
-        pace: seconds of the controller per second: 1, except for a simulator.
-        patience: longest silence of this computer before its controller holds [s]; None: what the link
-            allows.
-        simulated: True if the controller is our own simulator in this process; it pauses while this process
-            is kept from its work.
+        log: file or folder in which motions are logged (`Engine`).
+        reply_time: longest time until the controller replies [s].
+        pace: seconds of the controller per second; 1, except for a simulator.
+        patience: longest silence of this computer before the controller holds [s]; None: as the link allows.
+        simulated: True if the controller is yarclang's simulator in this process. It pauses whenever this
+            process can't run.
         serves: True if the coordinator serves other processes.
         surroundings: machines around a robot that is simulated in this process; None: the robot isn't
             simulated here.
-        leash: clock of a simulator in this process; None: the controller waits for no one.
+        leash: clock of a simulator in this process, which waits for this process; None: the controller
+            doesn't wait.
         patient: True if the coordinator also runs while the controller isn't ready (`Coordinator`).
-        unattended: True if no one can resume a hold that no person has ordered (`Operation.unattended`).
+        unattended: True if nobody can resume a hold that no user has ordered (`Operation.unattended`).
     """
 
     host: str
@@ -72,15 +72,15 @@ class Ground:
 
 @asynccontextmanager
 async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
-    """Yield a coordinator that runs as long as the context lasts.
+    """Yield a coordinator that runs until the context ends.
 
     Args:
         robot: the robot.
         ground: settings of the coordinator.
 
     Raises:
-        ControlError: another process of this computer drives the controller.
-        Trouble: the controller can't be reached, or isn't as the robot needs it (`NotReady`).
+        ControlError: another process on this computer controls the same controller.
+        Trouble: the controller can't be reached, or isn't in the state that the robot needs (`NotReady`).
     """
     with controller_lock(ground.host, ground.port), prompt_thread():
         session = OrderedSession(

@@ -1,4 +1,4 @@
-"""A session that logs orders and can pause at rest."""
+"""Session that logs orders and can pause while the robot is at rest."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from yarclang.runtime.session import Session
 
 
 class OrderedSession(Session):
-    """A session that logs orders and can pause at rest.
+    """A session that logs orders and can pause while the robot is at rest.
 
     Attributes:
-        log: log of orders, if any.
+        log: log of orders; None if there is none.
         paused: True between two commands that are carried out one by one. While paused, a hold has no effect
             and a new override applies to the next command.
-        failure: what failed meanwhile.
+        failure: failure that was reported during a pause.
     """
 
     log: RunLog | None = None
@@ -22,7 +22,7 @@ class OrderedSession(Session):
     failure: Fail | None = None
 
     def order(self, order: Order) -> None:
-        """Give an order of a person, at once."""
+        """Execute an order of a user at once."""
         if self.log is not None:
             self.log.ordered(self.now(), order)
         if self.paused and isinstance(order, Hold):
@@ -36,10 +36,10 @@ class OrderedSession(Session):
         super().order(order)
 
     async def pause(self) -> bool:
-        """Wait until someone continues; return True if someone orders the end instead, or something has
+        """Wait until a user continues. Return True if a user orders the end instead, or if something has
         failed.
 
-        Earlier orders to continue were for something else and are discarded.
+        Orders to continue that came before are discarded, because they were meant for something else.
         """
         orders = self.operation.orders
         for early in [one for one in orders if isinstance(one, Resume)]:

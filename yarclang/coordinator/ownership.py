@@ -1,4 +1,4 @@
-"""The right to move the robot: one client has it at a time, all others watch. No I/O."""
+"""The right to move the robot: only one client has it at a time, all others watch. No I/O."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from yarclang.runtime.actions import Trouble
 
 
 class NotOwner(Trouble):
-    """A client that doesn't own the robot tries to move it."""
+    """Raised if a client that doesn't own the robot tries to move it."""
 
     def __init__(self, what: str, remedy: str) -> None:
         super().__init__(what, remedy, code="Y1611")
@@ -16,7 +16,7 @@ class Ownership:
     """The owner of the robot, by name.
 
     Attributes:
-        owner: name of the owner; empty: no one.
+        owner: name of the owner; empty if there is none.
         shared: True if other clients may resume and change the override as well.
     """
 
@@ -25,10 +25,10 @@ class Ownership:
         self.shared = False
 
     def take(self, name: str, *, shared: bool = False) -> bool:
-        """Own the robot from now on; return True if the owner is a new one.
+        """Make a client the owner of the robot. Return True if the owner has changed.
 
         Raises:
-            NotOwner: another client owns it.
+            NotOwner: another client owns the robot.
         """
         if self.owner == name:
             self.shared = shared
@@ -43,10 +43,10 @@ class Ownership:
         return True
 
     def check(self, name: str, what: str) -> None:
-        """Check that a client may give an order that is for the owner.
+        """Check that a client may give an order that only the owner may give.
 
         Raises:
-            NotOwner: it may not.
+            NotOwner: the client doesn't own the robot.
         """
         if self.owner == name:
             return
@@ -55,11 +55,11 @@ class Ownership:
         raise NotOwner(f"{what} is for the robot's owner: {who}, {name} watches", remedy)
 
     def check_pace(self, name: str, what: str) -> None:
-        """Check that a client may resume and change the override: the owner, and others if the owner shares
-        the robot.
+        """Check that a client may resume and change the override: the owner, and all others if the owner
+        shares the robot.
 
         Raises:
-            NotOwner: it may not.
+            NotOwner: the client isn't allowed to.
         """
         if not (self.owner and self.shared):
             self.check(name, what)
@@ -69,7 +69,7 @@ class Ownership:
 
         Args:
             name: current owner.
-            to: new owner; empty: no one.
+            to: new owner; empty for nobody.
             known: names of all clients.
 
         Raises:

@@ -1,4 +1,4 @@
-"""The state of a robot, collected from events, for programs that show it. No I/O."""
+"""The state of a robot, collected from events, for programs that display it. No I/O."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class Picture:
 
     Attributes:
         state: state of the robot.
-        owner: client that may move it; empty: no one.
+        owner: client that may move the robot; empty if there is none.
         under_way: action in progress; empty: none.
-        paused: True if it stands between two commands that are carried out one by one.
+        paused: True if the robot stands between two commands that are carried out one by one.
         override: percent of the programmed speed.
         joints: actual positions [deg or mm]; None: not known yet.
         progress: progress of the program in progress.

@@ -1,4 +1,4 @@
-"""Places of parts as declared by people. No I/O."""
+"""Places of parts as declared by users. No I/O."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _CODE = "Y1601"
 
 
 def as_filed(known: Known, name: str | None) -> Known:
-    """Return where the parts are when one of them lies where its file has it.
+    """Return the known places, with one part (or several) in the place that the cell's file gives.
 
     Args:
-        known: where the parts were before.
+        known: places before.
         name: name of the part, or of all parts of a kind; None: all parts.
 
     Raises:
@@ -37,10 +37,10 @@ def as_filed(known: Known, name: str | None) -> Known:
 
 
 def gone(known: Known, name: str) -> Known:
-    """Return where the parts are when one of them is no longer in the cell.
+    """Return the known places, without a part that is no longer in the cell.
 
     Args:
-        known: where the parts were before.
+        known: places before.
         name: name of the part.
 
     Raises:
@@ -51,15 +51,15 @@ def gone(known: Known, name: str) -> Known:
 
 
 def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None) -> Known:
-    """Return the places when a part lies somewhere, or is held.
+    """Return the known places, with a part in a given place or held by a gripper.
 
     Args:
         known: places before, including the robot's position.
         robot: the robot that may hold the part.
         name: name of the part.
-        pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds it. For a tool, the flange
-            where it stands.
-        gripper: variable of that gripper's output; None: the part lies.
+        pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds the part. For a tool, the pose
+            of the flange at the tool's place.
+        gripper: variable of the gripper's output; None: no gripper holds the part.
 
     Raises:
         Trouble: there is no part with this name, there are several of its kind, or the gripper holds another
@@ -99,7 +99,7 @@ def _check_gripper(known: Known, gripper: str) -> None:
     """Check that a gripper can hold a part.
 
     Raises:
-        Trouble: it is a tool changer's lock, or belongs to a tool that isn't on the flange.
+        Trouble: the gripper is the lock of a tool changer, or belongs to a tool that isn't on the flange.
     """
     grip = known.cell.grips[gripper]
     if grip.changes:
@@ -115,7 +115,9 @@ def _check_gripper(known: Known, gripper: str) -> None:
 
 
 def _placed(known: Known, kind: str, number: int | None, items: list[Item]) -> Known:
-    """Return the places with other items instead of one part, or (None) instead of all parts of a kind."""
+    """Return the known places, with other items instead of one part, or (None) instead of all parts of a
+    kind.
+    """
     parts = known.present.parts
 
     def is_other(name: str, its: int) -> bool:
@@ -143,7 +145,9 @@ def _with(known: Known, parts: Parts, leaving: tuple[Leaving, ...]) -> Known:
 
 
 def _lying(parts: Parts) -> tuple[Leaving, ...]:
-    """Return that the robot may stand beside lying parts, as if it had just put them down."""
+    """Return that the robot may be touching each part that isn't held, as if it had just put the part
+    down.
+    """
     names = [one.name for one in parts.items if one.gripper is None]
     return tuple(Leaving((name,), False, (Touch(name, None, -np.inf),)) for name in names)
 
@@ -161,7 +165,7 @@ def _is_number_of(name: str, kind: str) -> bool:
 
 
 def _number(known: Known, kind: str, name: str) -> int:
-    """Return the number of a part within its kind."""
+    """Return the number of a part among those of its kind."""
     count = next(one.count for one in known.cell.parts if one.body.name == kind)
     if name != kind:
         number = int(name[len(kind) + 1 :])

@@ -1,6 +1,4 @@
-"""From a program's file to what can be run: the whole program, its rest from a command on, or its commands
-one by one.
-"""
+"""Preparation of a program to be run: as a whole, from a command on, or command by command."""
 
 from __future__ import annotations
 
@@ -37,12 +35,12 @@ from yarclang.runtime.job import Job
 from yarclang.runtime.standing import off_the_start
 
 APPROACH = "approach"
-"""Name of the way to a program's start."""
+"""Name of the motion to a program's start."""
 
 
 Behind = Callable[[int, Array, "tuple[int, ...] | None"], "Replanned | str"]
-"""Plans what is known only at run time: from a motion's number, the robot's position (n,) [rad or m], and the
-values of an OFFSET's registers (None: after a search).
+"""Function that plans what is known only at run time. Its arguments are a motion's number, the robot's
+position (n,) [rad or m], and the values of an OFFSET's registers (None: after a search).
 """
 
 
@@ -53,21 +51,23 @@ class Loaded:
     Attributes:
         program: job of the whole program.
         rest: job that is run first: the whole program, or its rest from a command on.
-        steps: jobs of the single commands of `rest`, if they are wanted.
-        plan: plan of the program, if the program itself is known and not only its text.
-        begins_within: True if a first command was named.
-        origins: finds the source of its commands.
-        cell: cell on the way to its start, for a program of which only the text is known.
-        spans: for each of `steps`, or for `rest` and then the whole program: its motions in the plan, from
-            the first to the one after the last.
-        assumed: places of the cell's parts at its beginning, as proved; None: the cell has none.
-        first_step: step of the plan with which `rest` begins, if a command was named.
-        text_plan: plan for a controller text, from which its effect on parts is derived.
-        behind: plans the rest after a motion that an input has ended, or the lines of an OFFSET; None:
-            impossible.
-        leave: plans the way back and out after an input has held a motion, from the way's name, the motion's
-            number, the time of the plan [s] and the robot's position (n,) [rad or m]; None: impossible.
-        again: compiles the same program with its parts elsewhere; None: impossible.
+        steps: jobs of the single commands of `rest`, if they are run one by one.
+        plan: plan of the program; None if only the controller text is known.
+        begins_within: True if the run begins at a named command.
+        origins: finds the source places of its commands.
+        cell: cell for the motion to the start, for a program of which only the controller text is known.
+        spans: ranges of motions in the plan (first, one after the last) for each of `steps`, or for `rest`
+            and then the whole program.
+        assumed: places of the cell's parts at the beginning, as assumed in the proof; None: the cell has no
+            parts.
+        first_step: step of the plan at which `rest` begins; None if no command was named.
+        text_plan: plan that was reconstructed from a controller text, to derive its effect on parts.
+        behind: plans the rest after a motion that an input has ended, or the lines of an OFFSET; None if this
+            is impossible.
+        leave: plans the motions back and out after an input has held a motion. Arguments: the name of the
+            motions out, the number of the held motion, the time of the plan [s] and the robot's position (n,)
+            [rad or m]. None if this is impossible.
+        again: compiles the same program with its parts in other places; None if this is impossible.
     """
 
     program: Job
@@ -92,14 +92,16 @@ class Loaded:
 
     @property
     def around_start(self) -> Cell | None:
-        """Return the cell for the way to the start of `rest`, with its parts where they are then."""
+        """Return the cell for the motion to the start of `rest`, with its parts in the places at that
+        start.
+        """
         if self.around is None or self.assumed is None:
             return self.around
         return presently(self.around, Present(self.assumed))
 
     @property
     def name(self) -> str:
-        """Return the name for people."""
+        """Return the name of the program, for messages."""
         return self.program.name
 
 
@@ -116,15 +118,15 @@ def load_program(
 
     Args:
         opened: parsed program, its robot and its settings.
-        name: name of the program for people.
-        first: index of the command to begin with, or None.
+        name: name of the program, for messages.
+        first: index of the command at which the run begins; None: the beginning.
         by_steps: True if its commands are run one by one.
-        compiled: existing result of compiling it, with the findings to report.
-        present: current places of its cell's parts, for a program that begins with `first`; None: as the
-            program has them there.
+        compiled: result of compiling the program, if it exists already, with the findings to report.
+        present: returns the cell with its parts at their present places, for a program that begins at
+            `first`; None: the places that the program assumes there.
 
     Returns:
-        None if an error forbids running it.
+        The program; None if an error forbids running it.
     """
     request = opened.request
     compiled = compiled or compile_module(opened.module, request)
@@ -138,7 +140,7 @@ def load_program(
     if isinstance(begins, Diagnostic):
         return Result(None, (*found, begins))
     number, step = begins
-    # Other findings about a part were already reported for the whole program.
+    # The findings about parts were already reported for the whole program.
     shorter = first is not None and step > 0
     whole = (0, len(plan.motions))
     wanted = [(number, len(plan.motions))] if shorter else []
@@ -173,8 +175,8 @@ def load_program(
 
 
 def behind_search(plan: MotionPlan, request: Request) -> Behind:
-    """Return a function that plans the rest after a motion that an input has ended, or the lines of an
-    OFFSET.
+    """Return a function that plans the rest of a program after a motion that an input has ended, or the lines
+    of an OFFSET.
     """
 
     def planned(number: int, here: Array, values: tuple[int, ...] | None) -> Replanned | str:
@@ -186,21 +188,22 @@ def behind_search(plan: MotionPlan, request: Request) -> Behind:
 
 
 def ways_out(plan: MotionPlan, request: Request) -> Callable[[str, int, float, Array], tuple[Job, ...] | str]:
-    """Return a function that plans the way back and out after an input has held a motion."""
+    """Return a function that plans the motions back and out after an input has held a motion."""
     return lambda name, number, time, here: leaving(plan, name, number, time, here, request)
 
 
 def _assumed(
     plan: MotionPlan, number: int, step: int, present: CellNow | None
 ) -> tuple[Parts | None, tuple[int, int, Cell] | None]:
-    """Return the places of parts before a step that precedes motion `number`.
+    """Return the places of parts before `step`, a step before motion `number`.
 
-    If they are known better than from the program, also return from which step on they are followed.
+    If the present places are known, they are returned instead of the program's, together with the motion, the
+    step and the cell from which on the parts are followed again.
     """
     cell = plan.program.cell
     if cell is None or not cell.parts:
         return None, None
-    # A program may have no motions, only outputs and waits.
+    # A program may contain only outputs and waits, and no motion.
     stands = plan.motions[number].curve.points[0] if plan.motions else plan.program.start
     now = None if present is None else present(cell, stands)
     if now is not None:
@@ -214,12 +217,12 @@ def _assumed(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """The way from the robot to a program's start.
+    """The motion from the robot's position to a program's start.
 
-    `text` gives the distance (empty: the robot is at the start), `job` is a slow certified motion of all
-    joints (None: none is needed, or there is none), and `findings` are the reasons why there is none. `zone`
-    is the cell's start zone in which the robot stands; there the motion needs no permission. Empty: it stands
-    in none.
+    `text` gives the distance (empty: the robot is at the start). `job` is a slow certified motion of all
+    joints; None if none is needed, or if none is possible: then `findings` are the reasons. `zone` is the
+    cell's start zone in which the robot stands, empty if it is in none. In a start zone the motion needs no
+    permission.
     """
 
     text: str
@@ -229,13 +232,13 @@ class Way:
 
 
 def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | None = None) -> Way:
-    """Return the way from the robot to the start of a program.
+    """Return the motion from the robot's position to the start of a program.
 
     Args:
         robot: the robot.
         loaded: the program.
-        joints: (n,) where the robot stands [rad or m].
-        around: the cell around the robot; None: as the program has it at its start.
+        joints: (n,) position of the robot [rad or m].
+        around: the cell around the robot; None: as the program assumes it at its start.
     """
     job = loaded.rest
     text = off_the_start(job, joints)
@@ -254,15 +257,15 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
 
 
 def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:
-    """Return the way to the start along the path on which a run was stopped beside a part.
+    """Return the motion to the start along the path on which a run was stopped beside a part.
 
     Args:
         loaded: the program.
-        joints: (n,) where the robot stands [rad or m].
-        around: the cell around the robot; None: as the program has it.
+        joints: (n,) position of the robot [rad or m].
+        around: the cell around the robot; None: as the program assumes it.
 
     Returns:
-        None if the robot doesn't stand on such a path.
+        The motion; None if the robot isn't on such a path.
     """
     if loaded.plan is None or not loaded.begins_within or not loaded.spans:
         return None

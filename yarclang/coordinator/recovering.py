@@ -1,5 +1,5 @@
-"""The way from anywhere to a program: a proved motion to its start, or to the nearest place at which it may
-begin, as an offer.
+"""Motions to a program from anywhere: a proved motion to the program's start, or to the nearest place at
+which the program can begin, as an offer.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from yarclang.pipeline.recovering import Place, Recovery, around_place, parts_at
 from yarclang.robot.model import Robot
 
 Now = Callable[[Cell, Array], Cell | None]
-"""Returns a cell with its parts at their current places; None if only its file is known."""
+"""Function that returns a cell with its parts at their present places; None if nothing is known beyond the
+cell's file.
+"""
 
 
 def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result[Recovery]:
@@ -31,12 +33,12 @@ def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result
 
     Args:
         robot: the robot.
-        loaded: the program; if it begins with a named command, only that place is tried.
-        here: where the robot stands (n,) [rad or m].
-        now: returns the current places of parts.
+        loaded: the program. If it begins at a named command, only this place is tried.
+        here: position of the robot (n,) [rad or m].
+        now: returns a cell with its parts at their present places.
 
     Returns:
-        A finding instead, if no motion is proved.
+        The place, with the motion to it; findings instead if no motion is proved.
     """
     plan, around = loaded.plan, None if loaded.around is None else replace(loaded.around, present=None)
     is_named = loaded.first_step is not None and bool(loaded.spans)
@@ -60,10 +62,10 @@ def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recovered:
-    """The place of a program to which the robot can go, and the motion there as an offer; None: the robot is
-    there already.
+    """The place of a program to which the robot can go, with the motion to it as an offer (None: the robot is
+    already there).
 
-    `found` is None if no motion is proved: `findings` has the reasons.
+    `found` is None if no motion is proved; `findings` are the reasons.
     """
 
     found: Recovery | None
@@ -72,7 +74,7 @@ class Recovered:
 
 
 async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
-    """Plan and certify the way from where the robot stands to a program. Nothing moves.
+    """Plan and certify a motion from the robot's position to a program. Nothing moves.
 
     Raises:
         Trouble: the robot is moving, there is no connection, or the places of parts are unknown.
@@ -101,7 +103,7 @@ async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
 
 
 def recovery_described(made: Recovered, robot: Robot) -> replies.Recovery:
-    """Return the way to a program as a message."""
+    """Return the motion to a program as a message."""
     found = made.found
     return replies.Recovery(
         place=None if found is None else found.place.index,

@@ -1,4 +1,6 @@
-"""Finding a resting robot on its path: which command was running, even if the last report is old."""
+"""Search for a resting robot on its path, to find the command that was being executed. The last report may
+be old.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +20,20 @@ _FINER = 64
 _ROUNDS = 2
 
 _ON_PATH = 5e-3
-"""Largest distance from the path of a robot that rests on it, in axis units [deg or mm]: the text has rounded
-numbers.
+"""Largest distance from the path for a robot that counts as resting on it, in axis units [deg or mm]. The
+text contains rounded numbers.
 """
 
 _AS_NEAR = 1e-4
-"""Difference of distances below which two places are equally near [deg or mm]."""
+"""Largest difference of distances for places that count as equally near [deg or mm]."""
 
 _EARLIER = 2.0
-"""Largest amount by which a report may be ahead of the robot [segments]."""
+"""Largest time by which a report may be ahead of the robot [segments]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resting:
-    """A command of a program, and the progress of the program [s]."""
+    """A command of a program, and the progress of the program at which the robot rests [s]."""
 
     command: JobCommand
     done: float
@@ -43,11 +45,11 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
     Args:
         plan: plan of the program.
         program: job of the whole program.
-        joints: (n,) where the robot stands [rad or m].
+        joints: (n,) position of the robot [rad or m].
         done: progress of the program at the last report [s].
 
     Returns:
-        None if the robot isn't on the part of the path that it can have reached.
+        The place; None if the robot isn't on the part of the path that it can have reached.
     """
     command = program.command_at(done)
     if command is None or len(program.commands) != len(plan.motions):
@@ -71,7 +73,7 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
     best = min(found)[0]
     if best > _ON_PATH:
         return None
-    # A path may pass the same place twice: the first time counts.
+    # The path may pass the same place several times. The first of these times counts.
     time = min(one for distance, one in found if distance < best + _AS_NEAR)
     at = min(int(np.searchsorted(plan.begins, time, side="right")), len(plan.motions)) - 1
     there = program.commands[at]
@@ -80,7 +82,7 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
 
 def motion_before(plan: MotionPlan, place: str) -> str:
     """Return the place of the last motion before a step that isn't a motion, such as a WAIT; empty if there
-    is none.
+    is no such motion.
     """
     places = {
         number: step.origin.label
@@ -92,7 +94,7 @@ def motion_before(plan: MotionPlan, place: str) -> str:
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
-    """Compute the distance between a plan and a position, as that of the worst joint [deg or mm].
+    """Compute the distance between a plan and a position: the largest distance of a joint [deg or mm].
 
     Args:
         plan: the plan.

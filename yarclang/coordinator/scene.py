@@ -1,5 +1,5 @@
-"""The shapes of a robot and its surroundings, for programs that draw them: the answers to `model` and
-`scene`, and detection of changes of the latter.
+"""The shapes of a robot and its surroundings, for programs that draw them: the replies to `model` and
+`scene`, and detection of changes of the scene.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
 MOST_ITEMS = 500
-"""Maximum number of bodies, zones and parts in an answer: writing more would delay the event loop, and so the
-robot. The others are omitted, with a note.
+"""Most bodies, zones and parts in a reply. The others are left out, with a note: writing more would delay the
+event loop, and thereby the robot.
 """
 _MOST_NOTES = 100
 _MOST_SWITCHED = 10_000
-"""Number of outputs set by programs that are remembered; the oldest are dropped first."""
+"""Most outputs set by programs that are remembered. If there are more, the oldest are dropped."""
 _DIGITS = 9
-"""Decimals of lengths [m]."""
+"""Number of decimals of lengths in m."""
 
 
 class Scenes:
@@ -47,10 +47,10 @@ class Scenes:
 
     Args:
         robot: the robot.
-        engine: reports if anything is in progress.
+        engine: engine that knows whether anything is in progress.
         lines: declarations of the session.
-        around: the cell.
-        kept: places of its parts.
+        around: surroundings with the cell.
+        kept: places of the cell's parts.
     """
 
     def __init__(self, robot: Robot, engine: Engine, lines: Lines, around: Around, kept: KeptParts) -> None:
@@ -64,7 +64,9 @@ class Scenes:
         self._told = self._state()
 
     def begin(self) -> None:
-        """Record the start of an action: the parts are at their kept places until the action sets outputs."""
+        """Record the start of an action. Until the action sets outputs, the parts are in the places that are
+        known from earlier actions.
+        """
         self._switched.clear()
 
     def output_set(self, variable: str, value: float, q: Array | None) -> None:
@@ -73,13 +75,13 @@ class Scenes:
         Args:
             variable: variable of the output.
             value: its value.
-            q: where the robot was (n,) [rad or m]; None: unknown.
+            q: position of the robot at that time (n,) [rad or m]; None: unknown.
         """
         if q is not None and self._engine.under_way and len(self._switched) < _MOST_SWITCHED:
             self._switched.append((variable, value, q))
 
     def is_another(self) -> bool:
-        """Return True once after anything that may have changed the scene. Doesn't read the disk."""
+        """Return True once after anything that may have changed the scene. This doesn't read the disk."""
         before, self._told = self._told, self._state()
         return before != self._told
 
@@ -91,12 +93,12 @@ class Scenes:
         """Return the robot. Waits for the disk.
 
         Raises:
-            Trouble: its files can't be read any more, or have changed since the start.
+            Trouble: the robot's files can't be read any more, or have changed since the start.
         """
         return model_described(self._robot)
 
     def scene(self) -> replies.Scene:
-        """Return the current surroundings of the robot. Waits for the disk.
+        """Return the present surroundings of the robot. Waits for the disk.
 
         Raises:
             Trouble: the robot's files can't be read any more.
@@ -111,7 +113,9 @@ class Scenes:
         return scene_described(robot, cell, parts, "" if known is None else known.doubt, notes)
 
     def _cell(self) -> tuple[Cell | None, tuple[str, ...]]:
-        """Return the cell in use as its file is now, or, if that can't be read, as it was read before."""
+        """Return the cell in use, in the present version of its file. If the file can't be read, return the
+        version that was read before, with a note.
+        """
         around = self._around
         around.look()
         program, session = around.cells
@@ -134,7 +138,7 @@ def model_described(robot: Robot) -> replies.Model:
     """Return a robot as a message.
 
     Raises:
-        Trouble: its files can't be read any more, or have changed since it was read.
+        Trouble: the robot's files can't be read any more, or have changed since the robot was read.
     """
     _check_files(robot)
     made = described(robot)
@@ -171,8 +175,8 @@ def scene_described(
     Args:
         robot: robot whose URDF names the links to which poses refer.
         cell: cell with bodies and zones.
-        parts: places of its parts.
-        doubt: why the places are unknown; empty: they are known.
+        parts: places of the cell's parts.
+        doubt: reason why the places are unknown; empty: they are known.
         notes: further remarks.
 
     Raises:
@@ -211,7 +215,7 @@ def scene_described(
 
 
 def _described(one: Obstacle | Zone, base: str, flange: str) -> replies.SceneItem | str:
-    """Return a body, zone or part as a message, or why it can't be shown."""
+    """Return a body, zone or part as a message, or the reason why it can't be shown."""
     match one:
         case Obstacle():
             kind: Literal["body", "part"] = "part" if one.is_part else "body"
@@ -251,7 +255,7 @@ def _item(
 
 
 def _shape(shape: Shape | None) -> replies.SceneShape | str:
-    """Return a shape as a message (None: a half space), or why it can't be shown."""
+    """Return a shape as a message (None as the shape: a half space), or the reason why it can't be shown."""
     match shape:
         case None:
             return replies.SceneShape(type="half-space")
@@ -272,10 +276,10 @@ def _shape(shape: Shape | None) -> replies.SceneShape | str:
 
 
 def _check_files(robot: Robot) -> None:
-    """Check that a robot's files have not changed since it was read.
+    """Check that a robot's files haven't changed since the robot was read.
 
     Raises:
-        Trouble: they can't be read, or have changed.
+        Trouble: the files can't be read, or have changed.
     """
     read = load_robot(str(robot.folder))
     if read.value is None:
@@ -290,7 +294,7 @@ def _unread(found: Diagnostic) -> Trouble:
 
 
 def _versioned(scene: replies.Scene) -> replies.Scene:
-    """Return a scene with a version derived from its content."""
+    """Return a scene with a version that is derived from its content."""
     version = hashlib.sha256(scene.model_dump_json().encode()).hexdigest()[:16]
     return scene.model_copy(update={"version": version})
 

@@ -1,5 +1,5 @@
-"""A client's actions on a controller that isn't ready: enabling, homing, comparing and sending settings.
-Changes are for the owner.
+"""A client's actions on a controller that isn't ready: enabling motors, homing, comparing and sending
+settings. Only the owner may change anything.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def wrong_in(found: Inspection) -> tuple[str, ...]:
 
 
 class Servicing(Part):
-    """The part of a client that prepares a controller."""
+    """Group of a client's actions that prepare a controller."""
 
     @property
     def _services(self) -> Services:
@@ -46,11 +46,11 @@ class Servicing(Part):
     # motors
 
     async def enable(self) -> replies.Serviced:
-        """Close the loops of the motors; see `yarclang.runtime.scripts.Services`.
+        """Close the loops of the motors. See `yarclang.runtime.scripts.Services`.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is under way, or there is no connection.
+            Trouble: something is in progress, or there is no connection.
         """
         return await self._served(ENABLING, "to enable the motors", self._services.enable)
 
@@ -58,7 +58,8 @@ class Servicing(Part):
         """Open the loops of all motors.
 
         Raises:
-            NotOwner, Trouble: as `enable`.
+            NotOwner: this client only watches.
+            Trouble: something is in progress, or there is no connection.
         """
         return await self._served(DISABLING, "to disable the motors", self._services.disable)
 
@@ -82,9 +83,9 @@ class Servicing(Part):
         """Carry work out, and inform all clients of its beginning and its outcome.
 
         Args:
-            name: name of the work for people.
+            name: name of the work, for messages.
             work: the work.
-            what: returns what is wrong with a result; empty: nothing.
+            what: returns what is wrong with a result; empty if nothing is.
         """
         coordinator = self._coordinator
 
@@ -110,10 +111,10 @@ class Servicing(Part):
     # homing
 
     async def searches(self) -> replies.HomeSearches:
-        """Return what home searches would do.
+        """Return the home searches that the controller would carry out.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         engine, robot = self._coordinator.engine, self._coordinator.robot
         found = await engine.ask(lambda: self._services.searches(engine.operation, robot))
@@ -133,8 +134,8 @@ class Servicing(Part):
         )
 
     async def home(self, motors: tuple[int, ...]) -> Ended:
-        """Let the controller search the home of motors, one after the other; a hold, a stop or an abort ends
-        it.
+        """Let the controller search the home of motors, one after the other. A hold, a stop or an abort ends
+        the search.
 
         Returns:
             The outcome.
@@ -158,7 +159,7 @@ class Servicing(Part):
                     coordinator.tell(f"motor {motor} is homed")
             except Trouble as trouble:
                 ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
-            # The same place has other position values now.
+            # After homing, the same place of the robot has other position values.
             coordinator.history.forget()
             coordinator.carrying.kept.doubt_all("the motors were homed")
             operation.orders.clear()
@@ -203,12 +204,12 @@ class Servicing(Part):
         """Send the settings.
 
         Args:
-            known: SHA-256 of the text that the person has compared.
+            known: SHA-256 of the text that the user has compared.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: the settings are others by now, a loop is closed, something is in progress, or there is
-                no connection.
+            Trouble: the settings have changed since the comparison, a loop is closed, something is in
+                progress, or there is no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to send settings")

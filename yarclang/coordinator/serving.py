@@ -1,9 +1,9 @@
-"""The socket of a coordinator: other processes of this user send orders, ask and listen there, with one JSON
-object per line (`messages/`).
+"""The socket of a coordinator. Other processes of the same user send orders and questions and receive events
+there, with one JSON object per line (`messages/`).
 
-The socket is in a folder that only its owner may enter, and the kernel reports each caller's user. No caller
-can keep the robot waiting: stops are carried out as they are read, and a caller that doesn't read its replies
-is sent away.
+The socket is in a folder that only its owner may enter, and the kernel reports the user of each caller. No
+caller can delay the robot: stops are carried out as soon as they are read, and a caller that doesn't read its
+replies is disconnected.
 """
 
 from __future__ import annotations
@@ -40,20 +40,18 @@ from yarclang.runtime.transports.private import folder, own_name, peer_of, priva
 from yarclang.runtime.transports.runs import remove_stale
 
 _LAST = 0.01
-"""Time to let the last caller in before closing [s]: asyncio loses a connection that it accepts while a
-server closes.
+"""Time before closing in which the last callers can still connect [s]: asyncio loses a connection that it
+accepts while the server closes.
 """
 
 _MOST_UNREAD = 1024
-"""Maximum number of answers and events that wait for a caller that doesn't read; one more ends the
-connection.
-"""
+"""Most replies and events that may wait for a caller that doesn't read. One more ends the connection."""
 
 _LINES = 32
-"""Number of event lines that are kept for the next client."""
+"""Number of encoded events that are kept for the next client."""
 
 _MOST_WAITING = 16
-"""Maximum number of orders of one caller that are carried out at the same time."""
+"""Most orders of one caller that are carried out at the same time."""
 
 _FOR_ANYBODY = (
     orders.AskStatus,
@@ -64,13 +62,13 @@ _FOR_ANYBODY = (
     orders.Abort,
     orders.Override,
 )
-"""Orders that need no hello: orders from another terminal."""
+"""Orders that are allowed without `hello`: orders from another terminal."""
 
 _NAMELESS = "another terminal"
 
 
 class ControlSocket:
-    """Lets other processes be clients of a coordinator, as long as the context lasts.
+    """Server that lets other processes be clients of a coordinator. It listens until the context ends.
 
     Args:
         coordinator: the coordinator.
@@ -87,10 +85,10 @@ class ControlSocket:
         self._written = Written()
 
     async def __aenter__(self) -> ControlSocket:
-        """Listen.
+        """Begin to listen.
 
         Raises:
-            ControlError: the socket can't be opened, and why.
+            ControlError: the socket can't be opened.
         """
         place = folder()
         remove_stale(place)
@@ -102,7 +100,7 @@ class ControlSocket:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Send all callers away, and remove the socket."""
+        """Disconnect all callers, and remove the socket."""
         self.path.unlink(missing_ok=True)
         await asyncio.sleep(_LAST)
         if self._server is not None:
@@ -126,8 +124,8 @@ class ControlSocket:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The orders allowed on a connection: their types, their description for people, and the longest line
-    [bytes].
+    """The orders allowed on a connection: their types, their description for messages, and the longest
+    line [bytes].
     """
 
     allowed: tuple[type[Order[Any]], ...]
@@ -136,7 +134,7 @@ class Limits:
 
 
 class Written:
-    """Events as lines: each is encoded once, however many clients receive it."""
+    """Events as lines. Each event is encoded only once for all clients."""
 
     def __init__(self) -> None:
         self._lines: OrderedDict[int, tuple[BaseEvent, bytes]] = OrderedDict()
@@ -154,7 +152,7 @@ class Written:
 
 
 class Visitor:
-    """One connection, to its end.
+    """A connection with one caller.
 
     Args:
         coordinator: the coordinator.
@@ -185,7 +183,7 @@ class Visitor:
         self._carried_out: set[asyncio.Future[Any]] = set()
 
     async def serve(self) -> None:
-        """Serve a caller until it leaves. It has already proved its right to give orders here."""
+        """Serve a caller until it leaves. The caller's right to give orders has been checked before."""
         writing = asyncio.create_task(self._write())
         try:
             while line := await self._line():
@@ -207,7 +205,9 @@ class Visitor:
         return MOST_LINE if self._limits is None else self._limits.most_line
 
     async def _line(self) -> bytes | Denied:
-        """Return the next line; empty at the end. A caller that dies within a line has ordered nothing."""
+        """Return the next line; empty at the end. An incomplete last line is ignored: a caller that dies
+        while writing a line hasn't given the order.
+        """
         try:
             line = await self._reader.readline()
         except ValueError:  # longer than the reader's limit
@@ -237,7 +237,7 @@ class Visitor:
         task.add_done_callback(lambda done: self._done(done, asked.id))
 
     def _begun(self, order: Order[Any]) -> Any:
-        """Begin to carry an order out; return its reply, or an awaitable for it."""
+        """Begin to carry an order out. Return its reply, or an awaitable for the reply."""
         coordinator = self._coordinator
         if self._limits is not None and not isinstance(order, self._limits.allowed):
             error = f"{name_of(order)} isn't for this door, which takes {self._limits.said}"
@@ -257,7 +257,7 @@ class Visitor:
         return self._desk.answer_now(order)
 
     def _note(self, error: str) -> None:
-        """Log a refusal, if this connection is only for values."""
+        """Log a refusal, if this connection only accepts values from outside."""
         if self._limits is not None:
             name = _NAMELESS if self._client is None else self._client.name
             self._coordinator.values.refused(name, error)
@@ -282,7 +282,7 @@ class Visitor:
             self._say(Denied(error=f"a bug of yarclang has ended this: {error!r}", help="report it"), id_)
 
     def _say(self, answer: Reply | Denied, id_: Id) -> None:
-        """Send an answer, after all earlier events."""
+        """Send a reply, after all earlier events."""
         if self._events is not None:
             self._outgoing.extend(map(self._written.line, self._events.waiting()))
         self._outgoing.append(write_answer(answer, id_))
@@ -291,7 +291,7 @@ class Visitor:
         self._wanted.set()
 
     async def _write(self) -> None:
-        """Write waiting lines, as fast as they are read."""
+        """Write waiting lines, as fast as the caller reads them."""
         writer = self._writer
         try:
             while True:
@@ -305,10 +305,10 @@ class Visitor:
                     continue
                 await writer.drain()
         except ConnectionError:
-            pass  # it has gone; its reader notices that, too
+            pass  # the caller has gone; the reader notices this as well
 
     async def _last_words(self, writing: asyncio.Task[None]) -> None:
-        """Write waiting lines to a caller that is sent away, if it reads."""
+        """Write the waiting lines to a caller that is being disconnected, if it reads them."""
         writing.cancel()
         while self._outgoing:
             self._writer.write(self._outgoing.popleft())

@@ -51,43 +51,43 @@ POSITIONS_EACH = 0.02
 """Time between two reported positions [s]: 50 Hz, if the link allows."""
 
 _SAME_PACE = 1e-6
-"""Tolerance of the override [percent]."""
+"""Largest difference of overrides that count as equal [percent]."""
 
 
 class SharedRobot:
-    """One robot as its clients see it. One client may move the robot; all may watch, and stop it.
+    """The robot that clients share. One client may move the robot; all clients may watch and stop it.
 
     Args:
         robot: the robot.
         session: connection to its controller.
-        folder: where modules, cells and yarc.toml are looked for.
-        tm: longest segment time of planned motions [ms]; None: the robot's.
+        folder: folder that contains modules, cells and yarc.toml.
+        tm: longest segment time of planned motions [ms]; None: that of the robot.
         cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
-        log: where motions are logged (`Engine`).
+        log: file or folder in which motions are logged (`Engine`).
         name: name that `yarc status` shows while nothing is in progress.
-        simulated: True if the controller is a simulator of our own.
-        serves: True if it serves other processes.
+        simulated: True if the controller is yarclang's simulator.
+        serves: True if other processes are served.
         surroundings: machines around a robot that is simulated in this process; None: the robot isn't
             simulated here.
-        patient: True if it also runs while the controller can't be reached, or isn't as the robot needs it:
-            nothing moves then.
+        patient: True to run also while the controller can't be reached, or isn't in the state that the robot
+            needs; nothing can move then.
         first: first number of a program or an offer.
-        plan: runs planning; None: in a thread, so that a long program doesn't keep anyone from stopping the
-            robot.
+        plan: runs planning functions; None: in a thread, so that planning a long program doesn't delay a
+            stop.
 
     Attributes:
         engine: the task that talks to the controller.
-        carrying: performs all motions, and stores where the cell's parts are.
-        planner: makes offers.
+        carrying: executes all motions, and keeps track of the cell's parts.
+        planner: creates offers.
         lines: declarations of the session.
         history: actions of the session.
         names: names known after the session's lines.
         around: the cell, and inputs and outputs by name.
-        scenes: robot and cell, for programs that draw them.
-        stops: number of stops and aborts so far; requests made before the last one don't begin any more.
-        rests: number of stops, aborts and holds so far; after one, a steering client doesn't restart by just
-            continuing.
-        why: reason of the robot's last state.
+        scenes: descriptions of robot and cell, for programs that draw them.
+        stops: number of stops and aborts so far. Requests that were made before the last one no longer begin.
+        rests: number of stops, aborts and holds so far. After one of them, a steering client can't restart
+            the robot by just sending further targets.
+        why: reason for the robot's present state.
         progress: last reported progress of a program.
         sample: last reported position of the motors.
         behind: known time of the program after the current part, at full speed [s].
@@ -157,7 +157,7 @@ class SharedRobot:
         """Add a client.
 
         Args:
-            name: name of the client for others; if it is taken, a number is added.
+            name: name of the client that others see; a number is added if the name is taken.
 
         Returns:
             The client's name.
@@ -169,7 +169,9 @@ class SharedRobot:
         return free
 
     def detach(self, name: str) -> None:
-        """Remove a client. If it owned the robot, the robot comes to rest on its path, and no one owns it."""
+        """Remove a client. If it owned the robot, the robot comes to rest on its path, and nobody owns it
+        then.
+        """
         if name in self._clients:
             self._clients.remove(name)
         if self.owner == name:
@@ -179,7 +181,7 @@ class SharedRobot:
 
     @property
     def owner(self) -> str:
-        """Return the owner; empty: no one."""
+        """Return the name of the owner; empty if there is none."""
         return self._ownership.owner
 
     @property
@@ -188,11 +190,10 @@ class SharedRobot:
         return tuple(self._clients)
 
     def own(self, name: str, *, shared: bool = False) -> None:
-        """Give the robot to a client; with `shared`, other clients may resume and change the override as
-        well.
+        """Give the robot to a client. With `shared`, other clients may also resume and change the override.
 
         Raises:
-            NotOwner: another client owns it.
+            NotOwner: another client owns the robot.
         """
         if self._ownership.take(name, shared=shared):
             if not self.under_way:
@@ -200,19 +201,19 @@ class SharedRobot:
             self._tell(events.OwnerChanged(time_s=self.time, owner=name))
 
     def give(self, name: str, to: str) -> None:
-        """Hand the robot from its owner to another client, or (empty) to no one.
+        """Hand the robot from its owner to another client, or (empty) to nobody.
 
         Raises:
-            NotOwner: `name` doesn't own it, or there is no client `to`.
+            NotOwner: `name` doesn't own the robot, or there is no client `to`.
         """
         self._ownership.give(name, to, self.clients)
         self._tell(events.OwnerChanged(time_s=self.time, owner=to or None))
 
     def check_owner(self, name: str, what: str) -> None:
-        """Check that a client may give an order that is for the owner.
+        """Check that a client may give an order that only the owner may give.
 
         Raises:
-            NotOwner: it may not.
+            NotOwner: the client doesn't own the robot.
         """
         self._ownership.check(name, what)
 
@@ -220,7 +221,7 @@ class SharedRobot:
         """Check that a client may resume, and change the override.
 
         Raises:
-            NotOwner: it may not.
+            NotOwner: the client isn't allowed to.
         """
         self._ownership.check_pace(name, what)
 
@@ -233,7 +234,7 @@ class SharedRobot:
 
     @property
     def time(self) -> float:
-        """Return the session's clock as in events [s]."""
+        """Return the session's clock with the precision of events [s]."""
         return round(self.now, 4)
 
     @property
@@ -272,23 +273,23 @@ class SharedRobot:
         return self.engine.operation.override * 100.0
 
     async def stands(self) -> Array:
-        """Return the robot's commanded position (n,) [rad or m], asked now.
+        """Request and return the robot's commanded position (n,) [rad or m].
 
-        If its last motion has ended at its planned end to a count, the result is that planned end.
+        If the last motion has ended within one count of its planned end, the planned end is returned.
 
         Raises:
-            Trouble: the robot is moving, or can't be asked.
+            Trouble: the robot is moving, or there is no connection.
         """
         here = await self.commanded()
         known = self.history.end
         return known if known is not None and stands_there(self.robot, here, known) else here
 
     async def commanded(self) -> Array:
-        """Return the motors' commanded position (n,) [rad or m], asked now, with the precision of the
+        """Request and return the motors' commanded position (n,) [rad or m], with the precision of the
         controller's registers.
 
         Raises:
-            Trouble: as `stands`.
+            Trouble: the robot is moving, or there is no connection.
         """
         operation, robot = self.engine.operation, self.robot
         return await self.engine.ask(lambda: self.engine.scripts.stands_at(operation, robot))
@@ -296,18 +297,18 @@ class SharedRobot:
     # execution
 
     async def plan(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Run a slow function where planning is done, one at a time: several at once would delay the
-        streaming task.
+        """Run a slow planning function. Only one runs at a time, because several would delay the task that
+        streams.
         """
         async with self._planning:
             return await self._plan(function, *arguments)
 
     async def look_around(self, *, waits: bool = True) -> int:
-        """Read the cell again if one of its files has changed, so that later plans respect it; earlier offers
-        become invalid.
+        """Read the cell again if one of its files has changed, so that later plans respect the change.
+        Earlier offers become invalid.
 
         Args:
-            waits: if True, wait for planning in progress; else do nothing while something is being planned.
+            waits: if True, wait for planning in progress; otherwise do nothing while planning is in progress.
 
         Returns:
             The planner's generation.
@@ -319,7 +320,7 @@ class SharedRobot:
         return self.planner.generation
 
     async def beside(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Run a function where planning is done, without waiting for planning in progress."""
+        """Run a function like a planning function, but without waiting for planning in progress."""
         return await self._plan(function, *arguments)
 
     async def carry_out(
@@ -332,18 +333,18 @@ class SharedRobot:
         *,
         serves: bool = False,
     ) -> Ended:
-        """Carry work out, unless there were more stops than `stops`.
+        """Carry work out, unless there has been a stop since it was requested.
 
         Args:
-            client: client that orders it.
-            name: name of the work for people.
+            client: client that orders the work.
+            name: name of the work, for messages.
             lasting: duration.
-            work: moves the robot.
-            stops: number of stops when it was requested.
-            serves: True if it may be done after a fault (`Engine.move`).
+            work: function that moves the robot.
+            stops: number of stops at the time of the request.
+            serves: True if the work may be done after a fault (`Engine.move`).
 
         Raises:
-            Trouble: something else is in progress, or the state forbids it.
+            Trouble: something else is in progress, or the robot's state forbids it.
         """
 
         async def told() -> Ended:
@@ -373,7 +374,7 @@ class SharedRobot:
     # orders from any client
 
     def stop(self) -> None:
-        """Come to rest on the path, and end the current action. Overtakes everything."""
+        """Bring the robot to rest on its path, and end the current action. Overtakes all other orders."""
         self.stops += 1
         self._order(Stop())
 
@@ -383,7 +384,7 @@ class SharedRobot:
         self._order(Abort())
 
     def hold(self) -> None:
-        """Come to rest on the path, ready to continue."""
+        """Bring the robot to rest on its path, ready to continue."""
         self._order(Hold())
 
     def _order(self, order: Stop | Abort | Hold) -> None:
@@ -400,12 +401,13 @@ class SharedRobot:
         positions: bool = True,
         arrived: Callable[[], object] = lambda: None,
     ) -> Subscription:
-        """Return all events from now on. A subscriber that doesn't take them costs only `capacity` events.
+        """Return an iterator over all events from now on. A subscriber that doesn't read them costs the
+        memory of at most `capacity` events.
 
         Args:
-            capacity: maximum number of waiting events.
-            positions: True if positions are wanted.
-            arrived: called when an event has arrived, for a subscriber that doesn't wait for it.
+            capacity: largest number of waiting events.
+            positions: True if the subscriber wants positions.
+            arrived: called when an event has arrived, for a subscriber that doesn't wait for events.
         """
         one = Subscription(capacity, self._subscriptions.remove, positions=positions, told=arrived)
         self._subscriptions.append(one)
@@ -418,9 +420,9 @@ class SharedRobot:
 
         Args:
             text: the remark.
-            stopped_by: bodies and zones that stop a live motion, if the remark is about that.
-            warning: True if someone should react.
-            code: code of the finding; None: it is none.
+            stopped_by: bodies and zones that limit a live motion, if the remark is about this.
+            warning: True if a user should react.
+            code: code of the finding; None if there is none.
         """
         told = events.Told(time_s=self.time, text=text, warning=warning, stopped_by=stopped_by, code=code)
         self._tell(told)

@@ -1,4 +1,4 @@
-"""Inputs and outputs in the coordinator's events."""
+"""Conversion of inputs and outputs of a run to events of the coordinator."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ def signal_event(signal: Signal) -> events.BaseEvent:
 def hear_inputs(
     surroundings: SimulatedCell, session: Session, later: Callable[[Callable[[Set], None], Set], object]
 ) -> None:
-    """Let a session report each change of a simulated input.
+    """Make a session report each change of a simulated input.
 
     Args:
-        surroundings: the machines around the robot, in a thread of their own.
-        session: reports the changes.
+        surroundings: the machines around the robot, which run in a thread of their own.
+        session: session that reports the changes.
         later: calls a function with an argument in the session's event loop.
     """
 
@@ -66,11 +66,11 @@ def hear_inputs(
 def receive_values(
     surroundings: SimulatedCell, values: Values, later: Callable[[Callable[[Given], None], Given], object]
 ) -> None:
-    """Let the cameras of a simulated cell send values, as a client would.
+    """Make the cameras of a simulated cell send values, as a client would.
 
     Args:
-        surroundings: the machines around the robot, in a thread of their own.
-        values: receives the values.
+        surroundings: the machines around the robot, which run in a thread of their own.
+        values: receiver of the values.
         later: calls a function with an argument in the session's event loop.
     """
 

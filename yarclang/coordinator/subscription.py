@@ -13,10 +13,10 @@ class Subscription:
     """Events as an asynchronous iterator, which ends when the coordinator or the subscription is closed.
 
     Args:
-        capacity: maximum number of waiting events; further ones are counted, and reported as `Missed`.
-        leave: called when it is closed.
-        positions: True if positions are wanted.
-        told: called when an event has arrived, for a subscriber that doesn't wait for it here.
+        capacity: largest number of waiting events; further events are counted and reported as `Missed`.
+        leave: called when the subscription is closed.
+        positions: True if the subscriber wants positions.
+        told: called when an event has arrived, for a subscriber that doesn't wait in `next`.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Subscription:
         self._arrived = asyncio.Event()
 
     def put(self, event: BaseEvent) -> None:
-        """Add an event. Called by the coordinator; never waits."""
+        """Add an event. The coordinator calls this; it never waits."""
         if not self._positions and isinstance(event, Position):
             return
         self._mailbox.put(event)
@@ -42,18 +42,18 @@ class Subscription:
         self._told()
 
     def take(self) -> BaseEvent | None:
-        """Remove and return the oldest event; None if none waits."""
+        """Remove and return the oldest event; None if there is none."""
         return self._mailbox.take()
 
     def close(self) -> None:
-        """End the stream; waiting events can still be taken."""
+        """End the stream. Waiting events can still be taken."""
         if self._leave is not None:
             leave, self._leave = self._leave, None
             leave(self)
             self._arrived.set()
 
     async def next(self) -> BaseEvent | None:
-        """Wait for the oldest event and return it; None at the end."""
+        """Wait for the oldest event and return it; None at the end of the stream."""
         while True:
             if (event := self._mailbox.take()) is not None:
                 return event

@@ -1,4 +1,6 @@
-"""Places that programs have taught while they ran (JPOS, LPOS), in the database of KEPT registers."""
+"""Places that programs have taught while they ran (JPOS, LPOS). They are stored in the database of KEPT
+registers.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ _TABLE = (
 
 @frozen
 class Place:
-    """A place that was taught last under a name: the line that declares it in a program."""
+    """The place that was taught last under a name: the line that declares it in a program."""
 
     controller: str
     program: str
@@ -36,9 +38,9 @@ def line_of(robot: Robot, teaches: str, name: str, joints: Array) -> str:
 
     Args:
         robot: the robot.
-        teaches: `joints`, or `pose` for that of {TCP}, or of {FLANGE} without one, in {B}.
-        name: the name.
-        joints: where the robot stands (n,) [rad or m].
+        teaches: `joints`, or `pose` for the pose of {TCP} in {B}, or of {FLANGE} if there is no {TCP}.
+        name: name of the place.
+        joints: position of the robot (n,) [rad or m].
     """
     if teaches == "joints":
         values = joints / robot.axis_units
@@ -55,19 +57,19 @@ def _numbers(values: Array) -> str:
 
 
 def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
-    """Keep a place; when this returns, it is on the disk.
+    """Store a place. When this returns, the place is on the disk.
 
     Args:
         robot: the robot.
-        controller: robot and address; a simulated one has places of its own.
-        program: as `yarclang.coordinator.kept_registers.program_of` returns it.
+        controller: robot and address; a simulated controller has places of its own.
+        program: name of the program, from `yarclang.coordinator.kept_registers.program_of`.
         wanted: the place.
 
     Returns:
         The line that declares it.
 
     Raises:
-        OSError: it can't be kept, and why.
+        OSError: the place can't be stored.
     """
     line, place = line_of(robot, wanted.teaches, wanted.name, wanted.joints), registers_file()
     try:
@@ -82,7 +84,7 @@ def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
 
 
 def places(program: str = "") -> list[Place]:
-    """Return the taught places, in the order of programs and names; an empty argument matches all.
+    """Return the taught places, sorted by program and name. An empty argument matches all.
 
     Raises:
         Trouble: the database can't be read.
@@ -104,7 +106,7 @@ def places(program: str = "") -> list[Place]:
 
 
 def forget(program: str) -> int:
-    """Delete the taught places of a program on all controllers, and return how many there were.
+    """Delete the taught places of a program on all controllers. Return their number.
 
     Raises:
         Trouble: the database can't be read or written.

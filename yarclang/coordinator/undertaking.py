@@ -1,4 +1,4 @@
-"""The execution of a program: the way to its start, then the whole program, command by command, or
+"""Execution of a program: first the motion to its start, then the program as a whole, command by command, or
 repeatedly.
 """
 
@@ -28,10 +28,10 @@ TO_THE_START = "to the start"
 """Name of an approach's command."""
 
 BACK_ON_PATH = "back to where the motion began"
-"""Name of the way back along the path of a motion that is left."""
+"""Name of the motion back along the path after a motion was left."""
 
 _SAME_TIME = 1e-6
-"""Tolerance when a command is searched by the time at which it begins [s]."""
+"""Largest difference of times when a command is searched by the time at which it begins [s]."""
 
 
 class Undertaking:
@@ -40,14 +40,14 @@ class Undertaking:
     Args:
         loaded: the program.
         coordinator: the robot's coordinator.
-        times: number of passes; None: until someone stops it.
+        times: number of passes; None: until somebody stops the program.
 
     Attributes:
         loaded: the program.
-        times: number of passes; None: until someone stops it.
+        times: number of passes; None: until somebody stops the program.
         on_the_way: True if the robot is on the way to the program's start.
-        moved: True if it has moved at all.
-        passes: number of passes that were begun.
+        moved: True if the robot has moved at all.
+        passes: number of passes begun so far.
     """
 
     def __init__(self, loaded: Loaded, coordinator: SharedRobot, times: int | None = 1) -> None:
@@ -60,12 +60,12 @@ class Undertaking:
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
         self._taken: frozenset[int] = frozenset()
-        """Steps of the program on the branches that the last part has taken."""
+        """Steps of the program on the branches that were taken in the last part."""
         self._registers: dict[str, int] = {}
-        """Values of the registers at the end of the last part, with which the next step or pass begins."""
+        """Values of the registers at the end of the last part. The next step or pass begins with them."""
 
     async def carry_out(self, way: Job | None) -> Ended:
-        """Carry out the way to the start, then the program."""
+        """Carry out the motion to the start, then the program."""
         try:
             self._begin_registers()
         except Trouble as trouble:
@@ -74,7 +74,7 @@ class Undertaking:
         try:
             return await self._carry_out(way)
         finally:
-            # What is carried out next is another program.
+            # The next action executes another program.
             self._session.replanner = None
 
     async def _carry_out(self, way: Job | None) -> Ended:
@@ -85,13 +85,13 @@ class Undertaking:
             self.on_the_way = True
             ended = await self._perform(way, None)
             if not ended.well:
-                # The approach's command is not part of the program.
+                # The command of the approach isn't in the program.
                 return replace(ended, command="", command_index="", done=0.0, concerns=None)
             self.on_the_way = False
         ended = Ended(True)
         number = 0
         while (job := self._next(number)) is not None:
-            # This includes the way to the start: a person who steps starts each step.
+            # If the motion to the start was a step, the first command also waits: the user starts each step.
             waits = steps and (number or way is not None)
             if waits and (stopped := await self._pause(job, number)) is not None:
                 return stopped
@@ -111,10 +111,11 @@ class Undertaking:
         return ended
 
     async def _leave(self, held: Ended) -> Ended:
-        """Carry out the way back and out after an input has held a motion. All of it is proved before any of it moves.
+        """Carry out the motions back and out after an input has held a motion. All of them are proved before
+        the first one begins.
 
         Args:
-            held: the outcome of the part whose motion was held.
+            held: outcome of the part whose motion was held.
         """
         loaded, way, here = self.loaded, held.leaves, held.joints
         operation = self._session.operation
@@ -135,7 +136,7 @@ class Undertaking:
             operation.go(Event.FAULT, what, "Y1638", remedy)
             return replace(held, what=what, remedy=remedy, code="Y1638", leaves="")
         operation.remark(f"the way back and {way} are planned and proved from where the robot stands")
-        self._done.clear()  # where the robot will be, none of these motions ends
+        self._done.clear()  # none of these motions ends where the robot will be
         for number, job in enumerate(made, 1):
             coordinator, name = self._coordinator, way if number == len(made) else BACK_ON_PATH
             coordinator.behind = sum(one.lasting.most for one in made[number:])
@@ -173,7 +174,7 @@ class Undertaking:
         """Read the last values of KEPT registers.
 
         Raises:
-            Trouble: they can't be read.
+            Trouble: the values can't be read.
         """
         loaded, coordinator, session = self.loaded, self._coordinator, self._session
         where = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
@@ -192,8 +193,8 @@ class Undertaking:
         session.teacher = partial(teach, coordinator.robot, kept.controller, kept.program)
 
     def _replan(self, wanted: Replan) -> Replanned | str | None:
-        """Plan the rest after a search from where the search has ended, or the lines of an OFFSET; None: there is
-        no program to plan from.
+        """Plan the rest of the program from the end of a search, or plan the lines of an OFFSET. None: there
+        is no program to plan from.
         """
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
@@ -202,8 +203,8 @@ class Undertaking:
         return loaded.behind(begins.index(min(begins)), wanted.joints, wanted.values)
 
     def _next(self, number: int) -> Job | None:
-        """Return the next job of the program, which is run once, in steps, or repeatedly; None after the
-        last.
+        """Return the next job of the program: its only job, its next step, or its next pass; None after
+        the last one.
         """
         loaded = self.loaded
         if loaded.steps:
@@ -230,7 +231,7 @@ class Undertaking:
         )
 
     async def _perform(self, job: Job, number: int | None) -> Ended:
-        """Perform a job: the way to the start (None), or the job with this number."""
+        """Execute a job: the motion to the start (None), or the job with this number."""
         carrying, loaded = self._coordinator.carrying, self.loaded
         goes_on = self._goes_on(job)
         if number is None:
@@ -253,14 +254,14 @@ class Undertaking:
         return ended
 
     def _goes_on(self, job: Job) -> Job:
-        """Return a job with the registers as the part before it has left them."""
+        """Return a job whose registers begin with their values at the end of the part before."""
         if not job.registers or not self._registers:
             return job
         held = tuple(replace(one, first=self._registers.get(one.name, one.first)) for one in job.registers)
         return replace(job, registers=held)
 
     def _note(self, number: int, ended: Ended) -> None:
-        """Store the motions that a job of the program has carried out, completely or in part."""
+        """Store the motions that a job of the program has carried out completely or in part."""
         self._store(number, ended)
         self._done = known_behind_searches(self._done)
 
@@ -285,12 +286,12 @@ class Undertaking:
         self._done += passed(plan, ended.joints, time)[begin:]
 
     def _span(self, number: int) -> tuple[int, int]:
-        """Return the motions of a job in the plan: from the first to the one after the last."""
+        """Return the range of a job's motions in the plan: the first, and one after the last."""
         loaded = self.loaded
         return loaded.spans[number if loaded.steps else min(number, len(loaded.spans) - 1)]
 
     async def _pause(self, job: Job, number: int) -> Ended | None:
-        """Wait until someone orders the next step; return the outcome if no one does."""
+        """Wait until somebody orders the next step. Return the outcome if the program ends here instead."""
         coordinator, session = self._coordinator, self._session
         title = job.commands[0].title if job.commands else "the next command"
         coordinator.announce(

@@ -1,4 +1,6 @@
-"""Values from outside: who sends them, which are refused, and which are logged."""
+"""Values that a running program accepts from outside: who may send them, which values are refused, and what
+is logged.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +14,17 @@ from yarclang.runtime.notices import Fill, Wanted
 from yarclang.runtime.values import checked_values
 
 _REFUSALS, _EACH = 5, 1.0
-"""Maximum number of logged refusals in this time [s]. Of further ones only their number is logged, so that
-endless nonsense doesn't fill the disk.
+"""Most refusals that are logged in this time [s]. Of further refusals only the number is logged, so that
+endless wrong messages don't fill the disk.
 """
 
 
 class Values:
-    """Takes values for the program that waits for them.
+    """Accepts values for the program that waits for them.
 
     Args:
-        session: session that performs the program.
-        under_way: returns True while something is in progress: only then there is a log.
+        session: session that executes the program.
+        under_way: returns True while something is in progress; otherwise there is no log.
     """
 
     def __init__(self, session: OrderedSession, under_way: Callable[[], bool]) -> None:
@@ -34,19 +36,19 @@ class Values:
 
     @property
     def wanted(self) -> message.ValuesWanted | None:
-        """Return the values that the program takes now; None: none."""
+        """Return the values that the program accepts now; None if there are none."""
         return wanted_message(self._session.operation.wants)
 
     def take(self, values: Mapping[str, Any], number: int | None, client: str) -> dict[str, int]:
-        """Take values, all of them or none, and return them as integers.
+        """Accept either all values or none, and return them as integers.
 
         Args:
-            values: values by the names of registers, as they were sent.
-            number: number of the question that is answered; None: the current one.
-            client: client that sends them.
+            values: values by the names of the registers, as sent.
+            number: number of the question that is answered; None: the open one.
+            client: client that sends the values.
 
         Raises:
-            Trouble: they aren't taken, and why.
+            Trouble: the values aren't accepted.
         """
         operation = self._session.operation
         try:
@@ -59,7 +61,7 @@ class Values:
         return dict(found)
 
     def refused(self, client: str, why: str) -> None:
-        """Log that values of a client were refused."""
+        """Log that values from a client were refused."""
         if not self._under_way():
             return
         now = self._session.now()
@@ -76,7 +78,7 @@ class Values:
 
 
 def wanted_message(wanted: Wanted | None) -> message.ValuesWanted | None:
-    """Return the wanted values as a message."""
+    """Return the values that a program wants as a message."""
     if wanted is None:
         return None
     ranges = tuple(

@@ -1,8 +1,8 @@
-"""A TCP port through which a camera, a PLC gateway or a script sends values to the running program, and can
-do nothing else.
+"""A TCP port through which a camera, a PLC gateway or a script can send values to the running program.
+Nothing else is possible there.
 
 A token is checked before the first order is read. The messages are those of the coordinator (`messages/`),
-with one JSON object per line.
+one JSON object per line.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MOST_LINE = 1 << 14
 """Longest line [bytes]."""
 
 _MOST_CLIENTS = 8
-"""Maximum number of connections that have sent the token."""
+"""Most connections that have sent the token."""
 
 _LIMITS = Limits(
     (orders.Hello, orders.AskStatus, orders.Listen, orders.Fill), "hello, status, listen and fill", _MOST_LINE
@@ -33,11 +33,11 @@ _UNTOLD = 'the first line must be {"token": "..."}, with the token that yarc ser
 
 
 class ValuesDoor:
-    """Listens as long as the context lasts.
+    """Server for values from outside. It listens until the context ends.
 
     Args:
         coordinator: the coordinator.
-        door: where to listen, and the token.
+        door: address on which to listen, and the token.
         patience: limits for connections that haven't sent the token.
 
     Attributes:
@@ -56,10 +56,10 @@ class ValuesDoor:
         self._let_in = 0
 
     async def __aenter__(self) -> ValuesDoor:
-        """Listen.
+        """Begin to listen.
 
         Raises:
-            Trouble: the address can't be listened on.
+            Trouble: the server can't listen on the address.
         """
         door = self.door
         try:
@@ -74,7 +74,7 @@ class ValuesDoor:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Send all callers away."""
+        """Disconnect all callers."""
         assert self._server is not None
         self._server.close()
         for task in tuple(self._tasks):
@@ -102,8 +102,8 @@ class ValuesDoor:
     async def _meet(
         self, task: asyncio.Task[None], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> str:
-        """Check a caller's right to send values, and then take them; return why the connection ends, empty if
-        the caller ends it.
+        """Check a caller's right to send values, then accept its values. Return the reason why the connection
+        ends; empty if the caller has ended it.
         """
         if len(self._waiting) >= self._patience.waiting:
             oldest = next(iter(self._waiting))

@@ -1,1 +1,1 @@
-"""The header of texts for all kinds of controllers: comments with their origin, and a seal."""
+"""The header of controller texts of all kinds: comments about their origin, and a seal."""

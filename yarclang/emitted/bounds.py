@@ -1,4 +1,6 @@
-"""Bounds of the values in a header, which keep a reader's work finite."""
+"""Bounds of the values in a header. They keep the work of a reader finite."""
 
 MOST_SEARCHES = 64
-"""Most searches for a way round obstacles. A judge with the program repeats as many as the header names."""
+"""Largest number of searches for a path around obstacles. If the judge has the program, it repeats as many
+searches as the header states.
+"""

@@ -15,7 +15,7 @@ UNSEALED = "-"
 class Header:
     """Facts about a controller text, for people and for the judge.
 
-    The judge trusts none of them: it compares or ignores them.
+    The judge trusts none of these facts: it compares or ignores them.
 
     Attributes:
         version: version of yarcc.
@@ -25,14 +25,14 @@ class Header:
         robot: name of the robot.
         robot_fingerprint: SHA-256 of the robot's description, in hexadecimal.
         program_fingerprint: SHA-256 of the program's behaviour, in hexadecimal.
-        made_with: the packages that took part, with their versions.
+        made_with: the packages that were used, with their versions.
         start: joint positions at the start of the motion, printed as a move line.
         units: axis units, such as `deg, mm`.
         lasting: known time of all motions and dwells, and the number of waits.
         segments: segment times in use as printed [ms]: none, one, or the least and the largest.
         longest: longest allowed segment time (--tm) as printed [ms]; empty for the robot's own.
-        searches: number of searches for a way round obstacles (--avoid-effort), of which the quickest way was
-            taken; 1 for the first way found.
+        searches: number of searches for a path around obstacles (--avoid-effort), of which the quickest path
+            was used; 1 for the first path found.
         certificate: one line that summarises the proofs.
         seal: SHA-256 of the whole text with `UNSEALED` in its place, in hexadecimal. It reveals damage and
             edits. It is no signature, since anybody can compute it.

@@ -1,4 +1,6 @@
-"""Purposes of the lines of a controller text: the command that a line belongs to, and a purpose in words."""
+"""Purposes of the lines of a controller text: the command to which a line belongs, and the purpose in
+words.
+"""
 
 from __future__ import annotations
 
@@ -40,12 +42,12 @@ class Listed:
 
 @frozen
 class Stretch:
-    """Neighbouring lines of the text with one purpose.
+    """Consecutive lines of the text with one purpose.
 
     Attributes:
         first: number of the first line.
         last: number of the last line.
-        command: the command that the lines belong to, if any.
+        command: the command to which the lines belong, if any.
         what: the purpose in words.
     """
 
@@ -58,7 +60,7 @@ class Stretch:
 def moves_alone(
     lines: Sequence[str], begin: int, commands: Sequence[Listed], barriers: Mapping[int, int]
 ) -> Iterator[Stretch]:
-    """Yield the purpose of every line after the header, as far as the header shows it.
+    """Yield the purpose of every line after the header, if the header shows it.
 
     Args:
         lines: all lines of the text.

@@ -1,5 +1,5 @@
-"""Lines of a controller text's map about bodies that may touch, and rules that motions keep to. Names are one
-word of ASCII each, whatever they contain.
+"""Lines of a controller text's map about bodies that may touch, and about rules that motions keep. Each name
+is written as one word of ASCII, whatever it contains.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ def allow_line(one: Permitted) -> str:
 
 
 def keep_line(one: KeptTo) -> str:
-    """Return the line of the map for a rule that a motion keeps to."""
+    """Return the line of the map for a rule that a motion keeps."""
     return f"; keep {one.step} {quoted(one.rule)}"
 
 
@@ -25,6 +25,6 @@ def quoted(name: str) -> str:
 
 
 def unquoted(word: str) -> str | None:
-    """Return the name that a word stands for; None if `quoted` makes no such word."""
+    """Return the name of a quoted word; None if `quoted` never returns this word."""
     name = unquote(word, errors="replace")
     return name if quoted(name) == word else None

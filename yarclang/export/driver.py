@@ -1,6 +1,6 @@
 """The ROS nodes as a package that doesn't need yarclang.
 
-It has the files of the standard library and the modules of the nodes from this installation.
+It consists of the files of the standard library, and of the modules of the nodes from this installation.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Writer of a package into a folder, which protects files of the user."""
+"""Writer of a package into a folder. It doesn't overwrite files of the user."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ _LARGEST_LIST = 10_000_000
 
 
 def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
-    """Return an error if a package would overwrite files that an export hasn't written, or that have changed.
+    """Return an error if a package would overwrite files that no export has written, or that were changed
+    since.
 
     Args:
         folder: the folder to write into.
         package: the package.
-        overwrite: True to overwrite any file. Anything other than a file is still an error.
+        overwrite: True to overwrite any file. It is an error even then if the name belongs to something other
+            than a file.
     """
     try:
         return _judged(folder, package, overwrite=overwrite)
@@ -42,7 +44,7 @@ def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnos
     foreign, changed = [], []
     for path in (*package.files, LIST):
         place = folder / path
-        # A dangling link belongs to the user, and would be written through.
+        # A link without a target belongs to the user; writing to it would create its target.
         if overwrite or not (place.exists() or place.is_symlink()):
             continue
         if path == LIST:
@@ -66,15 +68,16 @@ def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnos
 
 
 def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
-    """Write a package. Unchanged files of an earlier export that aren't in it any more are removed.
+    """Write a package. Files of an earlier export that are unchanged and no longer in the package are
+    removed.
 
     Returns:
-        An error if a file can't be written. The files before it are then written, and the list of checksums
+        An error if a file can't be written. The files before it are written then, and the list of checksums
         has the files of both exports.
     """
     known = _known(folder) or {}
     sums = {path: hashlib.sha256(data).hexdigest() for path, data in package.files.items()}
-    # All files that are written belong to the export, even if a later one can't be written.
+    # All written files belong to the export, even if a later file can't be written.
     listed = json.dumps({"files": {**known, **sums}}, indent=1) + "\n"
     try:
         replace_file(folder / LIST, listed.encode())
@@ -96,13 +99,13 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
 
 
 def _make_program(path: Path) -> None:
-    """Let all who may read a file execute it."""
+    """Make a file executable for everybody who may read it."""
     mode = path.stat().st_mode
     path.chmod(mode | (mode & 0o444) >> 2)
 
 
 def _known(folder: Path) -> dict[str, str] | None:
-    """Return the checksums of an earlier export; None without a readable list."""
+    """Return the checksums of an earlier export; None if there is no readable list."""
     try:
         files = json.loads(read_whole(folder / LIST, _LARGEST_LIST))["files"]
         return {path: digest for path, digest in files.items() if isinstance(digest, str)}

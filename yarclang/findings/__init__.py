@@ -1,5 +1,5 @@
-"""The catalogue of codes. Each file y*.py of this folder is a family. Only `named` imports other parts of
-yarclang.
+"""The catalogue of findings' codes. Each file y*.py of this folder is a family. Only `named` imports other
+parts of yarclang.
 """
 
 from importlib import import_module

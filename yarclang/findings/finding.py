@@ -9,15 +9,15 @@ from yarclang.frozen import frozen
 Severity = Literal["error", "warning", "note"]
 
 Need = Literal["", "name", "meaning", "use", "default", "unit", "end", "block", "place"]
-"""Information that an earlier or invalid line may have failed to give: a name; the meaning of a name; the use
-of a name; the value of DEFAULT; the right unit; the END or the first line of a block; the end of a motion.
-Empty for nothing.
+"""Information that is missing because another line is invalid: a name; the meaning of a name; the use of a
+name; the value of DEFAULT; the right unit; the END or the first line of a block; the end of a motion. Empty
+for none.
 """
 
 Sort = Literal["", "meeting", "time", "unreachable", "limits", "tolerance"]
 """Kind of fault that several findings have in common: bodies collide or come too near; a time is too short;
-no configuration or path was found; the certificate exceeds limits, or a difference that the tolerance
-judges. Empty for none.
+no configuration or path was found; the certificate exceeds limits; the certificate finds a deviation above
+the tolerance. Empty for none.
 """
 
 _OF_PLACES = frozenset(["05", "06", "07", "08", "09"])
@@ -38,11 +38,11 @@ def number_of(code: str) -> int | None:
 
 @frozen
 class Follows:
-    """A finding that explains another one.
+    """A finding that explains another finding.
 
     Attributes:
-        code: of the explaining finding.
-        where: its line: the same one, one above, or any other one.
+        code: code of the explaining finding.
+        where: its line relative to the other finding: the same line, a line above, or any other line.
     """
 
     code: str
@@ -56,20 +56,21 @@ class Finding:
     Most fields after `better` relate findings to each other, so that a fault is reported only once.
 
     Attributes:
-        code: permanent: `Y` and four digits, the first two the family.
-        name: for selection.
-        severity: of the finding.
+        code: permanent code: `Y` and four digits, of which the first two are the family.
+        name: name by which users select the finding.
+        severity: severity of the finding.
         title: its heading.
         why: explanation of the fault, and of its effect at the machine.
         example: a text with the fault (YARC source, or a line of robot.toml).
         better: the corrected text.
-        needs: what an invalid line may have failed to give; use `need` to read it.
-        follows: findings that explain this one, so that it isn't reported.
-        hides: what is unknown because of it: the names that its line would use, or all names of a module.
+        needs: information that may be missing because of an invalid line; use `need` to read it.
+        follows: findings that explain this one. It isn't reported beside them.
+        hides: what is unknown because of this finding: the names that its line would use, or all names of a
+            module.
         sort: kind of fault that several findings have in common.
         is_explained: True if a rule's warning about the same command gives the reason, so that both are
             reported as one.
-        tag: display in editors: as superfluous text, or as an outdated form.
+        tag: style in editors: that of superfluous text, or of an outdated form.
     """
 
     code: str
@@ -98,8 +99,8 @@ class Finding:
 
     @property
     def need(self) -> Need:
-        """Information that another line may have failed to give. Families that depend on the end of a motion
-        need that end.
+        """Information that may be missing because of another line. If nothing is given, findings of the
+        families about places need the end of a motion.
         """
         return self.needs or ("place" if self.family in _OF_PLACES else "")
 

@@ -1,4 +1,6 @@
-"""Family 09, second part: zones of a cell. Y0905 said that zones aren't watched; they are."""
+"""Family 09, second part: zones of a cell. Y0905 reported that zones weren't watched, and is no longer
+used.
+"""
 
 from yarclang.findings.finding import Finding
 

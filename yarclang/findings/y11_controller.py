@@ -1,4 +1,4 @@
-"""Family 11: the controller. Y1101 to Y1149 its settings, Y1151 to Y1199 what the certificate says."""
+"""Family 11: the controller. Y1101 to Y1149 are about its settings, Y1151 to Y1199 about the certificate."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,6 @@
-"""Family 13, third part: a cell.toml, the robot's surroundings. What it shares with a robot.toml stands there."""
+"""Family 13, third part: a cell.toml, which describes the robot's surroundings. Findings that it shares with
+a robot.toml are in y13_robot.py.
+"""
 
 from yarclang.findings.finding import Finding
 

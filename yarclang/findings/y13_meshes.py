@@ -1,4 +1,4 @@
-"""Family 13: the meshes that a new robot's folder gets."""
+"""Family 13: the meshes in a new robot's folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Family 13, sixth part: the files of timed trajectories that stand beside programs."""
+"""Family 13, sixth part: the files of timed trajectories beside programs."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,4 +1,4 @@
-"""Family 20: yarclang itself: what is wrong with it, and not with the program."""
+"""Family 20: faults of yarclang itself, not of the program."""
 
 from yarclang.findings.finding import Finding
 

@@ -1,1 +1,1 @@
-"""Work on many cores and machines, reused results, and findings that need many programs."""
+"""Work on many cores and machines, reuse of results, and searches that need many programs."""

@@ -1,4 +1,4 @@
-"""Work for many items: reused where it may be, spread over processes or machines where it is done."""
+"""Work for many items. Results are reused if possible; the rest is spread over processes or machines."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Doing:
     """Does the same work for many items.
 
     Args:
-        place: where it is done.
-        reuse: earlier results; None to do everything anew, and keep nothing.
+        place: processes or machines that do the work.
+        reuse: earlier results; None to do everything anew, and store nothing.
     """
 
     def __init__(self, place: Place, reuse: Reuse | None = None) -> None:
@@ -41,11 +41,14 @@ class Doing:
         """Yield the result of `work` for each item, in order.
 
         Args:
-            work: a function of a module, or a `partial` of one, which reads files only through consulted.py.
-            items: what it is done for.
-            files: returns the files that only one item needs, by what is known in advance.
-            name: returns all that distinguishes the work for an item from other work, besides the files.
-            is_lasting: returns True for a result that would be the same the next time.
+            work: function of a module, or a `partial` of such a function. It may read files only through
+                consulted.py.
+            items: arguments of the work.
+            files: returns the files that an item needs and other items don't, as far as known in advance.
+            name: returns a key for the work on an item. It must contain everything on which the result
+                depends, except the contents of files.
+            is_lasting: returns True for a result that may be reused, because it would be the same the next
+                time.
 
         Raises:
             UnreachableError: the scheduler can't be used.
@@ -77,6 +80,6 @@ class Doing:
 
 
 def _with_answers(work: Callable[[T], R], item: T) -> tuple[R, Answers]:
-    """Return a result, and what it depends on."""
+    """Return a result, and the answers of the disk on which it depends."""
     with recorded() as answers:
         return work(item), answers

@@ -1,5 +1,5 @@
-"""Properties of an installation on which results depend, besides the files of the user: the package, its
-library, the versions of other libraries, Python and the processor's kind.
+"""Properties of an installation on which results depend in addition to the user's files: the package, its
+library, the versions of other libraries, Python, and the kind of processor.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from typing import NamedTuple
 from yarclang.robot.library import stdlib_folder
 
 _READ = (".py", ".lark", ".json", ".yarc", ".toml", ".urdf", ".stl", ".dae", ".obj")
-"""Kinds of files of the package and its library of which results are made."""
+"""Extensions of the files in the package and its library on which results depend."""
 
 
 class Installation(NamedTuple):
-    """An installation.
+    """Properties of an installation on which results depend.
 
     Attributes:
-        version: of yarclang.
+        version: version of yarclang.
         content: digest of the files of the package and its library.
         others: names and versions of the other libraries, in order.
         python: version of Python, and the kinds of processor and system.
@@ -35,11 +35,13 @@ class Installation(NamedTuple):
 
     @property
     def digest(self) -> str:
-        """Return one digest of everything."""
+        """Return a digest of all properties."""
         return hashlib.sha256(json.dumps(self).encode()).hexdigest()
 
     def difference(self, other: Installation) -> str:
-        """Return in words how another installation differs from this one; empty if it doesn't."""
+        """Return the differences between another installation and this one, in words; empty if there are
+        none.
+        """
         if other.version != self.version:
             return f"it has yarclang {other.version}, here is {self.version}"
         if other.python != self.python:
@@ -69,14 +71,14 @@ def this_installation() -> Installation:
 
 
 def stamp() -> str:
-    """Return a digest that changes when a file of the package is written, without reading the files."""
+    """Return a value that changes when a file of the package is written. The files themselves aren't read."""
     found = [(name, seen.st_mtime_ns, seen.st_size, seen.st_ino) for name, seen in _stats()]
     machine = (platform.python_version(), platform.machine(), sys.platform)
     return hashlib.sha256(json.dumps((found, _libraries(), machine)).encode()).hexdigest()
 
 
 def _files() -> list[tuple[str, Path]]:
-    """Return the files of the package and its library by their names in these."""
+    """Return the files of the package and its library, by their names relative to these."""
     return [(name, Path(path)) for name, path in _walked()]
 
 

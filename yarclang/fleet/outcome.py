@@ -1,4 +1,4 @@
-"""Outcomes of work other than its results."""
+"""Outcomes of work that are no results."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 
 class Lost(NamedTuple):
-    """Outcome of an item whose work killed its workers.
+    """Outcome for an item whose work has killed its workers.
 
     Attributes:
-        reason: what happened, as a sentence.
+        reason: the reason, as a sentence.
     """
 
     reason: str
 
 
 class UnreachableError(Exception):
-    """A scheduler that can't be used: the message says why, and what to do."""
+    """Raised if a scheduler can't be used; the message has the reason and the remedy."""

@@ -1,8 +1,8 @@
-"""Values of the compiler as bytes, for other processes, other machines and the cache.
+"""Conversion of the compiler's values to bytes, for other processes, other machines and the cache.
 
-The bytes are a pickle: whoever can write one can run code. So they are taken only from processes that this
-one has started or was told to use, and from a cache whose entries carry a code that only their user can make
-(store.py).
+The bytes are a pickle: whoever can write a pickle can run code. So bytes are accepted only from processes
+that this process has started or was told to use, and from a cache whose entries have a code that only their
+user can compute (store.py).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def packed(value: Any) -> bytes:
 
 
 def unpacked(content: bytes) -> Any:
-    """Return the value of trusted bytes."""
+    """Return the value that bytes contain. The bytes must come from a trusted source."""
     return pickle.loads(content)
 
 

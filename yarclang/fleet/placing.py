@@ -1,11 +1,12 @@
-"""Places for a fixture, a part or the robot's base: the places of a frame at which a program compiles, and
-the best of them.
+"""Search for the place of a fixture, a part or the robot's base: the places of a frame with which a program
+compiles, and the best of them.
 
-Each candidate is the program (or its cell) with another pose of the frame, and goes through the ordinary
-pipeline. First comes a coarse grid over the whole box. From the best of its places a compass search goes on:
-of all candidates one step away along each axis the best is taken, and without a better one the step is
-halved (Kolda, Lewis, Torczon: Optimization by direct search, 2003). It needs no derivatives, which a cycle
-time of whole segments doesn't have, and its candidates are independent: they are judged side by side.
+Each candidate is the program (or its cell) with another pose of the frame, and is compiled in the ordinary
+way. The search begins with a coarse grid over the whole box. It continues from the best places of the grid as
+a compass search: the best of all candidates one step away along each axis is chosen; if none is better, the
+step is halved (Kolda, Lewis, Torczon: Optimization by direct search, 2003). This method needs no derivatives,
+which a cycle time of whole segments doesn't have. Its candidates are independent, so they can be compiled in
+parallel.
 """
 
 from __future__ import annotations
@@ -34,24 +35,24 @@ from yarclang.units import DEG, MM
 
 AXES = ("X", "Y", "Z", "RX", "RY", "RZ")
 """Names of the shifts: along the axes of the parent [mm], and about axes through the frame's origin that are
-parallel to them [deg].
+parallel to the parent's axes [deg].
 """
 
 Shift = tuple[float, ...]
-"""A shift from the present pose, a number for each axis of the box."""
+"""Shift from the present pose: one number for each axis of the box [mm or deg]."""
 
 _FINEST = {"X": 0.5, "Y": 0.5, "Z": 0.5, "RX": 0.1, "RY": 0.1, "RZ": 0.1}
-"""Steps at which the search ends [mm, deg]."""
+"""Steps below which the search ends [mm, deg]."""
 
 _BEGINNINGS = 2
-"""Number of places of the grid from which the search goes on."""
+"""Number of places of the grid at which a compass search begins."""
 
 Aim = Literal["time", "clearance"]
 
 
 @frozen
 class Range:
-    """The shifts along one axis that are allowed [mm or deg]."""
+    """Allowed shifts along one axis [mm or deg]."""
 
     axis: str
     least: float
@@ -63,16 +64,16 @@ class Task:
     """The frame to be placed.
 
     Attributes:
-        program: the program's file.
-        folder: its folder.
-        options: of the command line.
+        program: source of the program.
+        folder: folder of the program.
+        options: options of the command line.
         frame: name of the frame, in upper case.
-        cell: the cell's file, if the frame is declared there; otherwise None.
+        cell: source of the cell, if the frame is declared there; otherwise None.
         place: path of the cell's file.
-        parent: the frame's parent.
-        pose: (4, 4) parent_from_frame now [m].
+        parent: parent of the frame.
+        pose: (4, 4) present parent_from_frame [m].
         box: the allowed shifts.
-        aim: what is best: the shortest time, or the largest clearance.
+        aim: criterion: the shortest time, or the largest clearance.
     """
 
     program: SourceFile
@@ -94,12 +95,13 @@ class Candidate:
     Attributes:
         shift: the shift from the present place.
         seconds: duration of the program [s]; None if it doesn't compile.
-        clearance: smallest proved distance of the robot from the cell [m]; None if no distance was proved, or the program
-            doesn't compile.
+        clearance: smallest proved distance of the robot from the cell [m]; None if no distance was proved, or
+            the program doesn't compile.
         errors: number of errors.
-        reason: the first error; empty if it compiles.
+        reason: the first error; empty if the program compiles.
         code: code of the first error.
-        label: the command with the first error, such as P0030; empty if it belongs to none.
+        label: index of the command with the first error, such as P0030; empty if the error belongs to no
+            command.
     """
 
     shift: Shift
@@ -122,9 +124,9 @@ class Placing:
 
     Attributes:
         grid: the candidates of the coarse grid, in order.
-        others: the candidates of the search that followed.
+        others: the candidates of the compass searches.
         best: the best candidate that compiles; None if there is none.
-        numbers: of the grid, the shifts along each axis.
+        numbers: shifts of the grid along each axis [mm or deg].
     """
 
     grid: tuple[Candidate, ...]
@@ -139,10 +141,10 @@ Judge = Callable[[Sequence[Shift]], Iterator["Candidate | Lost"]]
 def find_task(
     program: SourceFile, folder: Path, options: Options, frame: str, box: tuple[Range, ...], aim: Aim
 ) -> Task:
-    """Return the task of placing a frame that the program or its cell declares.
+    """Return the search task for a frame that the program or its cell declares.
 
     Raises:
-        Trouble: there is no such frame, it moves with the robot, or the program can't be opened.
+        Trouble: there is no such frame, the frame moves with the robot, or the program can't be opened.
     """
     name = frame.strip("{} ").upper()
     opened = open_source(program, folder, options)
@@ -193,7 +195,7 @@ def moved(task: Task, shift: Shift) -> tuple[SourceFile, SourceFile | None]:
     """Return the texts of the program and its cell with the frame at another place.
 
     Raises:
-        Trouble: the text can't be changed.
+        Trouble: the text can't be changed in this way.
     """
     values = dict(zip((one.axis for one in task.box), shift, strict=True))
     turn = np.array([values.get(axis, 0.0) for axis in AXES[3:]]) * DEG
@@ -216,7 +218,7 @@ def moved(task: Task, shift: Shift) -> tuple[SourceFile, SourceFile | None]:
 
 
 def _key(cell: SourceFile, name: str) -> str:
-    """Return a frame's name as the cell's file writes it."""
+    """Return a frame's name with the spelling of the cell's file."""
     import tomllib
 
     tables = tomllib.loads(cell.text).get("frames", {})
@@ -224,7 +226,7 @@ def _key(cell: SourceFile, name: str) -> str:
 
 
 def judged(shift: Shift, task: Task) -> Candidate:
-    """Return what becomes of the program with the frame at a place."""
+    """Compile the program with the frame at a place, and return the result."""
     from dataclasses import replace
 
     program, cell = moved(task, shift)
@@ -251,16 +253,16 @@ def _candidate(shift: Shift, checked: Checked) -> Candidate:
 
 
 def search(task: Task, judge: Judge, points: int, most: int) -> Placing:
-    """Look for the best place.
+    """Search for the best place.
 
     Args:
-        task: what is placed.
-        judge: judges candidates, in order.
+        task: the frame to be placed.
+        judge: compiles candidates and yields their results in order.
         points: number of places of the grid along each axis.
-        most: number of candidates to judge altogether.
+        most: largest number of candidates in total.
 
     Raises:
-        Trouble: a process that judged a candidate was ended.
+        Trouble: the processes that compiled a candidate were killed.
     """
     numbers = tuple(_spaced(one, points) for one in task.box)
     known: dict[Shift, Candidate] = {}
@@ -290,7 +292,7 @@ def _refine(
     known: dict[Shift, Candidate],
     most: int,
 ) -> None:
-    """Search around a place of the grid by compass search, down to the finest steps."""
+    """Do a compass search from a place of the grid, until the steps are smaller than the finest ones."""
     center = begin
     steps = [0.5 * one for one in spacing]
     finest = [_FINEST[one.axis] for one in task.box]
@@ -319,7 +321,7 @@ def _within(allowed: Range, value: float) -> float:
 
 
 def _spaced(allowed: Range, points: int) -> tuple[float, ...]:
-    """Return the places of the grid along an axis; the present one is always among them, if it is allowed."""
+    """Return the places of the grid along an axis. The present place is always included if it is allowed."""
     found = {_within(allowed, float(one)) for one in np.linspace(allowed.least, allowed.most, points)}
     if allowed.least <= 0.0 <= allowed.most:
         found.add(0.0)
@@ -327,7 +329,9 @@ def _spaced(allowed: Range, points: int) -> tuple[float, ...]:
 
 
 def _score(candidate: Candidate, aim: Aim) -> tuple[float, ...]:
-    """Return a key by which better candidates come first; of equals, the one that is moved least."""
+    """Return a sort key by which better candidates come first. Of equal candidates, the one with the smallest
+    shift comes first.
+    """
     least = float(np.abs(candidate.shift).sum())
     if candidate.seconds is None:
         return (1.0, float(candidate.errors), least)

@@ -1,4 +1,4 @@
-"""Processes of this machine that do the same work for many items."""
+"""Processes on this machine that do the same work for many items."""
 
 from __future__ import annotations
 
@@ -17,29 +17,31 @@ if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
 
 _AHEAD = 16
-"""Number of items for each worker that may be done before an earlier one is."""
+"""Number of items per worker that may be finished before an earlier item is."""
 
 _DEATHS = 2
-"""Number of workers that an item may kill."""
+"""Number of killed workers after which an item is given up."""
 
 
 class Pool:
-    """Processes of this machine, which are started when they are first needed."""
+    """Processes on this machine. They are started when they are needed for the first time."""
 
     def __init__(self, work: bytes, number: int) -> None:
         self._work, self._number = work, number
         self._items: Sequence[Any] = ()
         self._waiting: deque[int] = deque()
         self._workers: dict[Connection, tuple[SpawnProcess, Connection]] = {}
-        """By the line of a process's answers: the process, and the line of its items."""
+        """For each process, by the connection on which it sends results: the process, and the connection
+        on which it gets items.
+        """
         self._busy: dict[Connection, int] = {}
         self._deaths: dict[int, int] = {}
         self._done: dict[int, Any] = {}
         self._until = 0
-        """Items from this place on wait until earlier results were taken."""
+        """Items from this number on aren't handed out until earlier results have been fetched."""
 
     def results(self, items: Sequence[Any]) -> Iterator[Any]:
-        """Yield the results for items in order. The results of earlier items were all taken."""
+        """Yield the results for items in order. All results of an earlier call must have been fetched."""
         made = self._made(items)
         self._until = _AHEAD * self._number
         kept: dict[int, Any] = {}
@@ -51,7 +53,9 @@ class Pool:
             yield kept.pop(wanted)
 
     def ended(self, items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """Yield the place of each item and its result as soon as it is there, in any order; else as `results`."""
+        """Yield the number of each item and its result as soon as the result is available, in any order. All
+        results of an earlier call must have been fetched.
+        """
         self._until = len(items)
         return self._made(items)
 
@@ -76,7 +80,7 @@ class Pool:
             process.join()
 
     def _hand_out(self) -> None:
-        """Give items to processes that have none, as long as they aren't too far ahead."""
+        """Give items to idle processes, as long as the items aren't too far ahead."""
         while self._waiting and self._waiting[0] < self._until:
             idle = next((line for line in self._workers if line not in self._busy), None)
             if idle is None:
@@ -85,19 +89,20 @@ class Pool:
                 idle = self._started()
             number = self._waiting.popleft()
             self._busy[idle] = number
-            with suppress(OSError):  # it has ended: the next look at its line shows that
+            with suppress(OSError):  # the process has ended: reading its connection shows this
                 self._workers[idle][1].send(packed(self._items[number]))
 
     def _started(self) -> Connection:
         from multiprocessing import get_context
 
-        # not forked: a library with running threads may wait for them for ever
+        # Processes are spawned, not forked: in a fork, a library with running threads may wait for them
+        # forever.
         context = get_context("spawn")
-        # two lines of one direction: one of both needs sockets, which not every system has
+        # Two one-way pipes: a two-way pipe needs sockets, which not every system has.
         taken, items = context.Pipe(duplex=False)
         answers, given = context.Pipe(duplex=False)
         process = context.Process(target=_serve, args=(self._work, taken, given), daemon=True)
-        # Ctrl-C is for this process: the others, which are started here, ignore it while they import
+        # Ctrl-C is meant for this process. The processes that are started here ignore it while they import.
         heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
         try:
             process.start()
@@ -109,7 +114,7 @@ class Pool:
         return answers
 
     def _take(self, line: Connection) -> None:
-        """Take a result, or learn that a process has ended."""
+        """Receive a result, or notice that a process has ended."""
         number = self._busy.pop(line)
         try:
             content, error = line.recv()
@@ -133,7 +138,7 @@ class Pool:
 
 
 def _how_it_ended(status: int | None) -> str:
-    """Return how two processes ended that worked on one item."""
+    """Return the way in which two processes that worked on the same item have ended, in words."""
     if status is not None and status < 0:
         with suppress(ValueError):
             name = signal.Signals(-status).name
@@ -143,7 +148,7 @@ def _how_it_ended(status: int | None) -> str:
 
 
 def _serve(work: bytes, items: Connection, answers: Connection) -> None:
-    """Do the work for items until there are no more."""
+    """Do the work for items until there are no more items."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     do: Callable[[Any], Any] = unpacked(work)
     with silent(), suppress(EOFError, OSError, KeyboardInterrupt):
@@ -151,6 +156,6 @@ def _serve(work: bytes, items: Connection, answers: Connection) -> None:
             item = unpacked(items.recv())
             try:
                 answer: tuple[bytes, BaseException | None] = packed(do(item)), None
-            except Exception as error:  # told by the parent
+            except Exception as error:  # reported by the parent process
                 answer = b"", RuntimeError(f"{type(error).__name__}: {error}")
             answers.send(answer)

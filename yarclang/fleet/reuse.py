@@ -1,8 +1,9 @@
-"""Results of earlier work, reused while everything that they depend on is as it was.
+"""Reuse of earlier results, as long as everything on which they depend is unchanged.
 
-The key of a result is the work: its kind, the options, the path as it was given, the installation. With the
-result stand the answers to all that the work asked of the disk (consulted.py): it is reused if the disk gives
-the same answers now. A result that names the working directory is reused only there.
+The key of a result is the work: its kind, its options, the path as given, and the installation. Stored with
+the result are the disk's answers to all questions of the work (consulted.py). The result is reused if the
+disk gives the same answers now. A result that contains the path of the working directory is reused only
+there.
 """
 
 from __future__ import annotations
@@ -19,28 +20,28 @@ from yarclang.fleet.packing import packed, unpacked
 from yarclang.fleet.store import Store
 
 _MOST_ENTRIES = 8
-"""Number of entries of one key that are looked at."""
+"""Most entries of one key that are compared."""
 
 
 _HELD = 100_000
-"""Size above which a result that was found isn't held in memory until it is wanted [bytes]."""
+"""Size above which a result is not held in memory until it is needed [bytes]."""
 
 
 class Found:
-    """An earlier result that holds."""
+    """An earlier result that may be reused."""
 
     def __init__(self, body: bytes, again: Callable[[], bytes | None]) -> None:
         self._body = body if len(body) <= _HELD else None
         self._again = again
 
     def load(self) -> tuple[Any] | None:
-        """Return the result, in a tuple; None if it was dropped in the meantime."""
+        """Return the result, in a tuple; None if it was dropped meanwhile."""
         body = self._again() if self._body is None else self._body
         return None if body is None else (unpacked(body),)
 
 
 class Reuse:
-    """Finds and keeps results.
+    """Finds and stores results.
 
     Args:
         store: the store.
@@ -52,10 +53,10 @@ class Reuse:
         self._answers: dict[Question, str] = {}
 
     def find(self, work: Hashable) -> Found | None:
-        """Return an earlier result that holds; None if there is none.
+        """Return an earlier result that may be reused; None if there is none.
 
         Args:
-            work: what is done with which options; its `repr` says all that distinguishes it.
+            work: key of the work. Its `repr` must contain everything that distinguishes it from other work.
         """
         key = self._key(work)
         here = str(Path.cwd())
@@ -73,13 +74,14 @@ class Reuse:
         return None
 
     def keep(self, work: Hashable, answers: Answers, result: Any) -> None:
-        """Keep a result with the answers on which it depends."""
+        """Store a result with the answers on which it depends."""
         if CHANGED in answers.values():
             return
         body = packed(result)
         here = str(Path.cwd())
         head = {
-            # a result with the folder's name may be bound to it needlessly, which is harmless
+            # A result that contains the folder's path by chance is bound to the folder without need, which is
+            # harmless.
             "here": here if here.encode() in body else "",
             "answers": [[*question, answer] for question, answer in answers.items()],
         }
@@ -94,7 +96,9 @@ class Reuse:
         return digest(f"{self._installed}\n{work!r}".encode())
 
     def _installation(self) -> str:
-        """Return the digest of this installation; its files are read only if one was written since."""
+        """Return the digest of this installation. The files of the installation are read only if one of them
+        has been written since the last time.
+        """
         now = f"installation {stamp()}"
         for _, value in self._store.get(now):
             return value.decode()
@@ -103,7 +107,7 @@ class Reuse:
         return made
 
     def _now(self, question: Question) -> str:
-        """Return the disk's answer to a question, which is asked once."""
+        """Return the disk's answer to a question. Each question is asked only once."""
         answer = self._answers.get(question)
         if answer is None:
             answer = self._answers[question] = answer_now(question)

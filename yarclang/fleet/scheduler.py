@@ -1,9 +1,9 @@
 """Work on the workers of a dask scheduler, on machines that share no disk with this one.
 
-The first item is done here, and shows which files the work consults. With each further item go the answers to
-these questions and the contents of the files (consulted.py), each content once for each worker that needs it.
-A worker that meets a question without an answer gives the item back with the question; the answer goes with
-it the next time.
+The first item is done in this process, which shows the files that the work reads. Each further item is sent
+with the answers to these questions and the contents of these files (consulted.py); each content is sent only
+once to each worker that needs it. If a worker has a question without an answer, it returns the item with the
+question. The item is then sent again with the answer.
 """
 
 from __future__ import annotations
@@ -35,27 +35,28 @@ _PATIENCE = 10.0
 
 _LARGEST_CHUNK = 16
 _CHUNKS_EACH = 4
-"""Number of chunks for each thread of the workers, at least, so that no one waits long for the last."""
+"""Least number of chunks per thread of the workers, so that the last chunk doesn't take long."""
 
 _UNDER_WAY = 3
-"""Number of chunks for each thread that are given to the scheduler at once."""
+"""Number of chunks per thread that are given to the scheduler at the same time."""
 
 _MOST_QUESTIONS = 10_000
-"""Number of times that an item may come back with a question."""
+"""Most questions with which one item may be returned."""
 
 _DEATHS = 2
 
 _ONE_AT_A_TIME = threading.Lock()
-"""The threads of a worker's process take turns: the work was made for one thread."""
+"""Lock of a worker's process: only one of its threads works at a time, because the work isn't thread-safe."""
 
 
 class Scheduler:
-    """A connection to a scheduler whose workers do some work.
+    """Connection to a scheduler whose workers do the work.
 
     Args:
-        work: as for `spreading.workers`.
-        address: of the scheduler.
-        files: as for `spreading.workers`.
+        work: function of a module, or a `partial` of such a function. It may read files only through
+            consulted.py.
+        address: address of the scheduler.
+        files: returns the files that an item needs and other items don't, as far as known in advance.
 
     Raises:
         UnreachableError: there is no scheduler, it has no workers, or they have another installation.
@@ -84,7 +85,7 @@ class Scheduler:
                 wanted += 1
 
     def ended(self, items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
-        """Yield the place of each item and its result as soon as it is there, in any order."""
+        """Yield the number of each item and its result as soon as the result is available, in any order."""
         done = 0
         if items and not self._common:
             with recorded() as answers:
@@ -120,7 +121,7 @@ def _connected(address: str) -> Any:
 
 
 def _check_workers(client: Any, address: str) -> int:
-    """Return the number of all workers' threads.
+    """Check the workers. Return the number of threads of all workers.
 
     Raises:
         UnreachableError: there are no workers, or one of them has another installation.
@@ -133,7 +134,7 @@ def _check_workers(client: Any, address: str) -> int:
     ours = this_installation()
     try:
         installed = client.run(_installed, on_error="return")
-    except Exception as error:  # dask raises whatever the workers do
+    except Exception as error:  # dask raises the exceptions of the workers
         raise UnreachableError(f"the workers of {address} can't be asked: {error}") from None
     for worker, theirs in sorted(installed.items()):
         if not isinstance(theirs, tuple):
@@ -150,7 +151,7 @@ def _installed() -> tuple[Any, ...]:
 
 
 class _Rest:
-    """Items that are done on the workers."""
+    """Items whose work is done by the workers."""
 
     def __init__(
         self,
@@ -177,7 +178,7 @@ class _Rest:
             self._offer(question, answer)
 
     def ended(self) -> Iterator[tuple[int, Any]]:
-        """Yield places and results, as soon as they are there."""
+        """Yield numbers of items and results, as soon as they are available."""
         from distributed import wait
 
         for _ in self._items:
@@ -190,13 +191,13 @@ class _Rest:
             yield self._done.popitem()
 
     def cancel(self) -> None:
-        """Give up what is under way."""
+        """Cancel the chunks that are being worked on."""
         if self._under_way:
             self._client.cancel(list(self._under_way), force=True)
 
     def _hand_out(self) -> None:
         while self._waiting and len(self._under_way) < self._limit:
-            # an item that has killed a worker goes alone
+            # An item that may have killed a worker is sent alone.
             chunk = [self._waiting.popleft()]
             while (
                 self._waiting
@@ -222,7 +223,7 @@ class _Rest:
         self._under_way[future] = chunk
 
     def _take(self, future: Any) -> None:
-        """Take the results of a chunk, answer its questions, or learn that its workers were killed."""
+        """Receive the results of a chunk, answer its questions, or notice that its workers were killed."""
         chunk = self._under_way.pop(future)
         if future.status != "finished":
             error = future.exception() if future.status == "error" else None
@@ -240,7 +241,9 @@ class _Rest:
                 raise RuntimeError(content)
 
     def _learn(self, number: int, question: Question) -> None:
-        """Answer an item's question: for all items, if two of them have asked it."""
+        """Answer the question of an item. If two items have asked it, the answer is sent with all further
+        items.
+        """
         if len(self._own[number]) > _MOST_QUESTIONS:
             raise RuntimeError(f"{question.path} is asked for again and again")
         answer = self._answer(question)
@@ -254,7 +257,9 @@ class _Rest:
         return answer
 
     def _offer(self, question: Question, answer: str) -> None:
-        """Make the content of a file a task of the scheduler, which makes it anew if a worker that had it ends."""
+        """Make the content of a file a task of the scheduler. The scheduler repeats the task if the worker
+        that had the content ends.
+        """
         if question.kind == CONTENT and answer not in self._contents:
             now, content = content_now(Path(question.path))
             if now == answer:
@@ -275,11 +280,11 @@ class _Rest:
 def _do(
     work: bytes, entries: Sequence[tuple[int, bytes, bytes]], contents: dict[str, bytes]
 ) -> list[tuple[int, str, Any]]:
-    """Do the work for a chunk, on a worker.
+    """Do the work for a chunk. This function runs on a worker.
 
     Returns:
-        For each item its number, and its result, its question, that it must be done where it was asked for, or
-        what went wrong.
+        For each item: its number, the kind of its outcome, and the outcome: its result, its question, an
+            error, or nothing if the item must be done by the process that has sent it.
     """
     from yarclang.progress import silent
 
@@ -289,11 +294,12 @@ def _do(
         try:
             with _ONE_AT_A_TIME, silent(), bundled(Bundle(unpacked(answers), contents)):
                 result = packed(do(unpacked(item)))
-            # what names the worker's folder would name this project's where it is asked for
+            # A result that contains the worker's folder would contain the project's folder if it were made by
+            # the sender.
             is_elsewhere = str(Path.cwd()).encode() in result
             done.append((number, "here", None) if is_elsewhere else (number, "result", result))
         except NotBundledError as error:
             done.append((number, "question", tuple(error.question)))
-        except Exception as error:  # told by who asked
+        except Exception as error:  # reported by the process that has sent the item
             done.append((number, "error", f"{type(error).__name__}: {error}"))
     return done

@@ -1,7 +1,7 @@
-"""Work on many items, on the cores of this machine or on the workers of a scheduler.
+"""Distribution of work for many items to the cores of this machine, or to the workers of a scheduler.
 
-Results come in the order of the items, and are the same bytes wherever the work ran. A worker that is killed
-costs the items that it had: they are given to others, and an item that kills two workers is `Lost`.
+Results come in the order of the items, and don't depend on the place of the work by a single byte. If a
+worker is killed, its items are given to other workers. An item that kills two workers is `Lost`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 _MANY = 4
-"""Number of items from which they are shared among processes, because each process imports everything once.
+"""Least number of items for which several processes are used, because each process first has to import
+everything.
 """
 
 
@@ -31,7 +32,7 @@ class Place(NamedTuple):
     """Place at which work is done.
 
     Attributes:
-        processes: number of processes on this machine; None for one a core.
+        processes: number of processes on this machine; None for one per core.
         scheduler: address of a dask scheduler, such as `tcp://HOST:8786`; empty for this machine.
     """
 
@@ -40,16 +41,16 @@ class Place(NamedTuple):
 
 
 Work = Callable[[Sequence[T]], Iterator[R | Lost]]
-"""Yields the result for each item, in order; to be called as often as there are items."""
+"""Function that yields the result for each item, in order. It can be called several times."""
 
 RacingWork = Callable[[Sequence[T]], Iterator[tuple[int, R | Lost]]]
-"""Yields for each item its place and its result, in any order."""
+"""Function that yields the number of each item and its result, in any order."""
 
 
 def spread(
     work: Callable[[T], R], items: Sequence[T], place: Place, files: Callable[[T], Sequence[Path]]
 ) -> Iterator[R | Lost]:
-    """Yield the result of `work` for each item, in order; arguments and errors as for `workers`."""
+    """Yield the result of `work` for each item, in order. Arguments and errors are those of `workers`."""
     number = min(_processes(place), len(items)) if len(items) >= _MANY else 1
     with workers(work, place if place.scheduler else Place(number), files) as do:
         yield from do(items)
@@ -59,12 +60,13 @@ def spread(
 def workers(
     work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
 ) -> Iterator[Work[T, R]]:
-    """Give a function that does `work` for items, with workers that stay until the end of this block.
+    """Yield a function that does `work` for items. Its workers run until the end of the context.
 
     Args:
-        work: a function of a module, or a `partial` of one. It reads files only through consulted.py.
-        place: where it is done.
-        files: returns the files that only one item needs, by what is known in advance.
+        work: function of a module, or a `partial` of such a function. It may read files only through
+            consulted.py.
+        place: processes or machines that do the work.
+        files: returns the files that an item needs and other items don't, as far as known in advance.
 
     Raises:
         UnreachableError: the scheduler can't be used.
@@ -77,7 +79,9 @@ def workers(
 def racing_workers(
     work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
 ) -> Iterator[RacingWork[T, R]]:
-    """Give a function that does `work` for items and yields each result as soon as it is there; else as `workers`."""
+    """Yield a function that does `work` for items and yields each result as soon as it is available.
+    Arguments and errors are those of `workers`.
+    """
     with _crew(work, place, files) as crew:
         yield crew.ended
 
@@ -107,7 +111,7 @@ def _crew(
 
 
 class _Here:
-    """This process alone."""
+    """Does the work in this process."""
 
     def __init__(self, work: Callable[[Any], Any]) -> None:
         self._work = work
@@ -124,5 +128,5 @@ def _processes(place: Place) -> int:
 
 
 def own_file(path: str) -> list[Path]:
-    """Return the file of an item that is a path; none for standard input."""
+    """Return the file of an item that is a path; empty for standard input."""
     return [] if path == "-" else [Path(path)]

@@ -1,9 +1,10 @@
-"""Results in a file of the user's cache folder, safe for many processes, bounded in size.
+"""Store of results in a file of the user's cache folder, safe for many processes, limited in size.
 
-Each entry carries a message authentication code (HMAC-SHA256) with a secret of this user, which is kept
-elsewhere: an entry that someone else has written, or that was changed or moved to another key, is never
-looked into. An entry is all or nothing, also if the process that writes it is killed: SQLite sees to that. A
-store that can't be used, because the disk is full or the file is damaged, is as if it were empty.
+Each entry has a message authentication code (HMAC-SHA256) with a secret of this user, which is stored
+elsewhere. An entry that somebody else has written, or that was changed or moved to another key, is never
+used. Each entry is written as a whole or not at all, even if the process that writes it is killed: SQLite
+ensures this. A store that can't be used, because the disk is full or the file is damaged, behaves like an
+empty one.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from yarclang.signing import is_signed, secret_in, signature
 R = TypeVar("R")
 
 LARGEST = 2_000_000_000
-"""Size of all entries above which the least recently used ones are dropped [bytes]."""
+"""Size of all entries above which the least recently used entries are dropped [bytes]."""
 
 _LARGEST_ENTRY = 200_000_000
 _KEPT = 0.8
-"""Share of the largest size that is kept when entries are dropped."""
+"""Share of the largest size that remains when entries are dropped."""
 
 _PATIENCE = 5.0
-"""Longest wait for another process that writes [s]."""
+"""Longest wait while another process writes [s]."""
 
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS entries (
@@ -44,8 +45,8 @@ class Store:
 
     Args:
         folder: the folder of the store's file.
-        secret: file of the secret; both are made if they don't exist.
-        largest: size of all entries above which some are dropped [bytes].
+        secret: file of the secret. Folder and file are created if they don't exist.
+        largest: size of all entries above which the least recently used entries are dropped [bytes].
     """
 
     def __init__(self, folder: Path, secret: Path, largest: int = LARGEST) -> None:
@@ -58,7 +59,7 @@ class Store:
         """Reason why the store can't be used; empty if it can."""
 
     def get(self, key: str) -> Iterator[tuple[int, bytes]]:
-        """Yield the numbers and values of a key's entries that are this user's, the last used one first."""
+        """Yield the numbers and values of a key's entries that this user has written, last used first."""
         query = "SELECT id, code FROM entries WHERE key = ? ORDER BY used DESC"
         nothing: list[tuple[int, object]] = []
         for number, code in self._ask(lambda base: base.execute(query, (key,)).fetchall(), nothing):
@@ -67,12 +68,12 @@ class Store:
                 yield number, value
 
     def use(self, number: int) -> None:
-        """Note that an entry was used."""
+        """Record that an entry was used."""
         change = "UPDATE entries SET used = ? WHERE id = ?"
         self._ask(lambda base: base.execute(change, (time.time(), number)).rowcount, 0)
 
     def put(self, key: str, value: bytes) -> None:
-        """Add an entry, and drop the least recently used ones if there is too much."""
+        """Add an entry. Drop the least recently used entries if the store gets too large."""
         if len(value) > min(_LARGEST_ENTRY, self._largest):
             return
 
@@ -84,7 +85,7 @@ class Store:
         self._ask(add, None)
 
     def drop(self, number: int) -> None:
-        """Remove an entry that can't be of use any more."""
+        """Remove an entry that is no longer useful."""
         self._ask(lambda base: base.execute("DELETE FROM entries WHERE id = ?", (number,)).rowcount, 0)
 
     def close(self) -> None:
@@ -108,7 +109,9 @@ class Store:
         base.executemany("DELETE FROM entries WHERE id = ?", unwanted)
 
     def _ask(self, work: Callable[[sqlite3.Connection], R], otherwise: R) -> R:
-        """Return what work gives with the open store; an error ends the use of the store."""
+        """Call a function with the open store, and return its result. After an error the store isn't used any
+        more, and `otherwise` is returned.
+        """
         if self.trouble:
             return otherwise
         try:

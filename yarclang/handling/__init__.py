@@ -1,1 +1,1 @@
-"""Follow parts that grippers take and put down: their places at every instant of a program."""
+"""Follow the parts that grippers take and put down: compute their places at every instant of a program."""

@@ -1,4 +1,4 @@
-"""Find the bodies that may touch on each motion because the program or the cell allows it."""
+"""Find the bodies that may touch during each motion because the program or the cell allows it."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from yarclang.ways import Turn, Ways
 
 @frozen
 class Allowance:
-    """Two bodies that may touch on a motion, by their names in upper case and alphabetical order.
+    """Two bodies that may touch during a motion: their names in upper case and alphabetical order.
 
-    `line` is the line that allows it: of the program or module, or, if `in_cell`, of the cell's file.
+    `line` is the line that allows the contact. It is a line of the program or module or, if `in_cell`, of the
+    cell's file.
     """
 
     first: str
@@ -39,19 +40,21 @@ class Allowance:
 
 
 Allowances = Mapping[int, tuple[Allowance, ...]]
-"""The bodies that may touch on each motion, by its step; motions without any are missing."""
+"""The bodies that may touch during each motion, by the motion's step. Motions that allow no contact are
+missing.
+"""
 
 NO_ALLOWANCES: Allowances = MappingProxyType({})
 
 
 def allowances_of(program: Program) -> Allowances:
-    """Return the bodies that may touch on the motions of a program."""
+    """Return the bodies that may touch during the motions of a program."""
     return allowances(program.cell, program.steps)
 
 
 def permitted(program: Program) -> tuple[Permitted, ...]:
-    """Return the pairs that may touch on the motions of a program, in order; for a part of another program,
-    those that the other one allows.
+    """Return the pairs that may touch during the motions of a program, in order. For a part of another
+    program, these are the pairs that the other program allows.
     """
     if program.cells is None:
         found = {step: [one.pair for one in own] for step, own in allowances_of(program).items()}
@@ -61,11 +64,11 @@ def permitted(program: Program) -> tuple[Permitted, ...]:
 
 
 def allowances(cell: Cell | None, steps: Sequence[Step]) -> Allowances:
-    """Return the bodies that may touch on motions.
+    """Return the bodies that may touch during each motion.
 
     Args:
-        cell: its entries allow pairs on motions that lead to a frame or leave it.
-        steps: of a program; its lines allow pairs with ALLOW.
+        cell: its entries allow contact of pairs during motions that lead to a frame or leave it.
+        steps: steps of a program, whose lines allow contact of pairs with ALLOW.
     """
     of_cell = () if cell is None else cell.allowances
     if not of_cell and not any(getattr(step, "allowed", ()) for step in steps):
@@ -98,22 +101,23 @@ def _by_line(one: Allowed, step: Motion) -> Allowance:
 
 
 def kept(step: Motion, own: Sequence[Allowance]) -> tuple[Allowed, ...]:
-    """Return what a motion allows where it stands alone: what its line says, and what the cell allows in its
-    place in a program.
+    """Return everything that a motion allows, for use of the motion outside of its program: what its line
+    allows, and what the cell allows at its place in the program.
 
     Args:
         step: the motion.
-        own: all that is allowed on it in its program.
+        own: everything that is allowed during the motion in its program.
     """
     of_cell = [Allowed(one.first, one.second, cell_line=one.line) for one in own if one.in_cell]
     return (*step.allowed, *of_cell)
 
 
 def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
-    """Return the names of the frame in which a motion's goal is given, and of those under which it hangs.
+    """Return the names of the frame in which a motion's goal is given, and of the frames in which this frame
+    is given in turn.
 
-    A motion to joint values, and one by an increment, leads to no frame. Only frames that the file `source`
-    declares count: a program's frame may have the name of one of the cell.
+    The result is empty for a motion to joint values or by an increment. Only frames that the file `source`
+    declares are included, since a program's frame may have the same name as a frame of the cell.
     """
     goal = step.end if step.goals else None
     if not isinstance(goal, PoseGoal):
@@ -132,10 +136,10 @@ def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
 def _with_frames(
     steps: Sequence[Step], source: SourceFile | None
 ) -> Iterator[tuple[int, Motion, frozenset[str], frozenset[str]]]:
-    """Yield the motions with their numbers, the frames to which they lead, and those to which the motion
-    before has led on every way there.
+    """Yield each motion with its number, the frames to which it leads, and the frames to which the previous
+    motion has led on every branch.
 
-    Nothing is left where a loop begins, since its passes come from different motions.
+    At the start of a loop there is no such frame, because its passes begin after different motions.
     """
     nowhere: frozenset[str] = frozenset()
     at = Ways(nowhere)

@@ -14,10 +14,10 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Parted:
-    """Ways that meet with different tools on the flange.
+    """Branches that meet with different tools on the flange.
 
-    `began` is the step with which the ways began. `tools` are the names of the tools on the one way and on the
-    other, empty for none.
+    `began` is the step with which the branches began. `tools` are the names of the tools after the one branch
+    and after the other, empty for no tool.
     """
 
     began: Turn
@@ -29,7 +29,8 @@ class Whereabouts:
     """The places of the parts between two steps.
 
     `unlike` names a part that, at the end of the last loop's first pass, isn't where it was at the pass's
-    start; empty if all are. `parted` is set where ways meet on which different tools are on the flange.
+    start; empty if there is none. `parted` is set if branches meet after which different tools are on the
+    flange.
     """
 
     ways: Ways[Parts] = Ways(NO_PARTS)
@@ -50,8 +51,8 @@ class Whereabouts:
 class Grasp:
     """The effect of a SET on a gripper, with the flange at `base_from_flange` (4, 4) [m].
 
-    `step` is the program's step. The SET `closes` the gripper, or opens it. `before` and `after` are the
-    places of the parts, `near` is the part nearest to a gripper that closes.
+    `step` is the step of the SET. `closes` is True if the SET closes the gripper, and False if it opens it.
+    `before` and `after` are the places of the parts, `near` is the part nearest to a gripper that closes.
     """
 
     step: int

@@ -1,4 +1,4 @@
-"""Find the rules (KEEP) to which each motion of a program keeps."""
+"""Find the rules (KEEP) that apply to each motion of a program."""
 
 from __future__ import annotations
 
@@ -10,17 +10,19 @@ from yarclang.hir import Motion, Program, Step
 
 
 def keeps_of(step: Step) -> tuple[Keep, ...]:
-    """Return the rules to which a step keeps; none if it is no motion."""
+    """Return the rules that apply to a step; empty if it is no motion."""
     return step.keeps if isinstance(step, Motion) else ()
 
 
 def has_keeps(steps: Sequence[Step]) -> bool:
-    """Return True if any motion keeps to a rule."""
+    """Return True if a rule applies to any motion."""
     return any(map(keeps_of, steps))
 
 
 def kept_to(program: Program) -> tuple[KeptTo, ...]:
-    """Return the rules of all motions of a program, as the map of a controller text states them."""
+    """Return the rules for all motions of a program, in the form in which the map of a controller text
+    lists them.
+    """
     return tuple(
         KeptTo(number, one.told) for number, step in enumerate(program.steps) for one in keeps_of(step)
     )

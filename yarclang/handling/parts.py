@@ -1,7 +1,7 @@
 """Compute where the parts of a cell are, and what changes when a gripper closes or opens.
 
-A state is a set of places at which parts may be. After a WHEN one part may have several: each of them counts
-as occupied.
+A state is a set of places at which parts may be. After a WHEN one part may have several places; all of them
+count as occupied.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from yarclang.handling.racks import Nearest, locked, nearest_tool, unlocked
 from yarclang.shapes import Array, Shape, Sphere
 
 BUILT_IN = ""
-"""The gripper of parts that are on the flange from the start and that no output releases."""
+"""Value in place of the gripper for parts that are on the flange from the start and that no output
+releases.
+"""
 
 
 NO_PARTS = Parts(())
@@ -40,7 +42,7 @@ def first_parts(cell: Cell | None) -> Parts:
 
 
 def _holder(cell: Cell, part: Part) -> str:
-    """Return the lock of a tool, or the gripper that is nearest to a part on the flange."""
+    """Return the lock that holds a tool, or the gripper nearest to a part on the flange."""
     if part.rack is not None:
         return part.rack.lock
     flange_from_part = part.body.mount.transform
@@ -53,10 +55,10 @@ def _holder(cell: Cell, part: Part) -> str:
 
 
 def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest | None:
-    """Return the part that a gripper would take at a flange pose (4, 4), at any distance; None if no part
-    lies anywhere.
+    """Return the part that a gripper would take at a flange pose (4, 4), at any distance; None if no part is
+    lying in the cell.
 
-    If the gripper's origin touches several parts, it is the one whose origin is nearest.
+    If the gripper's origin is inside several parts, the part with the nearest origin is returned.
     """
     origin = (base_from_flange @ grip.flange_from_grip)[:3, 3]
     found = [
@@ -82,7 +84,7 @@ def _distance(shape: Shape, base_from_shape: Array, point: Array) -> float:
 
 
 def _between(one: Shape, base_from_one: Array, other: Shape, base_from_other: Array) -> float:
-    """Return the distance of two shapes [m], each replaced by its hull; negative if they overlap."""
+    """Return the distance of the convex hulls of two shapes [m]; negative if they overlap."""
     import coal
 
     try:
@@ -96,7 +98,7 @@ def _between(one: Shape, base_from_one: Array, other: Shape, base_from_other: Ar
 
 
 _POINT = 1e-6
-"""Radius of the sphere that stands for a point [m]."""
+"""Radius of the sphere that represents a point [m]."""
 
 
 @lru_cache(maxsize=256)
@@ -118,8 +120,8 @@ def close(
 
     Returns:
         Where the parts are afterwards, and the part nearest to the gripper, which is held if it was within
-        reach. The lock of a tool changer takes the tool in whose place the flange stands. A gripper of a tool
-        that isn't on the flange takes nothing.
+        reach. The lock of a tool changer takes a tool if the flange is at the tool's place. A gripper of a
+        tool that isn't on the flange takes nothing.
     """
     if grip.changes:
         return locked(parts, variable, base_from_flange), nearest_tool(parts, base_from_flange)
@@ -133,7 +135,7 @@ def close(
     flange_from_part = np.linalg.inv(base_from_flange) @ item.transform
     taken = replace(item, pose=flange_from_part.tobytes(), gripper=variable)
     items = tuple(taken if one is item else one for one in parts.items)
-    # a part that was put back into its place and is taken again still keeps the next one out
+    # even if the part was put back to its place and is taken again, the next part can't come there
     expected = tuple(
         dict.fromkeys(replace(one, taken=step) if _blocks(item, one) else one for one in parts.expected)
     )
@@ -144,8 +146,8 @@ def close(
 
 
 def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
-    """Open a gripper at a flange pose (4, 4): the parts that it holds stay where they are. A tool stands in
-    its place if the flange is there.
+    """Open a gripper at a flange pose (4, 4). The parts that it holds stay where they are. A tool is put
+    exactly at its place if the flange is there.
     """
     parts = unlocked(parts, variable, base_from_flange)
     items = tuple(
@@ -158,13 +160,14 @@ def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
 
 
 def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Parts:
-    """Move the parts that lie where the cell has them. The next of their kinds still come to that place.
+    """Move the parts that are where the cell has them. The next parts of their kinds still come to the
+    original place.
 
     Args:
         parts: the parts.
         names: names of the kinds of parts that are moved.
         moved: (4, 4) displacement in {B} [m].
-        taken: step after which the next parts may come: the one that is given to `Expected`.
+        taken: step after which the next parts may come; it becomes `Expected.taken`.
     """
     items: list[Item] = []
     expected = list(parts.expected)
@@ -181,7 +184,7 @@ def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Par
 
 
 def remove(parts: Parts, removal: Removal) -> Parts:
-    """Remove the parts that lie within the reach of a machine."""
+    """Remove the parts that are within the reach of a machine."""
     origin = removal.base_from_place[:3, 3]
     items = tuple(
         one
@@ -194,12 +197,12 @@ def remove(parts: Parts, removal: Removal) -> Parts:
 
 
 def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
-    """Put the next parts into the places from which others were taken.
+    """Put the next parts at the places from which others were taken.
 
     Args:
         parts: where the parts are.
-        leaving: the SETs that closed a gripper from which the robot is still on its straight way out: these
-            places stay empty for now.
+        leaving: SETs that closed a gripper, if the robot is still on its straight way away from them. The
+            places of the parts that they took stay empty for now.
     """
     lying = [one for one in parts.items if one.gripper is None and one.part.rack is None and one.is_sure]
     here = [
@@ -213,14 +216,16 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
     known = {one.name for one in parts.items}
     return replace(
         parts,
-        # the branches of a WHEN may have taken the part before it with different SETs
+        # the branches of a WHEN may have taken the previous part with different SETs
         items=(*parts.items, *(one for one in dict.fromkeys(new) if one.name not in known)),
         expected=tuple(one for one in parts.expected if one not in here),
     )
 
 
 def _blocks(item: Item, expected: Expected) -> bool:
-    """Return True if `item` is the part before `expected`, and lies where that one is expected."""
+    """Return True if `item` is the part before `expected`, and is at the place to which that part is to
+    come.
+    """
     kind, place = expected.part, expected.part.body
     is_before = item.part.body.name == place.name and item.number == expected.number - 1
     return (
@@ -231,11 +236,11 @@ def _blocks(item: Item, expected: Expected) -> bool:
 
 
 _DEEP = 1e-3
-"""Overlap above which two parts can't lie in one place [m]."""
+"""Overlap above which two parts can't be at the same place [m]."""
 
 
 def either(one: Parts, other: Parts) -> Parts:
-    """Return where the parts may be if either of two states is true."""
+    """Return the union of two states, for branches of which either may have been taken."""
     if one == other:
         return one
     there = tuple(next((each for each in one.items if _are_alike(each, item)), item) for item in other.items)
@@ -249,10 +254,10 @@ def either(one: Parts, other: Parts) -> Parts:
 
 
 def unlike(first: Parts, again: Parts) -> str:
-    """Return the name of a part or gripper that differs between two states; empty if none does, so that a
-    loop can begin anew.
+    """Return the name of a part or gripper that differs between two states. If the result is empty, a loop
+    can begin another pass.
 
-    The next part of a kind counts as equal to the one before it.
+    The next part of a kind counts as equal to the previous part.
     """
     one, other = (arrive(parts, frozenset()) for parts in (first, again))
     left = list(other.items)
@@ -274,8 +279,8 @@ def _are_one_kind(one: Item, other: Item) -> bool:
 
 
 def _are_alike(one: Item, other: Item) -> bool:
-    """Return True if two items are one part at the same place except for rounding, such as one that was put
-    down and taken again where it lay.
+    """Return True if two items are one part at the same place except for rounding, such as a part that was
+    put down and taken again at the same place.
     """
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and bool(
         (np.abs(one.transform - other.transform) <= _ALIKE).all()
@@ -283,8 +288,8 @@ def _are_alike(one: Item, other: Item) -> bool:
 
 
 _ALIKE = 1e-7
-"""Poses that differ by less than this [m, or entries of a rotation] are equal; proofs keep a reserve a
-hundred times as large (`yarclang.collision.proof.SLACK`).
+"""Poses that differ by less than this [m, or entries of a rotation] are equal. Proofs keep a reserve that is
+a hundred times as large (`yarclang.collision.proof.SLACK`).
 """
 
 

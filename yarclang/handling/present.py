@@ -1,5 +1,5 @@
-"""Keep the parts of a cell between two programs of a session: the next program starts with the places that
-the last one left.
+"""Keep the parts of a cell between two programs of a session: the next program starts with the places at
+which the previous program left them.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from yarclang.handling.walk import Followed, Handling
 from yarclang.robot.model import Array, Robot
 
 SAME = 1e-5
-"""Parts whose poses differ by less than this [m, or entries of a rotation] are at one place: the text of a
-program has rounded numbers.
+"""Parts whose poses differ by less than this [m, or entries of a rotation] are at the same place: numbers in
+the text of a program are rounded.
 """
 
 
 @lru_cache(maxsize=64)
 def presently(cell: Cell, present: Present) -> Cell:
-    """Return a cell with its parts at their present places; equal states give the same object."""
+    """Return a cell with its parts at their current places. Equal states give the same object."""
     return replace(cell, present=present)
 
 
@@ -38,8 +38,8 @@ def present_of(cell: Cell) -> Present:
 
 
 def are_same(one: Parts, other: Parts) -> bool:
-    """Return True if all parts are at the same places within `SAME`: a part that is put back isn't in the
-    same place to the last bit.
+    """Return True if all parts are at the same places within `SAME`. The tolerance is needed because the
+    place of a part that is put back differs in the last bits.
     """
     if one == other:
         return True
@@ -68,8 +68,8 @@ def around_start(cell: Cell | None, *, touching: bool = True) -> Cell | None:
     """Return a cell as it is when a program starts, with its parts as obstacles or on the flange.
 
     Args:
-        cell: with its parts, or None.
-        touching: True if the robot may touch the parts beside which it stands.
+        cell: cell with its parts, or None.
+        touching: True if the robot may touch the parts next to it.
     """
     if cell is None:
         return None
@@ -78,7 +78,7 @@ def around_start(cell: Cell | None, *, touching: bool = True) -> Cell | None:
 
 
 def present_after(handling: Handling, found: Followed, q: Array | None) -> Present:
-    """Return the parts as a program leaves them.
+    """Return where a program leaves the parts.
 
     Args:
         handling: the program.
@@ -93,13 +93,14 @@ def present_after(handling: Handling, found: Followed, q: Array | None) -> Prese
 
 
 def beside(robot: Robot, cell: Cell, present: Present, q: Array | None) -> Present:
-    """Return a state without the grippers that have left their parts, because nothing touches without their
-    exceptions.
+    """Return a state without the exceptions of grippers that have moved away from their parts.
+
+    An exception is dropped if all bodies keep their distances without it.
 
     Args:
-        robot: in the cell.
-        cell: with the parts.
-        present: the state, with all grippers that may stand beside their parts.
+        robot: robot in the cell.
+        cell: cell with the parts.
+        present: the state, with the exceptions of all grippers that may still be at their parts.
         q: the robot's position (n,) [rad or m]; None if it isn't known.
     """
     left = list(dict.fromkeys(present.leaving))
@@ -126,14 +127,14 @@ def _is_free(robot: Robot, cell: Cell | None, q: Array) -> bool:
 
 
 def on_cell(present: Present, known: Cell, cell: Cell) -> Present:
-    """Transfer a state to another reading of the same cell file; parts are identified by their names.
+    """Transfer a state to another reading of the same cell file. Parts are identified by their names.
 
-    A part that still lies where the old file had it, and a part that is new, lie where the new file has them.
+    A part that is still where the old file had it, and a new part, get the place that the new file gives.
     Parts that are no longer in the file are removed.
 
     Args:
         present: the state.
-        known: the cell to whose parts it belongs.
+        known: the cell to which the state's parts belong.
         cell: the other reading.
     """
     if known.parts == cell.parts:
@@ -154,7 +155,9 @@ def on_cell(present: Present, known: Cell, cell: Cell) -> Present:
 
 
 def _at_home(item: Item, kind: Part) -> Item:
-    """Return a part at the place that its kind now has, if it was never moved; otherwise unchanged."""
+    """Return a part at the place that its kind has in the new cell, if the part was never moved; otherwise
+    unchanged.
+    """
     if item.gripper is not None or item.pose != item.part.body.mount.transform.tobytes():
         return item
     return replace(item, pose=kind.body.mount.transform.tobytes())

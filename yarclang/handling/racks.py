@@ -12,13 +12,14 @@ from yarclang.shapes import Array
 from yarclang.units import DEG
 
 MOST_TURN = 0.5 * DEG
-"""Largest angle between the flange and a tool's place at which the changer locks or unlocks [rad]."""
+"""Largest angle between the flange and a tool's place at which the changer can lock or unlock [rad]."""
 
 
 @frozen
 class Nearest:
     """The part nearest to a gripper that closes, and the distance of its surface from the gripper's origin
-    [m]; 0 if the origin is inside the part. For a tool, the distance of the flange from the tool's place.
+    [m]; 0 if the origin is inside the part. For a tool, it is the distance of the flange from the tool's
+    place.
     """
 
     item: Item
@@ -26,22 +27,24 @@ class Nearest:
 
 
 def apart(tool: RackTool, base_from_flange: Array) -> tuple[float, float]:
-    """Return how far a flange pose (4, 4) is from a tool's place [m], and the angle between both [rad]."""
+    """Return the distance of a flange pose (4, 4) from a tool's place [m], and the angle between both
+    [rad].
+    """
     away = np.linalg.inv(tool.place.transform) @ base_from_flange
     cosine = np.clip((np.trace(away[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
-    # the cosine alone would lose half of the digits of a small angle
+    # the arc cosine alone would lose half of the digits of a small angle
     sine = np.linalg.norm(away[:3, :3] - away[:3, :3].T) / np.sqrt(8.0)
     return float(np.linalg.norm(away[:3, 3])), float(np.arctan2(sine, cosine))
 
 
 def is_in_place(tool: RackTool, base_from_flange: Array) -> bool:
-    """Return True if the flange stands in a tool's place."""
+    """Return True if the flange is at a tool's place."""
     distance, turn = apart(tool, base_from_flange)
     return distance <= tool.reach and turn <= MOST_TURN
 
 
 def nearest_tool(parts: Parts, base_from_flange: Array) -> Nearest | None:
-    """Return the standing tool whose place is nearest to the flange; None if no tool stands anywhere."""
+    """Return the tool in its rack whose place is nearest to the flange; None if no tool is in a rack."""
     found = [
         Nearest(one, apart(one.part.rack, base_from_flange)[0])
         for one in parts.items
@@ -51,7 +54,7 @@ def nearest_tool(parts: Parts, base_from_flange: Array) -> Nearest | None:
 
 
 def locked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
-    """Lock a tool changer at a flange pose (4, 4): it takes the tool that stands in its place there."""
+    """Lock a tool changer at a flange pose (4, 4): it takes the tool whose place is there."""
     items = tuple(
         replace(one, pose=one.part.rack.flange_from_body.tobytes(), gripper=lock)
         if one.part.rack is not None and not parts.held(lock) and _stands_there(one, base_from_flange)
@@ -69,8 +72,8 @@ def _stands_there(item: Item, base_from_flange: Array) -> bool:
 
 
 def unlocked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
-    """Unlock a tool changer at a flange pose (4, 4): a tool whose place this is stands exactly there; another
-    one stays where it is. What the tool's grippers hold stays there, too.
+    """Unlock a tool changer at a flange pose (4, 4). A tool whose place is there is put exactly at this
+    place. Another tool, and everything that the tool's grippers hold, stays where it is.
     """
     left = [one for one in parts.held(lock) if one.part.rack is not None]
     if not left:

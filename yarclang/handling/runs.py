@@ -1,5 +1,5 @@
-"""Find the straight ways on which a robot approaches a part and leaves it: on these, bodies may touch that
-touch while the part is taken or put down.
+"""Find the straight motions by which a robot approaches a part and leaves it. During these motions, bodies
+may touch that touch while the part is taken or put down.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from yarclang.hir import (
 
 @frozen
 class Lead:
-    """A SET of a gripper beside a straight way that contains a motion.
+    """A SET of a gripper at the start or end of straight motions, seen from one of these motions.
 
-    `to` is the step of the SET. `between` are the motions of the same straight way that lie next to this
-    motion on the side of the SET; empty if the robot may stand at the SET.
+    `to` is the step of the SET. `between` are the motions between this motion and the SET that are next to
+    this motion (several with branches); empty if this motion may begin or end at the SET itself.
     """
 
     to: int
@@ -41,12 +41,13 @@ class Lead:
 
 @frozen(eq=False)
 class Runs:
-    """For each motion, by its step: the SETs of grippers that it approaches (`towards`), and those that it
+    """For each motion, by its step: the SETs of grippers that it approaches (`towards`), and the SETs that it
     leaves (`away`).
 
-    There are several if branches of a WHEN lead from different SETs or to different ones. If a motion leaves
-    no SET on one of the branches, it is in neither map. `leaves` has, for a motion, the SETs that it leaves
-    on each branch that comes from them: the parts taken there aren't replaced by the next ones yet.
+    There are several SETs if branches of a WHEN lead from different SETs or to different ones. If a motion
+    leaves no SET on one of the branches, it is not in `away`; the same holds for `towards`. `leaves` has, for
+    a motion, the SETs that it leaves on all branches that come from them: the next parts don't come yet to
+    the places of the parts that were taken there.
     """
 
     towards: Mapping[int, tuple[Lead, ...]]
@@ -57,19 +58,19 @@ class Runs:
 NO_RUNS = Runs({}, {}, {})
 
 BEFORE = -1
-"""Stands for the SETs in lines of a session before a program. SETs in lines after it have the number of the
-program's steps.
+"""Number that represents the SETs in lines of a session before a program. SETs in lines after the program
+have the number of the program's steps.
 """
 
 
 def runs_of(
     steps: Sequence[Step], grippers: Mapping[str, Grip], *, leaves: bool = False, goes_on: bool = False
 ) -> Runs:
-    """Find the motions beside each SET of a gripper: one of any kind, or several in straight lines.
+    """Find the motions next to each SET of a gripper: a single motion of any kind, or several linear motions.
 
     Args:
-        steps: of a program.
-        grippers: by the variables of their outputs.
+        steps: steps of a program.
+        grippers: grippers by the variables of their outputs.
         leaves: True if a SET precedes the program.
         goes_on: True if a SET may follow it.
     """
@@ -98,8 +99,9 @@ def _runs_of(
 class _Way:
     """A control-flow path on which a step is reached.
 
-    `set` is the last SET of a gripper on it, None if there is none. `motion` is the last motion since then,
-    None if the robot stands at the SET. `left` is True if the robot has left its straight way.
+    `set` is the last SET of a gripper on this path, None if there is none. `motion` is the last motion since
+    the SET, None if there was no motion yet. `left` is True if the robot has left the straight motions that
+    belong to the SET.
     """
 
     set: int | None = None
@@ -113,12 +115,11 @@ _NOWHERE = frozenset({_Way(left=True)})
 def _along(
     steps: tuple[Step, ...], numbers: range, closing: Mapping[str, float], first: int | None
 ) -> dict[int, frozenset[_Way]]:
-    """Return the paths on which each motion is reached that is the first after a SET of a gripper, or
-    continues straight on.
+    """Return the control-flow paths on which each motion is reached.
 
     Args:
-        steps: of a program.
-        numbers: of the steps, in the order of traversal; descending numbers search backwards.
+        steps: steps of a program.
+        numbers: numbers of the steps, in the order of traversal; descending numbers search backwards.
         closing: the values that close grippers, by their outputs.
         first: the SET that precedes the first of these steps, or None.
     """
@@ -131,7 +132,7 @@ def _along(
         if isinstance(step, opens):
             around.append((now, None))
         elif isinstance(step, Else | ends):
-            # in steps that are cut out of a program, the WHEN may be missing
+            # the WHEN may be missing if the steps are a part of a program
             before, other = around.pop() if around else (_NOWHERE, None)
             if isinstance(step, Else):
                 around.append((before, now))
@@ -139,10 +140,11 @@ def _along(
             else:
                 now |= before if other is None else other
         elif isinstance(step, Finish):
-            # forwards, nothing follows on this path; backwards, nothing comes after it
+            # forwards, no step follows on this path; backwards, nothing precedes but what comes after the
+            # last step
             now = frozenset() if numbers.step > 0 else behind
         elif isinstance(step, Stop | Gap | Loop | NextPass | Exit | EndLoop):
-            # no straight way continues from one pass of a loop to the next, or out of the loop
+            # straight motions don't continue from one pass of a loop to the next, or out of the loop
             now = _NOWHERE
         elif isinstance(step, SetOutput) and step.output.variable in closing:
             now = frozenset(_after_set(steps, at, closing, now, forwards=numbers.step > 0))
@@ -179,7 +181,7 @@ def _does(step: Step, closing: Mapping[str, float]) -> tuple[str, bool]:
 
 
 def _leads(found: Mapping[int, frozenset[_Way]]) -> dict[int, tuple[Lead, ...]]:
-    """Return the SETs beside each motion that is beside one on all paths."""
+    """Return the SETs of each motion that belongs to a SET on all paths."""
     leads: dict[int, tuple[Lead, ...]] = {}
     for at, ways in found.items():
         if any(one.left or one.set is None for one in ways):

@@ -1,5 +1,5 @@
-"""Detect likely mistakes in a description of parts: the body on which a part lies at its start, and the depth
-of the gripper in it.
+"""Detect likely mistakes in a description of parts: the body on which a part lies at the start, and the depth
+of the gripper in the part.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from yarclang.handling.surroundings import surroundings
 from yarclang.robot.model import Array, Robot
 
 DEEP = 5e-3
-"""Depth of a vacuum gripper's cup in the part that it takes, above which a mistake is reported [m]. A gripper
+"""Depth of a vacuum gripper's cup in the part that it takes [m] above which a mistake is reported. A gripper
 without a vacuum sensor may be deeper by half of the part's thickness.
 """
 
 
 def first_of(grasp: Grasp) -> tuple[Item, ...]:
-    """Return the parts that a gripper takes from where they lie when the program starts; of several of a kind
-    only the first.
+    """Return the parts that a gripper takes from their initial places in the cell; of each kind only the
+    first part.
     """
     return tuple(
         one
@@ -38,13 +38,13 @@ def first_of(grasp: Grasp) -> tuple[Item, ...]:
 
 
 def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
-    """Find the body nearest to a part where a gripper takes it.
+    """Find the body nearest to a part when a gripper takes the part.
 
     Args:
-        robot: in the cell.
-        cell: as in its file.
-        grasp: takes the part.
-        name: of the part.
+        robot: robot in the cell.
+        cell: cell as in its file.
+        grasp: grasp that takes the part.
+        name: name of the part.
 
     Returns:
         The body, and its distance as `least` [m], negative if both overlap; None if there is no other body at
@@ -62,16 +62,16 @@ def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | Non
 
 
 def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
-    """Find the body on the flange that is deeper in a part than a gripper should be where it closes.
+    """Find the body on the flange that is deeper in a part than a gripper should be when it closes.
 
-    A cup lies on the part. Fingers reach around it. As one body, which has no gap between them, they overlap
-    the part, but hardly beyond its middle.
+    A cup lies on the part. Fingers reach around it. In the model, fingers are often one body without a gap;
+    such a body overlaps the part, but hardly beyond the part's middle.
 
     Args:
-        robot: in the cell.
-        cell: as in its file.
-        grasp: takes the part.
-        name: of the part.
+        robot: robot in the cell.
+        cell: cell as in its file.
+        grasp: grasp that takes the part.
+        name: name of the part.
 
     Returns:
         The part as `part`, the body as `other`, and minus the overlap as `least` [m]; None if nothing is too
@@ -116,12 +116,12 @@ def _gaps(
     scene.
 
     Args:
-        robot: in the cell.
-        cell: as in its file.
+        robot: robot in the cell.
+        cell: cell as in its file.
         parts: where the parts are.
         base_from_flange: (4, 4) the flange's pose.
-        is_still: chooses bodies at rest.
-        is_moved: chooses bodies on the flange.
+        is_still: selects bodies at rest.
+        is_moved: selects bodies on the flange.
     """
     scene = scene_of(robot, surroundings(cell, parts)).value
     if scene is None:

@@ -1,5 +1,5 @@
-"""Build the cell at an instant of a program: parts are obstacles where they lie, and carried bodies while a
-gripper holds them.
+"""Build the cell at one instant of a program. Parts are obstacles while they lie in the cell, and carried
+bodies while a gripper holds them.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from yarclang.source import SourceFile
 from yarclang.transforms import constant
 
 PRESSED = 5e-4
-"""Distance by which bodies that touch while a part is taken or put down may come nearer on the way in and out
-[m].
+"""Distance [m] by which bodies that touch while a part is taken or put down may come nearer during the
+approach and the retreat.
 """
 INTO = 1e-3
-"""Depth to which a part may be put into a body that carries it [m]: drawings aren't exact."""
+"""Depth to which a part may be put into a body that carries it [m], since drawings aren't exact."""
 NEAR = 0.02
-"""Bodies farther from a part than this plus their margin [m] don't carry it."""
+"""Distance [m] that is added to the margin: bodies farther from a part don't carry it."""
 
 
 NO_PAIRS: frozenset[tuple[str, str]] = frozenset()
@@ -42,14 +42,14 @@ def surroundings(
     allowed: frozenset[tuple[str, str]] = NO_PAIRS,
     keeps: tuple[Keep, ...] = (),
 ) -> Cell | None:
-    """Return the cell with its parts at their places; equal states give the same object.
+    """Return the cell with its parts at their places. Equal states give the same object.
 
     Args:
-        cell: as in its file.
+        cell: cell as in its file.
         parts: where its parts are.
         touches: the bodies that may touch each other where a part is taken or put down.
-        allowed: the pairs of bodies that may touch because the program or the cell allows it, by their names.
-        keeps: the rules of the program for a motion; each is one more zone.
+        allowed: the pairs of bodies, by name, that may touch because the program or the cell allows it.
+        keeps: the rules of the program for a motion; each becomes one more zone.
     """
     if cell is None:
         return _without_cell(allowed, keeps) if allowed or keeps else None
@@ -60,14 +60,16 @@ def surroundings(
 
 @lru_cache(maxsize=64)
 def _without_cell(allowed: frozenset[tuple[str, str]], keeps: tuple[Keep, ...]) -> Cell:
-    """Return an empty cell in which bodies of the robot may touch each other, and motions keep to rules."""
+    """Return an empty cell with the pairs of the robot's bodies that may touch, and with the rules for
+    motions.
+    """
     zones = tuple(map(Zone.of, keeps))
     return Cell(SourceFile("", ""), {}, {}, {}, {}, (), zones, {}, allowed=allowed)
 
 
 @lru_cache(maxsize=64)
 def without_parts(cell: Cell) -> Cell:
-    """Return a cell without its parts, whose places aren't known; equal cells give the same object."""
+    """Return a cell without its parts, if their places aren't known. Equal cells give the same object."""
     return replace(cell, parts=()) if cell.parts else cell
 
 
@@ -80,7 +82,7 @@ def _surroundings(
     keeps: tuple[Keep, ...],
 ) -> Cell:
     bodies = tuple(body for one in items for body in bodies_of(one))
-    # a part that may be at two places doesn't collide with itself
+    # a part that may be at either of two places doesn't collide with itself
     twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
     obstacles = (*cell.obstacles, *bodies)
     touches = (*touches, *twice)
@@ -92,7 +94,9 @@ def _surroundings(
 
 @lru_cache(maxsize=4096)
 def bodies_of(item: Item) -> tuple[Obstacle, ...]:
-    """Return the bodies of a part or tool where it is. The mass of a tool belongs to the first one."""
+    """Return the bodies of a part or tool at its current place. The first body gets the whole mass of a
+    tool.
+    """
     body, held = item.part.body, item.gripper is not None
     first, *more = item.solids
     own = replace(body, name=item.name, mount=Mount(constant(first[0].copy()), held), is_sure=item.is_sure)
@@ -107,15 +111,15 @@ def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: byt
     """Find the bodies that carry the parts of a gripper where it takes them or puts them down.
 
     Args:
-        robot: in the cell.
-        cell: as in its file.
-        carried: the state in which the gripper holds them.
+        robot: robot in the cell.
+        cell: cell as in its file.
+        carried: the state in which the gripper holds the parts.
         gripper: the variable of its output.
         flange: the flange's pose, base_from_flange (4, 4) [m], as bytes.
 
     Returns:
         Pairs of bodies whose distance is at most `NEAR` plus their margin; `least` is the distance [m],
-        negative if they overlap. Nothing without a scene.
+        negative if they overlap. Empty without a scene.
     """
     scene = scene_of(robot, surroundings(cell, carried)).value
     names = {one.name for one in carried.held(gripper)}
@@ -140,7 +144,7 @@ def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: byt
 
 
 def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
-    """Return the exceptions that hold on each of several paths."""
+    """Return the exceptions that apply on every one of several paths."""
     first, *others = [*ways] or [()]
     for other in others:
         least = {(one.part, one.other): one.least for one in other}
@@ -156,10 +160,10 @@ def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...]
     """Return True if everything on the flange keeps its distance from given parts that lie in the cell.
 
     Args:
-        robot: in the cell.
-        cell: as in its file.
+        robot: robot in the cell.
+        cell: cell as in its file.
         parts: where the parts are.
-        names: of the parts.
+        names: names of the given parts.
         q: joint position (n,) [rad or m].
     """
     scene = scene_of(robot, surroundings(cell, parts)).value
@@ -177,8 +181,8 @@ def load_cases(robot: Robot, cell: Cell | None) -> tuple[Dynamics, ...]:
     """Return the masses that the robot may have to move: all combinations of the parts that it may hold.
 
     Args:
-        robot: with masses.
-        cell: at an instant.
+        robot: robot with masses.
+        cell: cell at one instant.
     """
     dynamics = robot.dynamics
     if dynamics is None:
@@ -202,8 +206,8 @@ def _load_cases(robot: Robot, dynamics: Dynamics, carried: tuple[Obstacle, ...])
 
 
 MOST_UNSURE = 5
-"""The largest number of parts for which it is uncertain at once whether a gripper holds them: all
-combinations of their masses are computed.
+"""Largest number of parts for which it may be unknown at one instant whether a gripper holds them. The masses
+of all combinations are computed.
 """
 
 
@@ -223,7 +227,7 @@ def _solid(shape: Shape) -> tuple[Array, Array]:
     """Return the centre of a solid body in its frame (3,) [m], and the diagonal of its inertia about the
     centre divided by its mass (3,) [m^2].
 
-    A mesh counts as the box around it.
+    A mesh is replaced by the box around it.
     """
     center = np.zeros(3)
     match shape:
@@ -234,7 +238,7 @@ def _solid(shape: Shape) -> tuple[Array, Array]:
         case Cylinder(radius=radius, length=length):
             return center, _of_cylinder(radius, length)
         case Capsule(radius=radius, length=length):
-            # as a cylinder of the capsule's full length: never less
+            # use a cylinder of the capsule's full length: its inertia is an upper bound
             return center, _of_cylinder(radius, length + 2.0 * radius)
     try:
         geometry = geometry_of(shape)

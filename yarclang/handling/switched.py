@@ -1,4 +1,4 @@
-"""Compute where parts are after outputs were set, from what an observer of the robot receives."""
+"""Compute where parts are after outputs were set, from the data that an observer of the robot receives."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from yarclang.handling.walk import flange_pose, handling_of
 from yarclang.robot.model import Array, Robot
 
 Switched = tuple[str, float, Array]
-"""An output's variable, the value that it was given, and the robot's position then (n,) [rad or m]."""
+"""An output's variable, its new value, and the robot's position at that time (n,) [rad or m]."""
 
 
 def parts_after(robot: Robot, cell: Cell, parts: Parts, switched: Iterable[Switched]) -> Parts:
     """Return the parts of a cell after outputs were set.
 
     Args:
-        robot: carries the parts.
-        cell: its grippers and machines are moved by the outputs.
-        parts: where they were before.
-        switched: in the order of time; outputs that move no part are allowed.
+        robot: robot that carries the parts.
+        cell: cell whose grippers and machines the outputs move.
+        parts: where the parts were before.
+        switched: changes of outputs in the order of time. Outputs that move no part are allowed.
     """
     for variable, value, q in switched:
         if variable in cell.grips:

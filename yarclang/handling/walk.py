@@ -1,4 +1,4 @@
-"""Follow a program step by step: where the parts are before each step, and what its grippers do."""
+"""Follow a program step by step: compute where the parts are before each step, and what the grippers do."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from yarclang.ways import Turn, Ways
 class Handling:
     """The grippers and parts of a cell, and the steps of a program that uses them.
 
-    `allowances` are the bodies that may touch on its motions because the program or the cell allows it.
+    `allowances` are the bodies that may touch during its motions because the program or the cell allows it.
     """
 
     robot: Robot
@@ -57,7 +57,9 @@ class Handling:
 
     @property
     def is_needed(self) -> bool:
-        """True if the cell isn't the same on all motions: with parts, bodies that may touch, or KEEP."""
+        """True if the cell differs from motion to motion: because of parts, bodies that may touch, or
+        KEEP.
+        """
         return self.has_parts or bool(self.allowances) or has_keeps(self.steps)
 
     def first(self) -> Whereabouts:
@@ -65,8 +67,8 @@ class Handling:
         return Whereabouts(Ways(first_parts(self.cell)))
 
     def before_motion(self, stand: Whereabouts, step: int) -> Whereabouts:
-        """Return where the parts are on a motion: the next of its kind replaces a part that was taken
-        away.
+        """Return where the parts are during a motion. The next part of a kind replaces a part that was
+        taken away.
         """
         if not stand.parts.expected:
             return stand
@@ -78,7 +80,8 @@ class Handling:
         Args:
             stand: the whereabouts before the step.
             step: its number.
-            q: the robot's position (n,) [rad or m]; None if it isn't known: then grippers change nothing.
+            q: the robot's position (n,) [rad or m]; None if it isn't known, in which case grippers change
+                nothing.
 
         Returns:
             The whereabouts after the step, and the grasp, if the step moves a gripper.
@@ -143,14 +146,14 @@ class Handling:
         clear: Collection[tuple[int, int]] = (),
         coming: Sequence[Grasp] = (),
     ) -> tuple[Touch, ...]:
-        """Return the bodies that may touch on a motion as it approaches or leaves a part; if branches of a
-        WHEN meet, only those that may on each.
+        """Return the bodies that may touch during a motion because it approaches or leaves a part. If several
+        branches of a WHEN lead to the motion, these are the bodies that may touch on each branch.
 
         Args:
             step: the motion's step.
             grasps: returns the grasp of a SET by its step; None if it isn't known.
-            clear: pairs of SET and motion, by their steps, for which the gripper isn't at the part yet, or no
-                longer: it may not touch the part.
+            clear: pairs of SET and motion, by their steps, for which the gripper isn't at the part yet, or is
+                no longer there. In these motions it must not touch the part.
             coming: grasps that the next lines of the session may make.
         """
 
@@ -177,7 +180,7 @@ class Handling:
         return () if present is None else present.leaving
 
     def leaving(self, grasp: Grasp) -> Leaving:
-        """Return the exceptions for the way out after a grasp."""
+        """Return the exceptions for the motions that leave the place of a grasp."""
         return Leaving(grasp.moved, grasp.closes, self._touches(grasp, leads_in=False))
 
     def coming(self, parts: Parts, base_from_flange: Array) -> tuple[Grasp, ...]:
@@ -196,8 +199,8 @@ class Handling:
         return tuple(one for one in found if one is not None and one.moved)
 
     def _allowed(self, coming: Sequence[Grasp]) -> list[Touch]:
-        """Return the exceptions where the next line of a session may take or put down a part; the part may
-        not be put into a body.
+        """Return the exceptions at a place where the next line of a session may take or put down a part. A
+        part must not be put down inside a body.
         """
         touches = [touch for one in coming for touch in self._touches(one, leads_in=True)]
         return [one for one in touches if one.other is None or one.least >= -INTO - PRESSED]
@@ -209,16 +212,17 @@ class Handling:
         ends: Callable[[int], Array | None],
         before: Mapping[int, Parts],
     ) -> set[tuple[int, int]]:
-        """Find the straight motions on which a SET's gripper isn't at its part yet, or no longer.
+        """Find the straight motions of a SET during which the gripper isn't at its part yet, or is no longer
+        there.
 
-        These are the motions beyond the first place, seen from the SET, at which the gripper is clear of the
+        Going from the SET, these are all motions after the first place at which the gripper is clear of the
         part.
 
         Args:
             grasp: what the SET does.
             begins: returns where a motion begins (n,) [rad or m], by its step.
             ends: returns where a motion ends (n,) [rad or m], by its step.
-            before: where the parts are on each motion, by its step.
+            before: where the parts are during each motion, by its step.
 
         Returns:
             Pairs of the SET's step and a motion's step.
@@ -229,9 +233,7 @@ class Handling:
     def clear_of_left(
         self, ends: Callable[[int], Array | None], before: Mapping[int, Parts]
     ) -> set[tuple[int, int]]:
-        """Find the same motions as `clear_of`, for the parts beside which the robot stands when the program
-        starts.
-        """
+        """Find motions like `clear_of`, for the parts next to which the robot is when the program starts."""
         found = (self._beyond(BEFORE, False, one.moved, ends, before) for one in self._left if not one.closes)
         return set().union(*found)
 
@@ -247,8 +249,8 @@ class Handling:
         found: set[tuple[int, int]] = set()
 
         def is_clear(step: int) -> bool:
-            """Return True if the gripper is clear of the part at the far end of a motion, seen from the
-            SET.
+            """Return True if the gripper is clear of the part at the end of a motion that is farther from
+            the SET.
             """
             q = leave(step)
             if (number, step) in found:
@@ -265,9 +267,9 @@ class Handling:
 
     def _touches(self, grasp: Grasp, *, leads_in: bool) -> tuple[Touch, ...]:
         if grasp.closes == leads_in:
-            # the gripper is around a part that lies there
+            # the part lies there, and the gripper encloses it
             return tuple(Touch(name, None, -np.inf) for name in grasp.moved)
-        # a part that lies deep in a body when it is taken isn't carried by that body: the two collide
+        # if a part overlaps a body deeply when it is taken, the body doesn't carry the part: the two collide
         carry = (one for one in self.supports(grasp) if not grasp.closes or one.least >= -INTO)
         return tuple(Touch(one.part, one.other, one.least - PRESSED) for one in carry)
 
@@ -299,12 +301,12 @@ class Handling:
         return on_all_ways(of_set(one.to) for one in self.runs.towards.get(step, ()))
 
     def around(self, parts: Parts, touches: tuple[Touch, ...] = (), step: int | None = None) -> Cell | None:
-        """Return the cell at an instant.
+        """Return the cell at one instant.
 
         Args:
             parts: where the parts are.
             touches: the bodies that may touch where a part is taken or put down.
-            step: of the motion whose allowances and rules (KEEP) count; None for none.
+            step: step of the motion whose allowances and rules (KEEP) apply; None for none.
         """
         own = () if step is None else self.allowances.get(step, ())
         pairs = frozenset(one.pair for one in own) if own else NO_PAIRS
@@ -318,16 +320,17 @@ class Followed:
 
     Attributes:
         before: where the parts are during each motion, by its step.
-        changes: where the parts are from the beginning of each motion, and of each other step that changes
-            it, in the order of the steps.
+        changes: where the parts are from the beginning of each motion, and of each other step that moves
+            parts, in the order of the steps.
         grasps: what grippers do, by the step of the SET.
         removed: the names of the parts that machines remove, by the step of the SET.
         end: where the parts are at the end.
-        cells: the cell as it is during each motion, by its step.
+        cells: the cell during each motion, by its step.
         unlike: a part that isn't where it was at a loop's first pass, by the step at which the loop would
-            begin anew.
-        parted: ways that meet with different tools on the flange, by the step where they meet.
-        tools: the tools that are on the flange after each TOOL, by its step, as far as its place is known.
+            begin again.
+        parted: branches that meet with different tools on the flange, by the step where they meet.
+        tools: the tools that are on the flange after each TOOL, by its step, if the robot's place is known
+            there.
     """
 
     before: Mapping[int, Parts]
@@ -349,8 +352,8 @@ def followed(
     Args:
         handling: its steps and the cell.
         start: the robot's first position (n,) [rad or m].
-        ends: where each motion ends (n,), by its step. In a partial plan some are missing; after these,
-            grippers do nothing until the next motion that is present.
+        ends: where each motion ends (n,), by its step. In a partial plan some ends are missing. After a
+            missing end, grippers do nothing until the next motion with an end.
         left_out: steps that aren't carried out. A WHEN can only be left out together with its ELSE and END;
             the remaining steps are then carried out one after the other.
     """
@@ -412,10 +415,11 @@ def handling_of(
     """Return the data for following the parts of a program.
 
     Args:
-        robot: in the cell.
-        cell: around it, or None.
-        steps: of the program.
-        allowed: the bodies that may touch, if the steps are a part of a program; None to derive them.
+        robot: robot in the cell.
+        cell: cell around the robot, or None.
+        steps: steps of the program.
+        allowed: the bodies that may touch, if the steps are a part of a program; None to derive them from the
+            steps.
     """
     if allowed is None:
         allowed = allowances(cell, steps)

@@ -1,6 +1,6 @@
 """The Pygments lexer of the language, which mkdocs and rich find as `yarc`.
 
-It works line by line: the kind of a name doesn't depend on its declaration. The grammar in editors/vscode
+It reads each line by itself: a name's kind doesn't depend on its declaration. The grammar in editors/vscode
 distinguishes the same kinds; tests compare the two.
 """
 

@@ -29,7 +29,7 @@ from yarclang.words.registry import word_specs
 class Words:
     """Words in upper case, and units as they are written.
 
-    Words that begin with a shorter word precede it.
+    Longer words come first, so that a search doesn't match only the beginning of a word.
 
     Attributes:
         blocks: words that begin or end a block.

@@ -1,5 +1,7 @@
-"""An independent reading of emitted texts: how far what is executed is from what a program says, and how much of each limit it uses.
+"""An independent check of emitted texts: the distance between the executed motion and the motion that the
+program asks for, and the used share of each limit.
 
-It shares nothing with the compiler and its certificate: regular expressions read the text, tomllib the robot, Pinocchio the URDF, and scipy's
-splines are what is executed. It samples densely, so it finds faults and proves nothing.
+It shares no code with the compiler and its certificate: regular expressions read the text, tomllib reads the
+robot, Pinocchio reads the URDF, and splines of scipy are the executed motion. The motion is densely sampled,
+so this check finds faults but proves nothing.
 """

@@ -1,4 +1,4 @@
-"""A robot as its files say: limits by tomllib, the chain by Pinocchio."""
+"""A robot, read from its files: limits by tomllib, the kinematic chain by Pinocchio."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from scipy.spatial.transform import Rotation
 Array = NDArray[np.float64]
 
 Pose = tuple[Array, Any]
-"""A position (3,) [mm], and scipy's Rotation."""
+"""Position (3,) [mm], and rotation (scipy's Rotation)."""
 
 
 class Arm:
-    """A robot as its files say.
+    """A robot, read from its files.
 
     Args:
         description: text of robot.toml.
-        urdf: text of its URDF.
+        urdf: text of the URDF.
     """
 
     def __init__(self, description: str, urdf: str) -> None:
@@ -37,7 +37,7 @@ class Arm:
         self.flange = self.model.getFrameId(self.data["flange"])
         joints = self.data["joints"].values()
         self.lower, self.upper = np.array([joint["position"] for joint in joints]).T
-        ramps = self.data.get("ramps", {})  # times in ms, for joints that don't say it themselves
+        ramps = self.data.get("ramps", {})  # times in ms, for joints without a value of their own
         self.velocity = np.array([joint["velocity"] for joint in joints])
         self.acceleration = np.array(
             [joint.get("acceleration") or joint["velocity"] * 1e3 / ramps["rise"] for joint in joints]
@@ -63,14 +63,14 @@ class Arm:
 
     @classmethod
     def in_folder(cls, folder: Path) -> Arm:
-        """Return the robot of a folder."""
+        """Return the robot whose files are in a folder."""
         description = (folder / "robot.toml").read_text(encoding="utf-8")
         return cls(description, (folder / tomllib.loads(description)["urdf"]).read_text(encoding="utf-8"))
 
     def poses(self, q_deg: Array) -> tuple[Array, Any]:
         """Return positions [mm] and rotations of {TCP} in {B} for joint positions (N, n) in deg (mm).
 
-        What is asked for again at once isn't computed again.
+        The last result is cached, because the same positions are often requested twice in a row.
         """
         q_deg = np.asarray(q_deg)
         key = q_deg.shape, q_deg.tobytes()
@@ -81,7 +81,7 @@ class Arm:
         return found
 
     def _pose(self, q: Array) -> Any:
-        """Return the pose by Pinocchio [m] of joint positions [rad or m]."""
+        """Return the pose of {TCP} in {B} [m] at joint positions [rad or m], computed by Pinocchio."""
         whole = pinocchio.neutral(self.model)
         whole[self.places] = q
         pinocchio.forwardKinematics(self.model, self.workspace, whole)
@@ -90,7 +90,9 @@ class Arm:
         return base.actInv(flange) * self.tcp
 
     def _screws_of(self, ids: list[int]) -> list[Any]:
-        """Return axes and moments of the joints in {B} by Pinocchio; those of the slides have no turn."""
+        """Return the screw axes of the joints in {B} by Pinocchio: directions and moments. Sliding joints
+        have no angular part.
+        """
         whole = pinocchio.neutral(self.model)
         whole[self.places] = 0.0
         jacobians = pinocchio.computeJointJacobians(self.model, self.workspace, whole)
@@ -99,12 +101,16 @@ class Arm:
         return [base.actInv(pinocchio.Motion(column)) for column in columns]
 
     def _by_screws(self, q: Array) -> tuple[Array, Array]:
-        """Return what `_pose` gives, of many joint positions (N, n) at once: a product of exponentials."""
+        """Return positions [m] and rotation matrices of {TCP} in {B} at many joint positions (N, n) at once,
+        by the product of exponentials. The results are those of `_pose`.
+        """
         count = len(q)
         places, turns = (
             np.tile(self._straight.translation, (count, 1)),
             np.tile(self._straight.rotation, (count, 1, 1)),
         )
+        # From the last joint to the first: each joint moves everything after it. The axis of a rotation
+        # passes through the point axis x moment.
         for screw, slides, value in reversed(list(zip(self._screws, self.slides, q.T, strict=True))):
             if slides:
                 places = places + value[:, None] * screw.linear

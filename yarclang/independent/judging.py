@@ -1,6 +1,6 @@
-"""A judge of what programs compile to.
+"""Check of the texts to which programs compile.
 
-Which joint positions were chosen for poses it takes from the plan, and checks that they are solutions.
+The joint positions that were chosen for poses come from the plan; they are checked to be solutions.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from yarclang.independent.reading import shares as shares_of
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is found of one text.
+    """Result of the check of one text.
 
     Attributes:
-        faults: what it does otherwise than its program says, as sentences.
-        worst: the largest share of what is allowed, by name: `path` and `table` of the tolerance; `position`, `velocity`,
-            `acceleration`, `jerk` and `motor` of the limits.
+        faults: deviations of the executed motion from the program, as sentences.
+        worst: the largest used share of what is allowed, by name: `path` and `table` are shares of the
+            tolerance; `position`, `velocity`, `acceleration`, `jerk` and `motor` are shares of the limits.
         duration: time of all motions [s].
     """
 
@@ -41,14 +41,14 @@ def judge(
     chosen: Mapping[int, Array],
     told: Mapping[int, Collection[str]],
 ) -> Judgement:
-    """Judge what an emitted text does otherwise than its program says.
+    """Check an emitted text for deviations from its program.
 
     Args:
-        arm: the arm, independently read.
-        said: what each motion says, by step.
+        arm: the arm, read independently.
+        said: requirements of the program on each motion, by step.
         text: the emitted text.
-        chosen: for each step the joint positions (k, n) [rad, m] that were chosen for its goals.
-        told: the codes of warnings and notes, by step.
+        chosen: joint positions (k, n) [rad, m] that were chosen for the goals of each step.
+        told: codes of warnings and notes, by step.
     """
     found: list[str] = []
     worst: dict[str, float] = {}
@@ -65,7 +65,7 @@ def judge(
         following = said[steps[place + 1]] if place + 1 < len(steps) else None
         goals = goals_from(arm, one, corner)
         ends = chosen[step] / arm.si
-        # None at rest, 0 where the corner may not be left
+        # Number of overlapping segments. None: the robot rests; 0: the corner must not be left.
         flows_on = flowing.get(step)
         label = f"step {step} {one.kind}"
         lasts += done.duration
@@ -127,12 +127,12 @@ def judge(
 
 
 def _count(worst: dict[str, float], what: str, value: float) -> None:
-    """Keep the largest value of a name."""
+    """Keep the largest value under a name."""
     worst[what] = max(worst.get(what, 0.0), float(value))
 
 
 def _off_table(arm: Arm, one: Said, done: Executed, corner: Array, worst: dict[str, float]) -> Iterator[str]:
-    """Yield what is otherwise than a timetable says from joint position `corner` on."""
+    """Yield deviations from a timetable that begins at joint positions `corner`."""
     assert one.table is not None
     lasts = one.table.times[-1] * one.stretch
     if not -1e-9 <= done.duration - lasts <= 1e-3:
@@ -146,14 +146,14 @@ def _off_table(arm: Arm, one: Said, done: Executed, corner: Array, worst: dict[s
 
 
 def _beside(segments: int | None, one: Said) -> int | None:
-    """Return the number of samples that may be on the path of either motion at a corner that isn't left: it is passed
-    in the overlap, or a segment beside it. None at other corners.
+    """Return the number of samples near a corner that may be on the path of either motion, if the corner must
+    be passed: the corner is passed within the overlap or the segment beside it. None for other corners.
     """
     return None if segments is None or (segments and one.blend) else 8 * (segments // 2 + 1) + 1
 
 
 def _not_solutions(arm: Arm, goals: list[Any], ends: Array) -> Iterator[str]:
-    """Yield which of the chosen joint positions don't reach their goals, or are out of limits."""
+    """Yield a fault for each chosen joint position that doesn't reach its goal or is beyond a limit."""
     if len(goals) != len(ends):
         ends = ends[-1:]
         goals = goals[-1:]
@@ -169,11 +169,15 @@ def _not_solutions(arm: Arm, goals: list[Any], ends: Array) -> Iterator[str]:
 
 
 _PRINTED = {"velocity": 2e-4, "motor": 2e-4, "acceleration": 1e-3, "jerk": 1e-2}
-"""Shares of the limits that the decimals of the text may add to what a program sets; never beyond the limits."""
+"""Amounts by which rounding of the printed decimals may exceed the allowed share of a limit. The limit itself
+must never be exceeded.
+"""
 
 
 def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float]) -> Iterator[str]:
-    """Yield limits that are broken at any sample; the largest share of the motions `beside` each other is allowed."""
+    """Yield the limits that are exceeded at any sample. Where motions overlap, the largest share that one of
+    the motions `beside` may use is allowed.
+    """
     share = max(other.share for other in beside)
     ramp = max(other.share * other.acc for other in beside)
     allowed = {"position": 1.0, "velocity": share, "motor": share, "acceleration": ramp, "jerk": ramp}
@@ -188,7 +192,9 @@ def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float
 
 
 def _ball(arm: Arm, one: Said, following: Said, corner: Array) -> Callable[[Array], Array]:
-    """Return how far joint positions are from a corner, as shares of what BLEND allows there."""
+    """Return a function that computes the distances of joint positions from a corner, as shares of the
+    distance that BLEND allows.
+    """
     blend = one.blend or 0.0
     if one.in_joints and following.in_joints:
         return lambda q: np.asarray(np.abs(q - corner).max(axis=1) / blend)
@@ -199,7 +205,7 @@ def _ball(arm: Arm, one: Said, following: Said, corner: Array) -> Callable[[Arra
 def _off_speed(
     arm: Arm, one: Said, done: Executed, in_ball: NDArray[np.bool_], reaches: bool
 ) -> Iterator[str]:
-    """Yield if a cruise isn't at its speed."""
+    """Yield a fault if the speed of a cruise is wrong."""
     assert one.speed is not None
     fastest = _fastest(arm, done, in_ball)
     if fastest > one.speed * 1.002:
@@ -209,7 +215,7 @@ def _off_speed(
 
 
 def _fastest(arm: Arm, done: Executed, in_ball: NDArray[np.bool_]) -> float:
-    """Return the largest speed [mm/s] of {TCP} outside of blends."""
+    """Return the largest speed of {TCP} outside of blends [mm/s]."""
     points, _ = arm.poses(done.sample())
     times = np.linspace(0.0, done.duration, len(points))
     speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(times)

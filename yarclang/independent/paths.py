@@ -1,7 +1,8 @@
-"""What programs say, read anew: the programmed paths as dense polylines, and how far an executed motion is from them.
+"""The programmed paths as dense polylines, computed independently of the compiler, and the distance of
+executed motions from them.
 
-A place of the moving frame is a vector: its position [mm] and its rotation matrix, each in units of its tolerance, so that one distance stands for both; joint
-positions are vectors as they are.
+A pose of the moving frame is represented as a vector: its position [mm] and its rotation matrix, each divided
+by its tolerance, so that one distance covers both. Joint positions are vectors as they are.
 """
 
 from __future__ import annotations
@@ -18,17 +19,18 @@ from yarclang.independent.arm import Arm, Array
 from yarclang.independent.timetable import Timetable
 
 DENSE, SHORT = 3000, 10.0
-"""Points of a polyline; of a path that gets no farther than so [mm], a tenth of them."""
+"""Number of points of a polyline, and length [mm] below which a path gets only a tenth of them."""
 
 TURN_CHORD = 100.0
-"""How much of a spline's parameter [mm] a turn of 1 rad takes."""
+"""Length [mm] in a spline's chord parameter that corresponds to a turn of 1 rad."""
 
 
 @dataclass
 class Said:
-    """What a motion says: `kind` is joints, joint_spline, timed, line, arc or pose_spline; goals are joint positions (deg, mm) or poses.
+    """The requirements of a program on a motion. `kind` is joints, joint_spline, timed, line, arc or
+    pose_spline. `goals` are joint positions (deg, mm) or poses.
 
-    A pose is (x y z [mm], Rotation). Increments are worked out by `goals_from`.
+    A pose is (x y z [mm], Rotation). `goals_from` adds increments to the start.
     """
 
     kind: str
@@ -41,28 +43,28 @@ class Said:
     acc: float = 1.0
     tol: float | None = None
     table: Timetable | None = None
-    """The table of a timed motion, and the factor of all its times."""
+    """Table of a timed motion. `stretch` is the factor for all its times."""
     stretch: float = 1.0
 
     @property
     def in_joints(self) -> bool:
-        """True if the motion is said of joints."""
+        """True if the motion is defined in joint space."""
         return self.kind in ("joints", "joint_spline", "timed")
 
     @property
     def seconds(self) -> float | None:
-        """Return the time that is asked for [s]; None without one."""
+        """Return the requested time [s]; None if there is none."""
         inside = self.time[1:-1]
         return None if inside == "MIN" or "%" in inside or "V" in inside else float(inside)
 
     @property
     def speed(self) -> float | None:
-        """Return the speed that is asked for [mm/s]; None without one."""
+        """Return the requested speed [mm/s]; None if there is none."""
         return float(self.time[2:-1]) if self.time.startswith("[V ") else None
 
     @property
     def ceiling(self) -> float | None:
-        """Return the largest speed that is allowed [mm/s]; None without one."""
+        """Return the largest allowed speed [mm/s]; None if there is none."""
         return float(self.time[4:-1]) if self.time.startswith("[V<=") else None
 
     @property
@@ -72,7 +74,9 @@ class Said:
 
 
 def goals_from(arm: Arm, said: Said, start: Array) -> list[Any]:
-    """Return the goals of a motion from joint position `start`, increments added."""
+    """Return the goals of a motion that begins at joint positions `start`. Increments are added to the
+    start.
+    """
     if not said.relative:
         return said.goals
     (goal,) = said.goals
@@ -83,7 +87,8 @@ def goals_from(arm: Arm, said: Said, start: Array) -> list[Any]:
 
 
 def path(arm: Arm, said: Said, start: Array, goals: list[Any], way_points: Array) -> Array:
-    """Return the programmed path as a polyline (M, d): of joint positions, or of places as `embedded` makes them.
+    """Return the programmed path as a polyline (M, d) of joint positions, or of poses as vectors
+    (`embedded`).
 
     `way_points` are the joint positions that were chosen for the goals.
     """
@@ -98,7 +103,8 @@ def path(arm: Arm, said: Said, start: Array, goals: list[Any], way_points: Array
 def embedded(arm: Arm, said: Said, points: Array, rotations: Any) -> Array:
     """Return poses as vectors (N, 12) in units of the motion's tolerance."""
     tolerance = arm.data["tolerance"]
-    # a degree for each millimetre of TOL, if that is more
+    # TOL also sets the tolerance of the orientation: one degree per millimeter, but at least the robot's own
+    # tolerance.
     angle = max(tolerance["angle"], said.tol or 0.0)
     turns = rotations.as_matrix().reshape(-1, 9) / np.sqrt(2.0) / np.radians(angle)
     places: Array = np.concatenate((points / (said.tol or tolerance["position"]), turns), axis=1)
@@ -110,6 +116,7 @@ def nearest(samples: Array, polyline: Array) -> Array:
     at = cKDTree(polyline).query(samples)[1]
     best: Array = polyline[at]
     far = np.linalg.norm(samples - best, axis=1)
+    # Improve the nearest corner: project each sample onto the two pieces beside this corner.
     for piece in (at - 1, at):
         low = np.clip(piece, 0, len(polyline) - 2)
         a, way = polyline[low], polyline[low + 1] - polyline[low]
@@ -122,7 +129,7 @@ def nearest(samples: Array, polyline: Array) -> Array:
 
 
 def off(arm: Arm, said: Said, samples: Array, polyline: Array) -> Array:
-    """Return how far samples (N, n) are from a path, as shares of the tolerance (N,)."""
+    """Return the distances of samples (N, n) from a path, as shares of the tolerance (N,)."""
     tolerance = arm.data["tolerance"]
     if said.in_joints:
         each = np.where(arm.slides, tolerance["position"], tolerance["angle"])
@@ -134,7 +141,7 @@ def off(arm: Arm, said: Said, samples: Array, polyline: Array) -> Array:
 
 
 def _of_frame(said: Said, first: Array, turn: Any, goals: list[Any]) -> tuple[Array, Any]:
-    """Return positions [mm] and rotations along a path of the moving frame, densely."""
+    """Return densely sampled positions [mm] and rotations along a path of the moving frame."""
     short = np.linalg.norm(goals[-1][0] - first) < SHORT
     s = np.linspace(0.0, 1.0, DENSE // 10 if short else DENSE)
     if said.kind == "pose_spline":
@@ -150,7 +157,7 @@ def _of_frame(said: Said, first: Array, turn: Any, goals: list[Any]) -> tuple[Ar
 def _arc(first: Array, via: Array, last: Array, s: Array) -> Array:
     normal = np.cross(via - first, last - first)
     normal /= np.linalg.norm(normal)
-    # as far from the first as from the two others, and in their plane
+    # The center has the same distance from all three points, and is in their plane: three linear equations.
     rows = np.array([via - first, last - first, normal])
     right = np.array([(via @ via - first @ first) / 2, (last @ last - first @ first) / 2, normal @ first])
     centre = np.linalg.solve(rows, right)
@@ -166,6 +173,7 @@ def _pose_spline(first: Array, turn: Any, goals: list[Any], s: Array) -> tuple[A
     steps = []
     for point, rotation in goals:
         quaternion = rotation.as_quat()
+        # q and -q are the same rotation: choose the sign that is nearer to the quaternion before.
         if quaternion @ quaternions[-1] < 0:
             quaternion = -quaternion
         angle = (Rotation.from_quat(quaternions[-1]).inv() * rotation).magnitude()
@@ -183,7 +191,7 @@ def _pose_spline(first: Array, turn: Any, goals: list[Any], s: Array) -> tuple[A
 
 
 def _joint_spline(points: Array, si: Array) -> Array:
-    """Return the natural spline over the chord in rad and m."""
+    """Return the natural cubic spline through joint positions, parameterized by chord length in rad and m."""
     keep = [0]
     for number in range(1, len(points)):
         if np.linalg.norm((points[number] - points[keep[-1]]) * si) > 1e-9:

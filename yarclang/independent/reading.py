@@ -1,4 +1,4 @@
-"""Emitted texts as the controller executes them: cubic B-splines, sampled densely."""
+"""Emitted texts as the controller executes them: densely sampled cubic B-splines."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Executed:
         control: control points (N, n) [deg, mm].
         segment: time of a segment [s].
         duration: time of the command [s].
-        spline: function of the time, and its derivatives.
+        spline: joint positions as a function of time, with derivatives.
     """
 
     control: Array
@@ -43,7 +43,7 @@ class Executed:
 
 
 def read(text: str) -> tuple[Array, dict[int, Executed]]:
-    """Return the start [deg] and the commands of a text, by step, as the controller executes them."""
+    """Return the start [deg, mm] and the executed commands of a text, by step."""
     lines = text.split("\n")
     table: dict[int, tuple[int, int]] = {}
     for line in lines:
@@ -83,7 +83,7 @@ def _axes(line: str) -> Array:
 
 
 def shares(arm: Arm, executed: Executed) -> dict[str, float]:
-    """Return the largest share of each limit that an executed command uses."""
+    """Return the largest used share of each limit during an executed command."""
     q, v, a, j = (executed.sample(order) for order in range(4))
     span = (arm.upper - arm.lower) / 2
     return {
@@ -96,12 +96,15 @@ def shares(arm: Arm, executed: Executed) -> dict[str, float]:
 
 
 def off_line(arm: Arm, executed: Executed, goal_point: Array, goal_rotation: Any) -> tuple[float, float]:
-    """Return the largest distance [mm] and angle [deg] of an executed command from the straight line to a goal."""
+    """Return the largest distance [mm] and angle [deg] of an executed command from the straight line to a
+    goal.
+    """
     points, rotations = arm.poses(executed.sample(per_segment=4))
     start_point, start_rotation = points[0], rotations[0]
     shift = goal_point - start_point
     turn = start_rotation.inv() * goal_rotation
-    # how far along the way each sample is: position and angle together, each in units of its tolerance
+    # Parameter of the nearest point on the line for each sample. Position and angle are weighted by their
+    # tolerances and combined.
     weight_p, weight_a = 1 / 0.02**2, 1 / np.radians(0.002) ** 2
     turned = (start_rotation.inv() * rotations).as_rotvec() @ turn.as_rotvec()
     whole = weight_p * shift @ shift + weight_a * turn.magnitude() ** 2
@@ -116,6 +119,7 @@ def off_joint_line(executed: Executed, goal: Array) -> float:
     q = executed.sample()
     start = q[0]
     way = goal - start
+    # Project each sample onto the line, within its ends.
     s = np.clip((q - start) @ way / max(way @ way, 1e-30), 0.0, 1.0)
     return float(np.abs(q - (start + s[:, None] * way)).max())
 
@@ -134,7 +138,7 @@ def off_spline(executed: Executed, waypoints: list[Array]) -> float:
     curve = CubicSpline(knots, points, bc_type="natural")
     s = np.linspace(0, knots[-1], 20 * len(q))
     path = curve(s)
-    # to the polyline of a fine sampling: its own error is far below the tolerance
+    # The path is a polyline of fine samples, whose own error is far below the tolerance.
     worst, at = 0.0, 0
     for point in q:
         window = path[at : at + 2000]
@@ -153,6 +157,6 @@ def _to_segment(point: Array, a: Array, b: Array) -> float:
 
 
 def overlaps(text: str) -> dict[int, int]:
-    """Return the number of segments in which a command overlaps with the next, by step, of those that do."""
+    """Return the number of overlapping segments of each command that overlaps with the next one, by step."""
     found = re.finditer(r"^; command (\d+) .* blend (\d+)(?: any-jerk)?$", text, re.MULTILINE)
     return {int(one[1]): int(one[2]) for one in found}

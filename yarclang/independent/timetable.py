@@ -1,4 +1,4 @@
-"""Timetables, and the motion that they ask for."""
+"""Timetables, and the motions that they define."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from yarclang.independent.arm import Array
 
 @dataclass
 class Timetable:
-    """Rows in deg (mm) and s: `start` (n,), `times` (k,), `rows` (k, n) and their derivatives; what a program says of them."""
+    """Timetable of a program, in deg (mm) and s: the position `start` (n,) before it, `times` (k,), `rows`
+    (k, n) of positions, and their derivatives.
+    """
 
     start: Array
     times: Array
@@ -23,7 +25,7 @@ class Timetable:
     accelerations: Array | None
 
     def text(self, options: str = "") -> str:
-        """Return the program: to the start, and along the table."""
+        """Return a program that moves to the start, and then along the table."""
         return (
             "DEFAULT (mm,deg,s)\n"
             f"P0010 MOVEJ {numbers(self.start)} [MIN]\n"
@@ -31,7 +33,7 @@ class Timetable:
         )
 
     def way(self) -> str:
-        """Return the rows as a command has them."""
+        """Return the rows as text for a command."""
         points = []
         for number, (q, time) in enumerate(zip(self.rows, self.times, strict=True)):
             point = f"{numbers(q)} [{time:.4f}]"
@@ -43,7 +45,7 @@ class Timetable:
         return "; ".join(points)
 
     def asked(self, stretch: float = 1.0) -> Any:
-        """Return the path over time: a function with derivatives."""
+        """Return the required motion as a function of time, with derivatives."""
         times = np.concatenate(([0.0], self.times)) * stretch
         q = np.concatenate((self.start[None], self.rows))
         if self.velocities is None:
@@ -55,5 +57,5 @@ class Timetable:
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Return numbers as programs write them."""
+    """Return numbers as text for a program."""
     return " ".join(f"{value:.4f}" for value in values)

@@ -1,1 +1,1 @@
-"""Lint: rules about programs that compile, one file each in `rules`."""
+"""Lint rules: rules about programs that compile, one file each in `rules`."""

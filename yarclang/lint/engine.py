@@ -1,4 +1,4 @@
-"""Run the rules on the results of the stages, as far as there are results."""
+"""Run the rules on the results of the stages that are available."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def lint(
     Args:
         products: the available results of the stages, of the types that rules read.
         surroundings: context for every rule.
-        found: findings of the stages; rules skip commands with errors, unless they explain errors.
+        found: findings of the stages. Rules skip commands with errors, unless they explain errors.
         silent: codes of rules that are not run.
     """
     return findings_of(remarks(products, surroundings, silent), surroundings, found)

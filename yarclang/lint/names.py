@@ -1,4 +1,4 @@
-"""Collect the names that a file declares and those that it uses; names of frames are separate."""
+"""Collect the names that a file declares and the names that it uses. Names of frames are separate."""
 
 from __future__ import annotations
 
@@ -58,7 +58,9 @@ class Names:
     is_program: bool = False
 
     def unused(self, *words: str) -> Iterator[Declared]:
-        """Yield the declarations with one of some words whose name the file doesn't use; none in a module."""
+        """Yield the declarations that begin with one of some words and whose name the file doesn't use;
+        none in a module.
+        """
         if not self.is_program:
             return
         for one in each(self.declared):
@@ -68,7 +70,9 @@ class Names:
 
 
 def names_of(module: Module) -> Names:
-    """Collect the names of a file. An unreadable line may use any name: no name is unused then."""
+    """Collect the names of a file. If a line is unreadable, it may use any name, so that no name counts as
+    unused.
+    """
     names = Names()
     depth, sub_depth = 0, 0
     for statement in each(module.statements):

@@ -44,9 +44,7 @@ def everything() -> Mapping[str, Finding]:
 
 def codes_of(word: str) -> tuple[str, ...]:
     """Return the codes that a word means: a code (Y0611), the beginning of codes (Y06), or a name
-    (slow-motion).
-
-    The result is empty for an unknown word.
+    (slow-motion). Empty for an unknown word.
     """
     upper = word.strip().upper()
     if upper.startswith("Y") and upper[1:].isdigit():

@@ -1,4 +1,4 @@
-"""Definition of lint rules: their finding, their input, the check, and examples that serve as tests."""
+"""Definition of lint rules: their finding, their input, the check, and examples that are also tests."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class Remark:
     """A remark of a rule about one place.
 
     Attributes:
-        message: the sentence, with its figures.
+        message: the sentence, with its numbers.
         span: the place.
         help: remedy.
-        fix: edit that repairs it; None without one.
+        fix: edit that removes the fault; None without one.
         source: file of the place; None for the file that is checked.
         place: the calls and loops around a command in unrolled code.
     """
@@ -98,8 +98,8 @@ def remark_at(origin: Origin, message: str, help_: str, fix: Fix | None = None) 
 
     Args:
         origin: the command.
-        message: the sentence, with its figures.
+        message: the sentence, with its numbers.
         help_: remedy.
-        fix: edit that repairs it; None without one.
+        fix: edit that removes the fault; None without one.
     """
     return Remark(message, origin.span, help_, fix, origin.source, origin.place)

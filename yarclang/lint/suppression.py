@@ -1,7 +1,8 @@
-"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or alone on one above it.
+"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or on a separate line above
+it.
 
-A finding in a module that is shown at a CALL is suppressed by a comment at the CALL, for that line only, or
-by one in the module, for all programs.
+A finding in a module that is shown at a CALL can be suppressed by a comment at the CALL, for this line only,
+or by a comment in the module, for all programs.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ _WORD = re.compile(r"[^\s,\[\]]+")
 _BEGINNING = re.compile(r"[Yy]\d{0,3}")
 
 _MOST_HELPED = 20
-"""Largest number of wrong words in a comment that get help; further findings on one line aren't shown."""
+"""Largest number of wrong words in a comment that get a help. Further findings on one line aren't shown."""
 
 
 @frozen
@@ -60,9 +61,10 @@ def suppress(
 
     Args:
         source: the file whose comments are read, besides those of modules with findings.
-        diagnostics: all findings; errors stay.
-        is_whole: True if all checks were made; otherwise an unused comment may be right, and gets no finding.
-        unjudged: lines in which an unused comment may be right, too: those of SUBs that only other files
+        diagnostics: all findings. Errors can't be suppressed.
+        is_whole: True if all checks were made. Otherwise a comment that suppresses nothing gets no finding,
+            because a later check may need it.
+        unjudged: lines in which such a comment gets no finding either: those of SUBs that only other files
             call.
     """
     found = _without_those_of_modules(source, tuple(diagnostics))
@@ -91,7 +93,7 @@ def suppress(
 
 
 def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-    """Return the findings without those that a comment in a module suppresses at the module's own line."""
+    """Return the findings without those that a comment in a module suppresses at their line in the module."""
     read: dict[str, set[tuple[str, int]]] = {}
 
     def is_suppressed(one: Diagnostic) -> bool:
@@ -109,7 +111,7 @@ def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...])
 def _speaking_of(
     finding: Diagnostic, source: SourceFile, by_line: Mapping[tuple[str, int], list[Suppression]]
 ) -> list[Suppression]:
-    """Return the suppressions of a finding's code in its lines."""
+    """Return the suppressions of a finding's code at its lines."""
     span = finding.span
     if finding.source is None or span is None or finding.source.name != source.name:
         return []
@@ -154,7 +156,9 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
 
 
 def _code(word: str) -> tuple[str, str]:
-    """Return the code that a word means and an empty text, or an empty text and the word's message."""
+    """Return the code that a word means and an empty text. If it means none, return an empty text and the
+    error message.
+    """
     codes = _codes(word)
     if not codes:
         return "", f"no finding is called {word}"
@@ -164,7 +168,9 @@ def _code(word: str) -> tuple[str, str]:
 
 
 def _help(word: str) -> tuple[str, Name | None]:
-    """Return the help about a word that can't be suppressed, and the word itself if it is unknown."""
+    """Return the help about a word that isn't a code that can be suppressed, and the word itself if it is
+    unknown.
+    """
     if _codes(word):
         return "yarc explain says what to do about it", None
     subject = subjects.unknown(word, everything())
@@ -172,7 +178,7 @@ def _help(word: str) -> tuple[str, Name | None]:
 
 
 def _codes(word: str) -> tuple[str, ...]:
-    """Return the codes that a word means in a comment; empty for the mere beginning of codes."""
+    """Return the codes that a word in a comment means; empty if it is only the beginning of codes."""
     return () if _BEGINNING.fullmatch(word) else codes_of(word)
 
 
@@ -187,7 +193,7 @@ def _next_lines(source: SourceFile) -> list[int]:
 
 
 def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
-    """Return the fix that removes a whole comment, with its line if there is nothing else.
+    """Return the fix that removes a whole comment, and its line if the line is empty then.
 
     Args:
         source: the file.
@@ -206,7 +212,7 @@ def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
 
 
 def _fewer(number: int, words: list[re.Match[str]], at: int) -> Fix:
-    """Return the fix that removes one code and a comma beside it.
+    """Return the fix that removes one code and the comma beside it.
 
     Args:
         number: the line, from 1.

@@ -1,5 +1,4 @@
 """The language server `yarc lsp`.
 
-It translates the results of yarclang.assist and of the pipeline to the protocol, and has no knowledge of its
-own.
+It translates the results of yarclang.assist and of the pipeline to the protocol, and computes nothing itself.
 """

@@ -1,10 +1,10 @@
-"""Analyses of the open texts: made in threads, the newest text first, and abandoned if the text changes
-meanwhile.
+"""Analyses of the open texts. They run in threads, the newest text first, and are cancelled if the text
+changes.
 
 Each version of a text is checked twice: first without planning, then completely. The second check reports the
-results of planning before the proof is made. Each of the two checks has a thread of its own, so that the
-first check of a text doesn't wait for the motions of another one. Requests are answered with the results so
-far.
+results of planning before it proves them. Each of the two checks has a thread of its own, so that the first
+check of a text doesn't wait until motions of another text are planned. Requests are answered with the results
+so far.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 
 _SHOWN_BY = 0.1
-"""Longest time that a proof waits until the findings before it are shown [s]."""
+"""Longest time that a proof is delayed until the findings so far are shown [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,9 +36,9 @@ class Analysis:
         generation: number of the check, counted over all versions of the text.
         checked: the results.
         is_whole: True if motions were planned and proved as well.
-        carried: findings of earlier planning in unchanged lines, shown until motions are planned anew.
-        is_planned: True if motions are planned but perhaps not proved.
-        repeats: True if all findings were shown before the proof.
+        carried: findings of earlier planning in unchanged lines, shown until motions are planned again.
+        is_planned: True if motions are planned, whether proved or not.
+        repeats: True if all findings were already shown before the proof.
     """
 
     document: Document
@@ -96,9 +96,9 @@ class Analyses:
         self._arrived = arrived
         self._desks: dict[str, _Desk] = {}
         self._touched: list[str] = []
-        """The texts that wait for a check, the last changed one at the end."""
+        """The texts that wait for a check. The text that was changed last is at the end."""
         self._unread: set[str] = set()
-        """The waiting texts that haven't been checked without planning."""
+        """The waiting texts that haven't even been checked without planning."""
         self._checking = ThreadPoolExecutor(1, thread_name_prefix="checking")
         self._planning = ThreadPoolExecutor(1, thread_name_prefix="planning")
         self._reading = ThreadPoolExecutor(1, thread_name_prefix="reading")
@@ -118,7 +118,7 @@ class Analyses:
         task.add_done_callback(self._tasks.discard)
 
     def again(self, uri: str) -> None:
-        """Check an open text again, because something that it depends on has changed."""
+        """Check an open text again, because a file on which it depends has changed."""
         desk = self._desks.get(uri)
         if desk is None:
             return
@@ -166,7 +166,8 @@ class Analyses:
             patience: longest time to wait [s]; None waits without limit.
 
         Returns:
-            The results so far after `patience`, at least those without planning. None if the text was closed.
+            After `patience` the results so far, which are at least those without planning. None if the text
+            was closed.
         """
         desk = self._desks.get(uri)
         if desk is None:
@@ -179,14 +180,14 @@ class Analyses:
         return self.of(uri)
 
     async def most(self, uri: str, patience: float) -> Analysis | None:
-        """Wait for the results of a text with planned motions, proved or not.
+        """Wait until a text's motions are planned, whether proved or not, and return the results.
 
         Args:
             uri: the text.
             patience: longest time to wait [s].
 
         Returns:
-            As `whole` after `patience`.
+            The results; after `patience` as for `whole`.
         """
         desk = self._desks.get(uri)
         if desk is None:
@@ -256,7 +257,7 @@ class Analyses:
         loop = asyncio.get_running_loop()
 
         def early(checked: Checked) -> None:
-            # Let the event loop run until the findings are shown, before the proof takes the processor.
+            # Let the event loop show the findings before the proof needs the processor.
             shown = threading.Event()
             loop.call_soon_threadsafe(self._show_early, desk, document, generation, checked, shown)
             shown.wait(_SHOWN_BY)
@@ -266,7 +267,7 @@ class Analyses:
                 pool, self._checks.check, document, plans, begun, is_stale, early
             )
         except Exception:
-            # After a bug, release everybody who waits for results.
+            # After a bug, wake up all tasks that wait for results.
             if not is_stale():
                 self._take_out(uri)
             desk.some.set()
@@ -285,7 +286,7 @@ class Analyses:
     def _show_early(
         self, desk: _Desk, document: Document, generation: int, checked: Checked, shown: threading.Event
     ) -> None:
-        """Show the findings before the proof, with those of the last proof in unchanged lines."""
+        """Show the findings before the proof, together with those of the last proof in unchanged lines."""
         if self._desks.get(document.uri) is desk and desk.generation == generation:
             rest = () if desk.proved is None else tuple(carried(desk.proved, document.source))
             desk.early = Analysis(document, generation, checked, False, rest, is_planned=True)
@@ -317,7 +318,9 @@ class Analyses:
 
 
 def _of_syntax(desk: _Desk, document: Document, generation: int, found: tuple[Diagnostic, ...]) -> Analysis:
-    """Return the syntax errors of a long text and the other findings in unchanged lines; nothing is kept."""
+    """Return the syntax errors of a long text, and the other findings that are in unchanged lines. Nothing
+    is stored.
+    """
     rest: tuple[Diagnostic, ...] = ()
     if desk.analysis is not None:
         others = [one for one in desk.analysis.shown if one.family != SYNTAX]

@@ -1,6 +1,6 @@
-"""Findings of planning in lines that an edit leaves unchanged.
+"""Keep findings of planning in lines that an edit leaves unchanged.
 
-They are shown until motions are planned again, so that nothing flickers.
+They are shown until motions are planned again, so that the display doesn't flicker.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ class Planned:
     """Findings that only planning reports.
 
     Attributes:
-        source: their text.
+        source: the text that they are about.
         findings: the findings.
     """
 
@@ -40,7 +40,7 @@ def _key(one: Diagnostic) -> tuple[str, str, Span | None]:
 def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
     """Yield the findings in unchanged lines, at their places in a newer text.
 
-    Fixes are left out, because they would be those of the older text.
+    Fixes are left out, because they belong to the older text.
     """
     same = unchanged(planned.source.lines, source.lines)
     for finding in planned.findings:
@@ -50,7 +50,7 @@ def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
         line, end_line = same.now(span.line), same.now(span.end_line)
         if line is not None and end_line is not None and end_line - line == span.end_line - span.line:
             there = span if line == span.line else Span(line, span.column, end_line, span.end_column)
-            # takes a third of the time of `replace`; long programs have many findings
+            # this takes a third of the time of `replace`, and long programs have many findings
             yield Diagnostic(
                 finding.code,
                 finding.message,

@@ -1,4 +1,4 @@
-"""The checks of `yarc check` for each kind of open text: program, cell, robot or project."""
+"""Run the checks of `yarc check` for each kind of open text: program, cell, robot or project."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 
 _LONG = 2_000
-"""Lines of a long program. A shorter one is checked nearly as soon as it is parsed."""
+"""Number of lines above which a program is long. A shorter program is checked nearly as soon as it is
+parsed.
+"""
 
 
 class Checks:
@@ -33,7 +35,7 @@ class Checks:
         self._options = options
         self._analyst = Analyst(options)
         self.texts: Mapping[Path, SourceFile] = NO_TEXTS
-        """The open texts by path. Replaced rather than changed, because threads read it."""
+        """The open texts by path. The mapping is replaced, never changed, because threads read it."""
 
     def check(
         self,
@@ -53,7 +55,8 @@ class Checks:
             early: called with the results when all motions are planned, before they are proved.
 
         Returns:
-            None if the work was cancelled, or for a description without `plans`, which is checked only once.
+            None if the work was cancelled. Also None for the description of a cell, robot or project without
+            `plans`, since it is checked only once.
         """
         try:
             if document.is_program:
@@ -92,7 +95,7 @@ class Checks:
         is_stale: Callable[[], bool] | None = None,
         early: Callable[[Checked], None] | None = None,
     ) -> Analysis | None:
-        # The copy shares the caches. Other threads check with the texts that are open at their time.
+        # The copy shares the caches. Threads that are running keep the texts that were open when they began.
         analyst = copy(self._analyst)
         analyst.options = replace(analyst.options, texts=self.texts)
         return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale, early=early)
@@ -100,7 +103,7 @@ class Checks:
     def _described(self, document: Document) -> Checked:
         """Check the file of a cell for the robot of its folder, or the file of a robot or a project.
 
-        Tables of way-points have no findings of their own: the programs that name a table check it.
+        A table of way-points has no findings of its own, because it is checked by the programs that name it.
         """
         if document.is_table:
             return Checked(())

@@ -1,4 +1,4 @@
-"""The texts that the client has open, with the client's content."""
+"""The texts that are open in the client, with the client's content."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Document:
     """One version of an open text.
 
     Attributes:
-        uri: the client's name of the text.
-        version: the client's number of the version.
+        uri: the client's name for the text.
+        version: the client's number for the version.
         text: the content.
     """
 
@@ -44,7 +44,7 @@ class Document:
 
     @cached_property
     def folder(self) -> Path:
-        """Return the folder for the files that the text names."""
+        """Return the folder in which files that the text names are looked for."""
         return self.path.parent if self.path else Path.cwd()
 
     @cached_property
@@ -66,7 +66,7 @@ class Document:
 
     @property
     def is_table(self) -> bool:
-        """Return True for a table of way-points, which only a program that names it can check."""
+        """Return True for a table of way-points. Only a program that names the table can check it."""
         return self.uri.lower().endswith(TABLE)
 
 
@@ -78,7 +78,7 @@ def changed(
 ) -> Document:
     """Return the next version of a document.
 
-    Each change refers to the text that the changes before it have made.
+    Each change refers to the text that results from the previous changes.
     """
     text = document.text
     for change in changes:

@@ -1,4 +1,4 @@
-"""Features of the server: one value of `Feature` in each file of lsp/features."""
+"""Features of the server. Each file in lsp/features has one value of `Feature`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modules and other files that open texts refer to, and the texts that refer to a changed file."""
+"""Find modules and other files that open texts refer to, and the open texts that refer to a changed file."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 _MOST_FILES = 2_000
-"""Largest number of files that are read for one folder, and that are kept."""
+"""Largest number of files that are read for one folder, and that are cached."""
 
 
 class Modules:
-    """Modules of the open texts. An open module has priority over its saved file."""
+    """Modules of the open texts. A module that is open takes precedence over its saved file."""
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._documents = documents
@@ -64,7 +64,7 @@ class Modules:
         return {one.path: one for one in list(self._documents.values()) if one.path is not None}
 
     def _saved(self, path: Path) -> Sketch | None:
-        """Return the structure of a saved file, read again only if the file has changed."""
+        """Return the structure of a saved file. It is read again only if the file has changed."""
         try:
             stamp = path.stat().st_mtime_ns
         except OSError:
@@ -89,9 +89,10 @@ class Modules:
 
 
 def _may_speak_of(user: Document, used: Document) -> bool:
-    """Return True if the findings of a text may depend on another one.
+    """Return True if the findings of a text may depend on another text.
 
-    The other text may be a module of the folder, a table that the text names, or any description.
+    The other text may be a module of the folder, a table that the text names, or any description of a cell,
+    robot or project.
     """
     if used.path is None:
         return False

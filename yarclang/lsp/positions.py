@@ -21,7 +21,7 @@ def units_of(text: str, encoding: str) -> int:
 
 
 def position_of(source: SourceFile, line: int, column: int, encoding: str) -> types.Position:
-    """Return the position of a line and column from 1; the line's end for a column after the end."""
+    """Return the position of a line and column from 1. For a column after the line's end, return the end."""
     return position_in(source.line(line), line, column, encoding)
 
 
@@ -39,9 +39,9 @@ def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:
 
 
 def column_of(line: str, units: int, encoding: str) -> int:
-    """Return the column from 1 that lies `units` units after a line's beginning.
+    """Return the column from 1 that is `units` units after a line's beginning.
 
-    Inside a character, return the character's column.
+    If this is inside a character, return the character's column.
     """
     if units <= 0:
         return 1
@@ -58,12 +58,12 @@ def column_of(line: str, units: int, encoding: str) -> int:
 
 
 def place_of(source: SourceFile, position: types.Position, encoding: str) -> tuple[int, int]:
-    """Return line and column from 1 of a position; the text's end for a position after the end."""
+    """Return line and column from 1 of a position. For a position after the text's end, return the end."""
     lines = source.lines
     if position.line < 0:
         return 1, 1
     if position.line >= len(lines):
-        # A text with a final line end has one more, empty line.
+        # A text that ends with a line end has one more line, which is empty.
         return min(position.line, len(lines)) + 1, 1
     line = position.line + 1
     return line, column_of(source.line(line), position.character, encoding)

@@ -1,4 +1,4 @@
-"""Refused requests: only the person who asked gets the reason."""
+"""Refuse requests, and show the reason only to the user who made the request."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from pygls.exceptions import JsonRpcException
 
 
 class Refusal(JsonRpcException):
-    """A request is refused; the message is for the person who asked."""
+    """A request is refused. The message is for the user who made it."""
 
     CODE = types.LSPErrorCodes.RequestFailed.value
     MESSAGE = "refused"
 
 
 class Outdated(Refusal):
-    """The text has changed since the request; editors ask again if they still need the answer."""
+    """The text has changed since the request. Editors repeat the request if they still need the answer."""
 
     CODE = types.LSPErrorCodes.ContentModified.value
     MESSAGE = "outdated"
 
 
 def keep_quiet_about_refusals() -> None:
-    """Keep pygls from logging refusals and late cancellations, which are no faults."""
+    """Keep pygls from logging refusals and late cancellations, which are no errors."""
     logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_fault)
 
 

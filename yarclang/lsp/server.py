@@ -42,7 +42,9 @@ _LOG = logging.getLogger(__name__)
 
 
 class Protocol(LanguageServerProtocol):
-    """The protocol without pygls's own texts, which split lines at more characters than the protocol does."""
+    """The protocol without pygls's own store of texts, which splits lines at more characters than the
+    protocol does.
+    """
 
     def _execute_handler(
         self,
@@ -52,7 +54,7 @@ class Protocol(LanguageServerProtocol):
         args: tuple[Any, ...] | None = None,
         kwargs: dict[str, Any] | None = None,
     ) -> None:
-        """Call a handler as pygls does, and forget it once it is done. pygls would keep each notification for
+        """Call a handler as pygls does, and drop it when it is done. pygls would keep each notification for
         ever.
         """
         super()._execute_handler(msg_id, handler, callback, args, kwargs)
@@ -96,7 +98,7 @@ class Server(LanguageServer):
         self.listeners: list[Any] = []
         self.shortest_times = ShortestTimes()
         self.owed: set[str] = set()
-        """The texts of which the client has only the results without planning."""
+        """Texts for which the client has only the results without planning."""
         self.settings: dict[str, Any] = {}
         self._folder: TemporaryDirectory[str] | None = None
         self._views: dict[str, tuple[Document, Analysis | None, View]] = {}
@@ -113,9 +115,9 @@ class Server(LanguageServer):
             self.listeners.append(feature.listens)
 
     def _answering(self, answer: Callable[..., Any]) -> Callable[..., Any]:
-        """Return an answer as a function of the parameters alone.
+        """Return the function that answers a method, as a function of the parameters alone.
 
-        It is a coroutine function if the answer is one, because pygls distinguishes them.
+        It is a coroutine function if the original function is one, because pygls treats the two differently.
         """
 
         async def awaited(*params: Any) -> Any:
@@ -160,9 +162,9 @@ class Server(LanguageServer):
         return self.view(uri) if document is not None and document.is_program else None
 
     def views_beside(self, uri: str, *others: str) -> list[View]:
-        """Return the views of the programs and modules in a text's folder, and of other files by name.
+        """Return the views of the programs and modules in a text's folder, and those of other files by name.
 
-        Open files have the client's content.
+        Files that are open have the client's content.
         """
         document = self.documents[uri]
         views: dict[str, View] = {}
@@ -179,7 +181,7 @@ class Server(LanguageServer):
         return list(views.values())
 
     def caller_of(self, item: types.CallHierarchyItem) -> tuple[Caller, list[View]] | None:
-        """Return the SUB or file of a client's item, and the views of the files around it."""
+        """Return the SUB or file to which a client's item refers, and the views of the files around it."""
         path = to_fs_path(item.uri)
         beside = next((one.uri for one in self.documents.values() if one.is_program), None)
         uri = item.uri if item.uri in self.documents else beside
@@ -195,7 +197,9 @@ class Server(LanguageServer):
         return (found, views) if found is not None else None
 
     def uri_of(self, name: str) -> str:
-        """Return the URI of a file that findings call `name`; for an open file, that of the client."""
+        """Return the URI of the file that findings call `name`. For an open file, this is the client's
+        URI.
+        """
         open_ = next((one.uri for one in self.documents.values() if one.source.name == name), None)
         return open_ or uri_of(name)
 
@@ -215,12 +219,12 @@ class Server(LanguageServer):
 
     @cached_property
     def files(self) -> Path:
-        """Return a temporary folder for files that are shown to people. It is deleted with the server."""
+        """Return a temporary folder for files that the client shows. It is deleted when the server ends."""
         self._folder = TemporaryDirectory(prefix="yarc-lsp-")
         return Path(self._folder.name)
 
     async def answer(self, uri: str, work: Any, *arguments: Any) -> Any:
-        """Do some work on a text in a thread, so that further messages are read meanwhile.
+        """Do some work on a text in a thread, so that the server can read further messages in the meantime.
 
         Args:
             uri: the text.
@@ -228,7 +232,7 @@ class Server(LanguageServer):
             arguments: its arguments.
 
         Raises:
-            Outdated: the text has changed meanwhile.
+            Outdated: the text has changed in the meantime.
         """
         document, is_given_up = self.documents.get(uri), Event()
 
@@ -248,7 +252,7 @@ class Server(LanguageServer):
             is_given_up.set()
             raise
 
-    # Texts.
+    # Changes of the open texts.
 
     def opened(self, document: Document) -> None:
         """Open a text."""
@@ -258,7 +262,7 @@ class Server(LanguageServer):
         self.modules.changed(document, self.analyses)
 
     def edited(self, params: types.DidChangeTextDocumentParams) -> None:
-        """Change a text as the client did."""
+        """Apply the client's change to a text."""
         uri = params.text_document.uri
         before = self.documents.get(uri)
         if before is None:
@@ -277,11 +281,11 @@ class Server(LanguageServer):
             self.modules.changed(document, self.analyses)
 
     def touched(self, uri: str) -> None:
-        """Check the texts that depend on a file that was saved, or changed by others."""
+        """Check the texts that depend on a file that was saved, or that another program has changed."""
         self.modules.changed(self.documents.get(uri) or Document(uri, 0, ""), self.analyses)
 
     def _lay_out(self) -> None:
-        """Pass the open texts to the checks, which look up modules, cells and robots there."""
+        """Pass the open texts to the checks, which look up modules, cells and robots among them."""
         self.checks.texts = {one.path: one.source for one in self.documents.values() if one.path}
 
     def _arrived(self, analysis: Analysis) -> None:

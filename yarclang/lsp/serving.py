@@ -1,4 +1,4 @@
-"""The server's process and its connection to the client."""
+"""Run the server's process and its connection to the client."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from yarclang.lsp.server import Server
 from yarclang.pipeline.inputs import Options
 
 _BEGIN = b"content-"
-"""Beginning of each message: the protocol begins with Content-Length or Content-Type, in any case."""
+"""Beginning of each message. The protocol begins with Content-Length or Content-Type, in any case."""
 
 _PATIENCE = 5.0
 """Longest time in which an editor must send its first message [s]."""
 
 SELDOM = (50_000, 20, 20)
-"""Thresholds of the garbage collector: number of new objects, and numbers of rounds."""
+"""Thresholds of the garbage collector: the number of new objects, then the numbers of collections of the
+younger generations.
+"""
 
 
 def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
@@ -31,8 +33,7 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
     """
     logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(levelname)s: %(message)s")
     keep_quiet_about_refusals()
-    # The syntax trees of long programs live long: collecting more seldom avoids visiting them again and
-    # again.
+    # The syntax trees of long programs exist for a long time. Fewer collections scan them less often.
     gc.set_threshold(*SELDOM)
     sys.setswitchinterval(0.001)  # answers don't wait for a motion that is being planned
     server = Server(Options(robot=robot))
@@ -44,10 +45,10 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
 
 
 def _editor(host: str, port: int) -> socket.socket:
-    """Wait for an editor that connects.
+    """Wait until an editor connects.
 
     Any page in a browser can connect to a port of this computer. Connections that don't begin as the protocol
-    requires are closed.
+    requires are therefore closed.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.create_server((host, port), family=family) as listener:

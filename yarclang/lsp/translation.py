@@ -69,15 +69,17 @@ def _called(source: SourceFile, finding: Diagnostic, within: Within, encoding: s
 
 
 def expect(findings: int) -> None:
-    """Reserve room in the cache for the findings of a text: those of its next version are mostly equal."""
+    """Make room in the cache for the findings of a text. Most findings of its next version will be the
+    same.
+    """
     _on_line.expect(findings)
 
 
 def _made_on_line(
     code: str, severity: str, message: str, help_: str, line: str, span: Span, encoding: str
 ) -> types.Diagnostic:
-    """Return a finding within one line. Cached, because an edit leaves most of a long program's findings
-    alone.
+    """Return a finding within one line. Cached, because an edit changes only a few of a long program's
+    findings.
     """
     column = min(span.column, max(len(line), 1))  # for something missing at the end, the last character
     range_ = types.Range(
@@ -88,7 +90,9 @@ def _made_on_line(
 
 
 _KEPT = 1024
-"""Least number of findings that are kept, at 1 to 2 kB each. For texts with more findings, all are kept."""
+"""Smallest number of findings that the cache holds, at 1 to 2 kB each. For texts with more findings, it
+holds all.
+"""
 
 _on_line = Lately(_made_on_line, _KEPT)
 
@@ -124,7 +128,7 @@ def text_edits(source: SourceFile, edits: Iterable[Edit], encoding: str) -> list
 
 
 def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
-    """Return a text in Markdown for clients that accept it, and without marks for others."""
+    """Return a text in Markdown for clients that accept Markdown, and without marks for other clients."""
     kinds = [getattr(one, "value", one) for one in formats or ()]
     if types.MarkupKind.Markdown.value in kinds:
         return types.MarkupContent(types.MarkupKind.Markdown, text)

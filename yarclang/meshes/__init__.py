@@ -1,5 +1,5 @@
 """Checks of mesh files for faults that make them useless as a body.
 
-The library that reads meshes drops faces that it can't read, or ends the whole process. Therefore files are
-checked before.
+The library that reads meshes ignores faces that it can't read, or even ends the whole process. Files are
+therefore checked first.
 """

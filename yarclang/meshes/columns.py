@@ -1,4 +1,6 @@
-"""Find what is inside closed triangles, by the triangles along straight lines through them."""
+"""Find out if points are inside closed triangles, by the triangles that straight lines from the points
+cross.
+"""
 
 from __future__ import annotations
 
@@ -8,26 +10,26 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _DIRECTIONS = 4
-"""Number of directions that are tried before a point counts as inside because nothing says otherwise."""
+"""Number of directions that are tried. If none of them decides, a point may be inside."""
 _UNSURE = 1e-9
-"""Share of the size of the mesh within which a line may have met the edge of a triangle."""
+"""Distance, as a share of the size of the mesh, at which a line may have met the edge of a triangle."""
 
 
 class Columns:
-    """Closed triangles, seen along some directions that no face of a machine has."""
+    """Closed triangles, viewed along some fixed directions along which faces of machines hardly ever run."""
 
     def __init__(self, triangles: Array) -> None:
-        """Turn triangles (T, 3, 3) into the first direction."""
+        """Store triangles (T, 3, 3)."""
         self._triangles = triangles
         self._size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) or 1.0
         self._seen: dict[int, tuple[Array, Array, Array]] = {}
 
     def may_contain(self, point: Array) -> bool:
-        """Return False if a point (3,) is outside for certain."""
+        """Return False only if a point (3,) is certainly outside."""
         return self._inside(point) is not False
 
     def contains(self, point: Array) -> bool:
-        """Return True if a point (3,) is inside for certain."""
+        """Return True only if a point (3,) is certainly inside."""
         return self._inside(point) is True
 
     def _inside(self, point: Array) -> bool | None:
@@ -52,7 +54,7 @@ class Columns:
 
 
 def _turn(number: int) -> Array:
-    """Return a rotation (3, 3); its last row is the direction of the line."""
+    """Return the rotation (3, 3) of direction `number`; its last row is the direction of the line."""
     angles = np.array([0.371, 0.743, 1.181]) * (number + 1)
     (a, b, c), (d, e, f) = np.cos(angles), np.sin(angles)
     first = np.array([[a, -d, 0.0], [d, a, 0.0], [0.0, 0.0, 1.0]])
@@ -63,13 +65,15 @@ def _turn(number: int) -> Array:
 
 
 def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
-    """Return 1 or -1, by its side, for each triangle that a line upwards from a point meets; None if the line
-    meets an edge, or if the point is on a triangle, as far as can be told.
+    """Return, for each triangle that an upward line from a point crosses, 1 or -1 by the side of the
+    triangle.
+
+    Return None if the line may meet an edge, or if the point may be on a triangle.
 
     Args:
         triangles: (T, 3, 3).
         at: the point (3,).
-        slack: distance below which two things may be in one place.
+        slack: distance up to which two things count as in one place.
     """
     if not len(triangles):
         return np.zeros(0)
@@ -80,7 +84,8 @@ def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
         turns.append(flat[:, one, 0] * flat[:, other, 1] - flat[:, one, 1] * flat[:, other, 0])
         reaches.append(np.hypot(along[:, 0], along[:, 1]) * slack)
     signs, unsure = np.array(turns), np.abs(turns) <= np.array(reaches)
-    # outside of any edge for certain: no crossing, whatever the other edges say
+    # a triangle with one edge that the line certainly passes outside isn't crossed, even if other edges are
+    # unsure
     plus, minus = (signs > 0.0) & ~unsure, (signs < 0.0) & ~unsure
     hit = ~(plus.any(axis=0) & minus.any(axis=0))
     if (hit & unsure.any(axis=0)).any():
@@ -88,7 +93,7 @@ def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
     area = signs[:, hit].sum(axis=0)
     height = np.einsum("it,ti->t", signs[:, hit], triangles[hit][:, :, 2]) / area - at[2]
     across = np.ptp(triangles[hit], axis=1).max(axis=1, initial=0.0)
-    # the height of a steep triangle is less certain, by the ratio of its extent to its width from above
+    # the height on a steep triangle is less certain, by the ratio of its extent to its width seen from above
     slopes = slack * (1.0 + across**2 / np.abs(area))
     if (np.abs(height) <= slopes).any():
         return None
@@ -97,7 +102,8 @@ def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
 
 
 def filled(triangles: Array, low: Array, high: Array, count: int) -> tuple[NDArray[np.bool_], Array]:
-    """Return which middles of the cells of a grid are inside, roughly: for measuring, not for proofs.
+    """Return the cells of a grid whose middles are inside the triangles. The result is approximate: use it
+    for measuring, not for proofs.
 
     Args:
         triangles: (T, 3, 3).

@@ -11,13 +11,13 @@ from yarclang.meshes.text import integers, numbers
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, lost_corner
 
 _BUFFER = 1_000_000
-"""Bytes of text that the parser passes on at once."""
+"""Size of the pieces of text that the parser delivers [bytes]."""
 _FACES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 _NO_FACES = ("lines", "linestrips")
 
 
 def dae_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of a COLLADA file as a body; empty without one.
+    """Return the end of a sentence that names the fault of a COLLADA file as a body; empty if there is none.
 
     Args:
         content: the file. Normals, colours and other content for pictures only aren't checked.
@@ -60,7 +60,7 @@ class _Faces:
 
 
 class _Reading:
-    """Collects the corners, by the ids of their sources, and the faces from the events of a parser."""
+    """Collects corners (by the ids of their sources) and faces from the events of a parser."""
 
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}  # numbers of corners, normals, colours, by the id of the <source>
@@ -122,7 +122,7 @@ class _Reading:
             self._text.append(found)
 
     def fault(self) -> str:
-        """Return the end of a sentence that names the first fault; empty without one."""
+        """Return the end of a sentence that names the first fault; empty if there is none."""
         found = {
             source: _numbers(self.texts[source]) for source in self.positions.values() if source in self.texts
         }

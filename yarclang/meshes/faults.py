@@ -18,7 +18,7 @@ _FAULTS: dict[str, Callable[[bytes], str]] = {
 
 
 def mesh_fault(suffix: str, content: bytes) -> str:
-    """Return the end of a sentence that names the fault of a mesh as a body; empty without one.
+    """Return the end of a sentence that names the fault of a mesh as a body; empty if there is none.
 
     Args:
         suffix: suffix of the file's name, in any case, with its dot. Formats other than STL, OBJ, DAE and PLY

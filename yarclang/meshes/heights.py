@@ -1,4 +1,4 @@
-"""Height fields: readers of tables of heights, and the closed mesh below one."""
+"""Height fields: readers of tables of heights, and the closed mesh of the body below such a field."""
 
 from __future__ import annotations
 
@@ -86,17 +86,18 @@ def _of_text(content: bytes) -> Array | str:
 
 
 def below(heights: Array, spacing: float, every: int, most: int) -> Array | TooMany:
-    """Return the closed triangles (T, 3, 3) of the body below heights, unless there are too many.
+    """Return the closed triangles (T, 3, 3) of the body below heights, or `TooMany` if there are too many.
 
-    Row i and column j are at y = i times the spacing, x = j times the spacing. Between four neighbours the
-    body's surface is the upper one of the two pairs of triangles, so that it is nowhere below a surface that is
-    interpolated linearly. A height without a neighbour is a plateau that reaches to its neighbours' places.
+    Row i and column j are at y = i times the spacing, x = j times the spacing. Four neighbouring heights can
+    be joined by two different pairs of triangles. The surface of the body is the upper pair, so that it is
+    nowhere below a linearly interpolated surface. A height without a neighbour becomes a plateau that extends
+    to its neighbours' places.
 
     Args:
-        heights: (rows, columns); NaN where nothing is known. At least one is finite.
+        heights: (rows, columns); NaN for unknown heights. At least one is finite.
         spacing: distance of neighbours.
-        every: number of spacings of a cell of the mesh; each corner has the largest height of the cells around
-            it.
+        every: number of spacings of a cell of the mesh; each corner has the largest height of the cells
+            around it.
         most: largest number of triangles.
     """
     from scipy.ndimage import maximum_filter
@@ -109,7 +110,7 @@ def below(heights: Array, spacing: float, every: int, most: int) -> Array | TooM
     lowest = np.pad(lowest, grown, constant_values=-np.inf)
     around = maximum_filter(lowest, 2 * every + 1, mode="constant", cval=-np.inf)
     nodes = (np.where(np.isfinite(lowest), lowest, around) if every == 1 else around)[::every, ::every]
-    # a cell is there if any height in it or on its edges is known
+    # a cell exists if any height in it or on its edges is known
     sums = np.pad(np.isfinite(lowest).astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
     begin = [np.arange(count) * every for count in cells]
     top, left = begin[0][:, None], begin[1][None]
@@ -149,13 +150,15 @@ def below(heights: Array, spacing: float, every: int, most: int) -> Array | TooM
 
 
 _CORNERS = ((0, 0), (0, 1), (1, 0), (1, 1))
-"""Rows and columns of a cell's corners, from its first one."""
+"""Row and column of each corner of a cell, relative to its first corner."""
 _SIDES = (((0, 0), (0, 1)), ((0, 1), (1, 1)), ((1, 1), (1, 0)), ((1, 0), (0, 0)))
-"""Both corners of a cell's sides, counterclockwise from above; the first side is that of the lower row."""
+"""Both corners of each side of a cell, counterclockwise seen from above; the first side is that of the
+lower row.
+"""
 
 
 def _upwards(values: Array) -> Array:
-    """Return values that single precision has, none of them smaller than it was."""
+    """Round values up to values of single precision."""
     with np.errstate(over="ignore"):
         short = values.astype(np.float32)
     short = np.where(short < values, np.nextafter(short, np.float32(np.inf)), short)

@@ -9,10 +9,12 @@ from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.stl import stl_corners
 
 _FLAT = 1e-6
-"""Share of its size below which the thickness of a mesh is zero: it has no hull."""
+"""Thickness, as a share of the size of a mesh, below which the mesh counts as flat and has no hull."""
 
 MOST_CORNERS = 50_000
-"""Most corners of a hull. Larger hulls are covered by planes: coal fails for most of them, or is slow."""
+"""Largest number of corners of a hull. Larger hulls are replaced by the body between planes around them: coal
+fails for most of them, or is slow.
+"""
 
 _ROUNDED = 1e-9
 """Upper bound of the rounding in the extent of a body [m, or the mesh's unit]."""
@@ -36,14 +38,15 @@ end_header
 def hull_file(suffix: str, content: bytes) -> bytes | None:
     """Return a PLY file of the convex hull of a mesh.
 
-    It has the exact corners of the hull. A hull with very many corners is replaced by planes around it.
+    The file has the exact corners of the hull. A hull with very many corners is replaced by the body between
+    planes around it.
 
     Args:
         suffix: suffix of the file's name, in any case, with its dot.
         content: the file.
 
     Returns:
-        The file; None for a flat mesh, and for a format or text that isn't read as arrays.
+        The file; None for a flat mesh, for another format, and for a file that isn't read as arrays.
     """
     look = {".stl": stl_corners, ".obj": obj_corners}.get(suffix.lower())
     corners = look(content) if look is not None else None
@@ -75,7 +78,7 @@ def hull_file(suffix: str, content: bytes) -> bytes | None:
 
 
 def cover(corners: NDArray[np.float64], directions: int) -> NDArray[np.float64]:
-    """Return the corners (k, 3) of a body whose planes touch other corners.
+    """Return the corners (k, 3) of a convex body that encloses other corners; its planes touch them.
 
     Args:
         corners: (m, 3) the corners to enclose.

@@ -1,9 +1,9 @@
-"""Large meshes that were prepared before, and meshes that were divided into pieces, in the user's cache folder:
-reading and sorting a million triangles takes seconds, reading the result a fraction of that.
+"""Cache of prepared large meshes, and of meshes that were divided into pieces, in the user's cache folder.
+Reading and sorting a million triangles takes seconds; reading the result takes a fraction of that.
 
 An entry is named after the content of the mesh's file (SHA-256), so that a file that has changed is prepared
-anew. It is signed: an entry that is damaged, or that somebody else has made, is prepared anew as well. Without a
-folder that can be written, nothing is kept.
+again. Entries are signed: an entry that is damaged, or that another user has made, is prepared again as well.
+If no folder can be written, nothing is cached.
 """
 
 from __future__ import annotations
@@ -24,7 +24,9 @@ from yarclang.meshes.pieces import MOST_PIECES, Piece
 from yarclang.signing import SIZE, is_signed, own_secret, signature
 
 MOST_BYTES = 1_000_000_000
-"""Size of all entries together [bytes]; beyond it, those that were used least lately are removed."""
+"""Largest size of all entries together [bytes]. If they are larger, the least recently used ones are
+removed.
+"""
 _MAGIC = b"yarclang mesh 1\n"
 _SUFFIX = ".mesh"
 _HEAD = np.dtype([("corners", np.int64), ("faces", np.int64), ("closed", np.int64)])
@@ -49,17 +51,17 @@ class Prepared:
 
 
 def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
-    """Return a prepared mesh: the one that was kept under a key, or else the one that `make` returns.
+    """Return the prepared mesh of a key: from the cache, or else by calling `make`.
 
     Args:
-        key: names all on which the result depends.
-        make: prepares the mesh; None is handed on, and not kept.
+        key: contains everything on which the result depends.
+        make: prepares the mesh. None is returned without being cached.
     """
     return _kept(key, make, _written, _mesh)
 
 
 def kept_pieces(key: str, make: Callable[[], tuple[Piece, ...] | None]) -> tuple[Piece, ...] | None:
-    """Return the convex pieces of a mesh, as `kept` does."""
+    """Return the convex pieces of a mesh, cached as by `kept`."""
     return _kept(key, make, _written_pieces, _pieces)
 
 
@@ -78,7 +80,7 @@ def _kept(
     found = None if payload is None else read(payload)
     if found is not None:
         with suppress(OSError):
-            os.utime(path)  # it was used lately
+            os.utime(path)  # marks the entry as recently used
         return found
     made = make()
     if made is not None:
@@ -97,7 +99,7 @@ def _payload(path: Path, key: str, secret: bytes) -> memoryview | None:
     """Return the content of an entry; None if it is missing, damaged, or signed for another key or by another
     user.
     """
-    if not path.is_file():  # nor anything that could block
+    if not path.is_file():  # missing, or a file such as a pipe that could block
         return None
     try:
         content = memoryview(path.read_bytes())
@@ -118,7 +120,7 @@ def _written(mesh: Prepared) -> bytes:
 
 
 def _mesh(payload: memoryview) -> Prepared | None:
-    """Return the mesh of an entry; None for one that isn't."""
+    """Return the mesh of an entry; None if the entry isn't a mesh."""
     if len(payload) < _HEAD.itemsize:
         return None
     head = np.frombuffer(payload, _HEAD, 1)[0]
@@ -140,7 +142,7 @@ def _written_pieces(pieces: tuple[Piece, ...]) -> bytes:
 
 
 def _pieces(payload: memoryview) -> tuple[Piece, ...] | None:
-    """Return the pieces of an entry; None for one that isn't."""
+    """Return the pieces of an entry; None if the entry doesn't contain pieces."""
     count = int.from_bytes(payload[:8], "little")
     begin = 8 + count * _OF_PIECE.itemsize
     if not 1 <= count <= MOST_PIECES or len(payload) < begin:
@@ -155,8 +157,8 @@ def _pieces(payload: memoryview) -> tuple[Piece, ...] | None:
 
 
 def _remove_old(folder: Path, newest: Path) -> None:
-    """Remove what was used least lately, down to `MOST_BYTES`, but not the newest entry. Files that a killed
-    process has left half written count as well.
+    """Remove the least recently used entries until at most `MOST_BYTES` are left; the newest entry is kept.
+    Files that a killed process has left half written count as well.
     """
     found = []
     for path in folder.iterdir():

@@ -18,12 +18,12 @@ _LOST = re.compile(
     rb"|v[ \t]+(?=[^ \t])(?!(?:(?:[-+]?[0-9]|[-+]\.[0-9])[0-9.eE+-]*[ \t]+){2}(?:[-+]?[0-9]|[-+]\.[0-9])))",
     re.MULTILINE,
 )
-"""Start of a line that coal's reader skips silently, so that a face is missing, or faces get wrong corners.
+"""Start of a line that coal's reader skips silently. A face is then missing, or faces get wrong corners.
 
-The reader takes -.5 as a number, but not .5.
+The reader reads -.5 as a number, but not .5.
 """
 _UNUSUAL = re.compile(rb"^[ \t]*(?!(?:v|vt|vn|f|g|o|s|usemtl|mtllib)[ \t]|[#\s]|\Z)", re.MULTILINE)
-"""Start of a line that has something other than corners, faces, and their names or looks."""
+"""Start of a line that contains something other than corners, faces, their names or their appearance."""
 _CORNER = re.compile(rb"^[ \t\r\f\v]*v[ \t]", re.MULTILINE)
 _FACE = re.compile(rb"^[ \t\r\f\v]*fo?[ \t]([^\n]*)", re.MULTILINE)
 _BESIDE = re.compile(rb"/[^ \t\r\n\f\v]*")
@@ -32,7 +32,7 @@ _LONGEST_LINE = 40
 
 
 def obj_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of an OBJ file as a body; empty without one.
+    """Return the end of a sentence that names the fault of an OBJ file as a body; empty if there is none.
 
     Args:
         content: the file. Its corners are numbered from 1, or backwards from the last one, which is -1.
@@ -72,8 +72,8 @@ def obj_fault(content: bytes) -> str:
 def obj_corners(content: bytes) -> NDArray[np.float64] | None:
     """Return the corners (n, 3) that faces of an OBJ file use, in its own unit.
 
-    None for a file with a fault, or with anything unusual: its corners must have three numbers, and its faces
-    must number them from 1.
+    Return None for a file with a fault or with unusual content: each corner must have three numbers, and the
+    faces must number the corners from 1.
     """
     rows: list[NDArray[np.float64]] = []
     used: list[NDArray[np.int64]] = []
@@ -100,7 +100,7 @@ def obj_corners(content: bytes) -> NDArray[np.float64] | None:
 def obj_triangles(content: bytes) -> NDArray[np.float64] | None:
     """Return the triangles (T, 3, 3) of an OBJ file, in its own unit.
 
-    None for a file for which `obj_corners` returns None, and for one with faces of more than three corners.
+    Return None if `obj_corners` returns None, or if a face has more than three corners.
     """
     rows: list[NDArray[np.float64]] = []
     used: list[NDArray[np.float64]] = []
@@ -125,7 +125,7 @@ def obj_triangles(content: bytes) -> NDArray[np.float64] | None:
 def _is_plain(content: bytes) -> bool:
     """Return True if all faces number their corners from 1, and all these corners exist.
 
-    This holds for nearly all files, and takes a tenth of the time of a check of each face.
+    This is so for nearly all files. The check takes a tenth of the time of a check of each face.
     """
     if b"\\" in content:
         return False

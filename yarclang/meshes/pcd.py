@@ -24,13 +24,13 @@ _MOST_NUMBERS = 1_000
 
 
 class _FaultError(Exception):
-    """A fault; its text is the end of a sentence that names it."""
+    """A fault. Its text is the end of a sentence that names the fault."""
 
 
 def pcd_points(content: bytes) -> NDArray[np.float64] | str:
     """Return the points (N, 3) of a PCD file, in its own unit, or the end of a sentence that names a fault.
 
-    Positions that a sensor hasn't seen are NaN.
+    Points that the sensor didn't see are NaN.
 
     Args:
         content: the file. Fields other than x, y and z are ignored.
@@ -78,10 +78,11 @@ def _columns(text: str) -> tuple[list[tuple[str, str]], int]:
 
 
 def _stands_at_its_origin(viewpoint: list[str] | None) -> None:
-    """Check that the viewpoint is the origin. Readers of PCD files disagree about the meaning of others.
+    """Check that the viewpoint is the origin. Readers of PCD files disagree about the meaning of other
+    viewpoints.
 
     Raises:
-        _FaultError: if it isn't.
+        _FaultError: if it isn't the origin.
     """
     try:
         pose = _HERE if viewpoint is None else [float(one) for one in viewpoint]
@@ -119,7 +120,7 @@ def _binary(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDA
 
 
 def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDArray[np.float64]:
-    """Return the points of a compressed body, in which each field has the numbers of all points."""
+    """Return the points of a compressed body, which stores the numbers of all points field by field."""
     if len(body) < 8:
         raise _FaultError(cut_off(f"{len(body)} bytes of points", "at least 8"))
     packed, size = struct.unpack_from("<II", body)
@@ -142,7 +143,7 @@ def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) ->
 
 
 def _unpacked(packed: bytes, size: int) -> bytes:
-    """Decompress LZF data: literal bytes, and references that repeat earlier ones."""
+    """Decompress LZF data, which consists of literal bytes and of references that repeat earlier bytes."""
     found = bytearray()
     at, end = 0, len(packed)
     try:
@@ -163,7 +164,7 @@ def _unpacked(packed: bytes, size: int) -> bytes:
             if start < 0:
                 raise _FaultError("has compressed points that are damaged")
             piece = found[start : start + length]
-            # The repeated piece may overlap its own result.
+            # the repeated bytes may overlap the bytes that they produce
             found += (piece * (length // len(piece) + 1))[:length]
     except IndexError:
         raise _FaultError("has compressed points that are damaged") from None
@@ -173,4 +174,6 @@ def _unpacked(packed: bytes, size: int) -> bytes:
 
 
 _LITERAL, _LONG = 32, 7
-"""LZF: control bytes below `_LITERAL` count literal bytes; the length `_LONG` continues in the next byte."""
+"""LZF: control bytes below `_LITERAL` count literal bytes; if the length is `_LONG`, the next byte is
+added to it.
+"""

@@ -1,12 +1,13 @@
-"""Divide a closed mesh into convex pieces, which together contain it.
+"""Divide a closed mesh into convex pieces that together contain the solid.
 
 The box around the mesh is cut by planes across its axes into cells. The piece of a cell is the convex hull of
-the triangles' parts in it, and of those corners of the cell at which the cell is filled.
+the parts of triangles in the cell, and of those corners of the cell that are inside the solid.
 
-This hull contains P, the solid's part in the cell: an extreme point of P is on the solid's surface, and then on
-the part of a triangle, or inside of it, and then an extreme point of the cell as well. A triangle in a border of
-the cell matters only where others meet it. Therefore no piece lacks anything, whichever planes are chosen. They
-are chosen so that the pieces are small.
+This hull contains P, the part of the solid in the cell. Proof: let p be an extreme point of P. If p is on the
+surface of the solid, it belongs to the part of a triangle. If p is inside the solid, it is also an extreme
+point of the cell, that is one of its corners. A triangle in the border of a cell matters only where other
+triangles meet it. No piece therefore lacks any part of the solid, whichever planes are chosen. They are
+chosen so that the pieces are small.
 """
 
 from __future__ import annotations
@@ -25,21 +26,25 @@ MOST_PIECES = 64
 _EVEN = 7
 """Number of planes across each axis that divide a cell evenly."""
 _FACES = 8
-"""Number of planes across each axis at the largest faces of the mesh that are perpendicular to it."""
+"""Number of planes across each axis that are placed at the largest faces of the mesh perpendicular to the
+axis.
+"""
 _GRID = 32
-"""Number of cells along each axis of the grid that measures the solid."""
+"""Number of cells along each axis of the grid with which the solid's volume is measured."""
 _ENOUGH = 0.02
-"""Excess of a piece, as a share of its volume, from which it is not cut again."""
+"""A piece is not cut again if its excess volume is less than this share of its own volume."""
 _SOME = 4_000
-"""Number of triangles that decide where cells are cut."""
+"""Number of triangles from which the cuts are chosen."""
 _WORTH = 0.1
-"""Gain of a cut, as a share of the excess, from which it is better than halving."""
+"""A cut whose gain is less than this share of the excess volume is replaced by halving."""
 _TINY = 0.002
-"""Excess of a piece, as a share of the volume of the whole hull, from which it is not cut again."""
+"""A piece is not cut again if its excess volume is less than this share of the volume of the whole hull."""
 _INWARDS = 5e-7
-"""Distance of the point from a cell's borders that says if a corner of the cell is filled [m]."""
+"""Distance from a cell's borders at which a point near a corner decides if the corner is inside the solid
+[m].
+"""
 _THIN = 1e-5
-"""Least thickness of a piece [m]. Flat ones, which are parts of the surface only, are given it."""
+"""Least thickness of a piece [m]. Flat pieces, which contain only a part of the surface, are thickened."""
 
 
 @frozen(eq=False)
@@ -67,7 +72,7 @@ class _Cell:
 
 
 def pieces_of(triangles: Array, most: int) -> tuple[Piece, ...]:
-    """Return convex pieces that contain a solid; the same ones for the same mesh.
+    """Return convex pieces that contain a solid. The result is the same each time for the same mesh.
 
     Args:
         triangles: (T, 3, 3) [m], which enclose the solid.
@@ -88,7 +93,7 @@ def pieces_of(triangles: Array, most: int) -> tuple[Piece, ...]:
             if columns.may_contain(near) or columns.contains(corner)
         ]
         held = np.concatenate((own, np.array(inside).reshape(-1, 3)))
-        found.append(Piece(low, high, _outer(_thick(held))))  # each cell has parts of triangles
+        found.append(Piece(low, high, _outer(_thick(held))))  # not empty: each cell has parts of triangles
     return tuple(found)
 
 
@@ -136,7 +141,8 @@ def _corners(low: Array, high: Array) -> Array:
 
 
 def _measured(low: Array, high: Array, triangles: Array, solid: NDArray[np.bool_], middles: Array) -> _Cell:
-    """Return a cell with the volume of its piece, and how much of that isn't the solid's, roughly.
+    """Return a cell with the volume of its piece, and the approximate volume of the piece outside of the
+    solid.
 
     Args:
         low: its corner with the least coordinates (3,).
@@ -156,7 +162,7 @@ def _measured(low: Array, high: Array, triangles: Array, solid: NDArray[np.bool_
 
 
 def _enclosed(points: Array, asked: Array) -> int:
-    """Return how many of the points asked for (A, 3) are in the hull of points (V, 3)."""
+    """Return the number of points `asked` (A, 3) that are in the hull of points (V, 3)."""
     faces = _faces(points)
     for some in np.array_split(faces, len(faces) // 64 + 1):
         asked = asked[(asked @ some[:, :3].T + some[:, 3] <= 0.0).all(axis=1)]
@@ -164,7 +170,9 @@ def _enclosed(points: Array, asked: Array) -> int:
 
 
 def _faces(points: Array) -> Array:
-    """Return the faces (F, 4) of the hull of points (V, 3), with their normals outwards; none if it is flat."""
+    """Return the planes (F, 4) of the faces of the hull of points (V, 3), normals outwards; none for a
+    flat hull.
+    """
     if len(points) < 4:
         return np.zeros((0, 4))
     from scipy.spatial import ConvexHull, QhullError
@@ -190,9 +198,10 @@ def _flats(triangles: Array) -> tuple[Array, ...]:
 
 
 def _best_cut(cell: _Cell, flats: tuple[Array, ...]) -> tuple[int, float] | None:
-    """Return the axis and the place of the plane that leaves the smallest pieces; of equals, the one next to the
-    middle. If none gains much, as for a ring, it is the middle of the longest edge. None if the cell is too
-    thin to be cut.
+    """Return the axis and the place of the plane that leaves the smallest pieces.
+
+    Of planes that are equally good, the one nearest to the middle is chosen. If no plane gains much, as for a
+    ring, the result is the middle of the longest edge. It is None if the cell is too thin to be cut.
     """
     points = cell.triangles.reshape(-1, 3)
     best: tuple[float, float, int, float] | None = None
@@ -215,7 +224,9 @@ def _best_cut(cell: _Cell, flats: tuple[Array, ...]) -> tuple[int, float] | None
 
 
 def _volumes(triangles: Array, axis: int, places: Array) -> list[float]:
-    """Return the volume of both pieces together for each plane across an axis, in rising order."""
+    """Return, for each of several planes across an axis in rising order, the volume of both pieces
+    together.
+    """
     layers, rest = [], triangles
     for at in places.tolist():
         below, rest = _cut(rest, axis, at)
@@ -226,7 +237,7 @@ def _volumes(triangles: Array, axis: int, places: Array) -> list[float]:
 
 
 def _growing(layers: list[Array]) -> list[float]:
-    """Return the volumes of the hulls of the first layer, the first two, and so on."""
+    """Return the volumes of the hulls of the first layer, of the first two layers, and so on."""
     found, points = [], np.zeros((0, 3))
     for layer in layers:
         points = _outer(np.concatenate((points, layer)))
@@ -237,7 +248,8 @@ def _growing(layers: list[Array]) -> list[float]:
 def _cut(triangles: Array, axis: int, at: float) -> tuple[Array, Array]:
     """Cut triangles by the plane across an axis at a place.
 
-    A triangle in the plane belongs to the side that it bounds, as the order of its corners says.
+    A triangle in the plane belongs to the side of the solid that it bounds, which the order of its corners
+    shows.
 
     Returns:
         The parts below and above the plane (T, 3, 3).
@@ -252,7 +264,8 @@ def _cut(triangles: Array, axis: int, at: float) -> tuple[Array, Array]:
     crossing = np.flatnonzero((least < 0.0) & (most > 0.0))
     if not len(crossing):
         return below, above
-    # turn each triangle so that its first corner is alone on its side, or in the plane between the others
+    # rotate the corners of each triangle, so that its first corner is alone on its side, or in the plane
+    # between the other two
     three, signs = triangles[crossing], np.sign(side[crossing])
     alone = np.where(
         (signs == 0.0).any(axis=1),
@@ -291,7 +304,9 @@ def _share(parts: Array, sign: Array, low: list[Array], high: list[Array]) -> No
 
 
 def _meeting(one: Array, other: Array, axis: int, at: float) -> Array:
-    """Return the points (T, 3) of edges on the plane, the same ones in both directions of an edge."""
+    """Return the points (T, 3) at which edges meet the plane. Both directions of an edge give the same
+    point.
+    """
     swap = (one[:, axis] > other[:, axis])[:, None]
     first, second = np.where(swap, other, one), np.where(swap, one, other)
     share = (at - first[:, axis]) / (second[:, axis] - first[:, axis])
@@ -302,7 +317,9 @@ def _meeting(one: Array, other: Array, axis: int, at: float) -> Array:
 
 
 def _outer(points: Array) -> Array:
-    """Return the corners of the hull of points (V, 3); all different ones if they lie in a plane."""
+    """Return the corners of the hull of points (V, 3). If the points are in a plane, return all distinct
+    points.
+    """
     points = np.unique(points, axis=0)
     if len(points) <= 4:
         return points
@@ -315,7 +332,7 @@ def _outer(points: Array) -> Array:
 
 
 def _volume(points: Array) -> float:
-    """Return the volume of the hull of points (V, 3); 0 if they lie in a plane."""
+    """Return the volume of the hull of points (V, 3); 0 if the points are in a plane."""
     if len(points) < 4:
         return 0.0
     from scipy.spatial import ConvexHull, QhullError
@@ -327,7 +344,9 @@ def _volume(points: Array) -> float:
 
 
 def _thick(points: Array) -> Array:
-    """Return points (V, 3), with further ones around them along each direction in which they are thin."""
+    """Return points (V, 3), with additional points on both sides of each direction in which the points are
+    thin.
+    """
     middle = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - middle, full_matrices=False) if len(points) > 2 else (0, 0, np.eye(3))
     for axis in axes:

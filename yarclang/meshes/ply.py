@@ -21,12 +21,12 @@ _TYPES = {
     "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
 _AT_ONCE = 1_000_000
-"""Most numbers of lists that are read at once, which bounds memory."""
+"""Largest number of numbers of lists that are read at once, to bound memory."""
 _CORNERS = ("vertex_indices", "vertex_index")
 
 
 class _FaultError(Exception):
-    """A fault; its text is the end of a sentence that names it."""
+    """A fault. Its text is the end of a sentence that names the fault."""
 
 
 @frozen
@@ -46,7 +46,7 @@ class _Property:
 
 @frozen
 class _Element:
-    """An element of a file: a kind of entries.
+    """An element of a file, which is a table of entries.
 
     Attributes:
         name: its name.
@@ -62,8 +62,8 @@ class _Element:
 def read_ply(content: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]] | str:
     """Return corners (V, 3) and triangles (T, 3) of a PLY file, or the end of a sentence that names a fault.
 
-    Faces of more corners are divided into triangles from their first corner. These cover the face, and more
-    than the face if it isn't convex.
+    Faces with more than three corners are divided into triangles from their first corner. The triangles cover
+    the face; if the face isn't convex, they cover more.
 
     Args:
         content: the file, text or binary. Anything but positions of corners and faces is ignored.
@@ -78,7 +78,7 @@ def ply_points(content: bytes) -> NDArray[np.float64] | str:
     """Return the corners (V, 3) of a PLY file without its faces, or the end of a sentence that names a fault.
 
     Args:
-        content: the file, text or binary. Positions that a sensor hasn't seen may be NaN.
+        content: the file, text or binary. Points that the sensor didn't see may be NaN.
     """
     try:
         elements, source = _opened(content)
@@ -112,7 +112,7 @@ def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
     """Return the positions (V, 3) of corners.
 
     Raises:
-        _FaultError: if they have no x, y and z, or aren't there.
+        _FaultError: if the file has no corners, or if they have no x, y and z.
     """
     names = [one.name for one in element.properties]
     if not {"x", "y", "z"} <= set(names) or any(one.length for one in element.properties):
@@ -122,7 +122,7 @@ def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
 
 
 def ply_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of a PLY file as a body; empty without one."""
+    """Return the end of a sentence that names the fault of a PLY file as a body; empty if there is none."""
     read = read_ply(content)
     return read if isinstance(read, str) else ""
 
@@ -151,24 +151,24 @@ def _with(element: _Element, more: _Property) -> _Element:
 
 
 class _Numbers:
-    """Sequential reader of the numbers of a file."""
+    """Reader of the numbers of a file, from its beginning to its end."""
 
     def rows(self, count: int, kinds: list[str]) -> NDArray[np.float64]:
         """Read the next entries (count, columns), whose columns have types `kinds`.
 
         Raises:
-            _FaultError: if the file ends before.
+            _FaultError: if the file ends too early.
         """
         raise NotImplementedError
 
     def width(self, kind: str) -> int:
-        """Return the number of places that a number takes: bytes, or 1 in a text."""
+        """Return the number of places of a number: its bytes, or 1 in a text file."""
         raise NotImplementedError
 
     def starts(
         self, count: int, before: int, length: str, item: int, after: int
     ) -> tuple[list[int], list[int]]:
-        """Read over the next entries, and return the places and lengths of their lists.
+        """Skip the next entries, and return the places and lengths of their lists.
 
         Args:
             count: number of entries, which have one list each.
@@ -178,12 +178,14 @@ class _Numbers:
             after: places of an entry after its list.
 
         Raises:
-            _FaultError: if the file ends before, or a length isn't one.
+            _FaultError: if the file ends too early, or if a length isn't an allowed one.
         """
         raise NotImplementedError
 
     def gather(self, starts: NDArray[np.int64], length: int, kind: str) -> NDArray[np.float64]:
-        """Return the lists (entries, length) that begin at given places, of one length and type."""
+        """Return the lists (entries, length) that begin at given places. All of them have one length and
+        one type.
+        """
         raise NotImplementedError
 
 
@@ -308,7 +310,7 @@ def _look(elements: list[_Element], source: _Numbers) -> tuple[NDArray[np.float6
 def _lists(element: _Element, source: _Numbers) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """Yield the names and the rows (entries, length) of lists.
 
-    If an entry has one list, those of equal length are read together.
+    If each entry has only one list, all lists of equal length are read together.
     """
     places = [at for at, one in enumerate(element.properties) if one.length]
     if len(places) != 1:

@@ -25,9 +25,10 @@ _IN_TRIANGLE = {
     b"endloop": 1,
     b"vertex": 3,
 }
-"""Number of occurrences of words in the text of a triangle, including those within other words.
+"""Number of times that each word occurs in the text of a triangle, including its occurrences within other
+words.
 
-Files whose names of solids contain these words are treated as unusual.
+Files in which names of solids contain these words are treated as unusual.
 """
 _WORD = re.compile(rb"\b(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE)
 
@@ -40,7 +41,7 @@ def is_binary(content: bytes) -> bool:
 def stl_corners(content: bytes) -> NDArray[np.float64] | None:
     """Return the corners (3 T, 3) of all triangles of an STL file, in its own unit.
 
-    None for a file with a fault, or with unusual text.
+    Return None for a file with a fault, or with unusual text.
     """
     if not is_binary(content):
         return _text_corners(content)
@@ -51,9 +52,8 @@ def stl_corners(content: bytes) -> NDArray[np.float64] | None:
 
 
 def _text_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners of a text file, if it has each word as often as its triangles need.
-
-    Then nothing is missing. None for other files.
+    """Return the corners of a text file; None if a word doesn't occur exactly as often as the triangles
+    need it.
     """
     if content[:5] != b"solid" or not content.rstrip().rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
         return None
@@ -82,7 +82,7 @@ def stl_of(triangles: NDArray[np.float64]) -> bytes:
 
 
 def stl_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of an STL file as a body; empty without one.
+    """Return the end of a sentence that names the fault of an STL file as a body; empty if there is none.
 
     Args:
         content: the file, binary or text. Normals aren't checked.
@@ -111,7 +111,7 @@ def stl_fault(content: bytes) -> str:
 
 
 def damage(content: bytes) -> str:
-    """Return the end of a sentence that gives the right length of a binary file; empty if it isn't known."""
+    """Return the end of a sentence that states the right length of a binary file; empty if it isn't known."""
     if len(content) < _HEAD or content.startswith(b"solid"):
         return ""
     needed = _HEAD + _TRIANGLE.itemsize * _count(content)

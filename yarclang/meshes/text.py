@@ -1,4 +1,4 @@
-"""Numbers in the lines of large text files, read into arrays piece by piece to bound memory."""
+"""Numbers in the lines of large text files. They are read into arrays piece by piece, to bound memory."""
 
 from __future__ import annotations
 
@@ -45,14 +45,16 @@ def _read(text: bytes, kind: np.dtype[Any]) -> NDArray[Any] | None:
 
 
 def _words(text: bytes) -> int:
-    """Return the number of words of a text, without the time and memory to split it."""
+    """Return the number of words of a text. Splitting the text would take more time and memory."""
     each = np.frombuffer(text, np.uint8)
     inside = (each != 32) & ((each < 9) | (each > 13))
     return int(np.count_nonzero(inside[1:] & ~inside[:-1])) + int(inside[:1].sum())
 
 
 def table(lines: Sequence[bytes], width: int) -> NDArray[np.float64] | None:
-    """Return the numbers of lines (n, width); None if a line has more or fewer, or one that isn't finite."""
+    """Return the numbers of lines (n, width); None if a line has more or fewer numbers, or a number that
+    isn't finite.
+    """
     if not lines:
         return np.zeros((0, width))
     found = numbers(b" nan ".join((*lines, b"")))  # marks the ends of lines

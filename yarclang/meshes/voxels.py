@@ -10,7 +10,7 @@ from yarclang.frozen import frozen
 Array = NDArray[np.float64]
 
 _MOST_CELLS = 1 << 60
-"""Most cells of the box around all points, so that each cell has a number."""
+"""Largest number of cells of the box around all points, so that each cell can be numbered."""
 
 
 @frozen(eq=False)
@@ -28,10 +28,10 @@ class Voxels:
 
 @frozen
 class TooMany:
-    """The result if the cubes are too small.
+    """The result if the cubes are so small that there are too many triangles.
 
     Attributes:
-        triangles: number of their triangles; 0 if there are so many cubes that they can't be numbered.
+        triangles: number of the triangles; 0 if there are so many cubes that they can't be numbered.
     """
 
     triangles: int
@@ -41,17 +41,17 @@ def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
     """Return the body of points, unless it has too many triangles.
 
     Each point is in a cube or on its faces. Each edge of the mesh belongs to two or four of its triangles.
-    Therefore the mesh is closed, and is treated as solid.
+    The mesh is therefore closed, and is treated as solid.
 
     Args:
         points: (N, 3), finite, at least one.
-        edge: edge of a cube; faces are at its multiples.
+        edge: edge of a cube; the faces of cubes are at its multiples.
         most: largest number of triangles.
     """
     with np.errstate(over="ignore"):
         places = np.floor(points / edge)
     low = places.min(axis=0) - 1.0
-    # One more cell on each side gives each cube a neighbour in every direction.
+    # an additional cell on each side gives each cube a neighbour in every direction
     sizes = [int(one) for one in places.max(axis=0) - low + 2.0]
     if (
         not np.isfinite(low).all()
@@ -74,7 +74,7 @@ def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
 
 
 def _without(cells: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the cells whose neighbour `beyond` isn't among the cells, which are sorted."""
+    """Return the cells (sorted) whose neighbour `beyond` isn't one of the cells."""
     row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
     outer: NDArray[np.int64] = cells[cells[row] != beyond]
     return outer

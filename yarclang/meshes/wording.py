@@ -7,10 +7,12 @@ NO_TRIANGLE = "has no triangle"
 
 
 def lost_corner(corner: int, corners: int) -> str:
-    """Return the text for a face with a corner that doesn't exist."""
+    """Return the end of the sentence about a face with a corner that doesn't exist."""
     return f"has a face with the corner {corner}, but {corners:,} corners"
 
 
 def cut_off(found: str, needed: str) -> str:
-    """Return the text for a file that ends too early, from its content and the needed content."""
+    """Return the end of the sentence about a file that ends too early, from the present and the needed
+    content.
+    """
     return f"is cut off: it has {found}, and should have {needed}"

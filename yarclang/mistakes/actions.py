@@ -1,4 +1,4 @@
-"""Answer mistakes in commands without motion, and in conditions and registers."""
+"""Recognise mistakes in commands without motion, and in conditions and registers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _STATES = {
 
 
 def signal(line: Line) -> Guess | None:
-    """Answer a SET or WAIT with a wrong signal, state or operator."""
+    """Recognise a SET or WAIT with a wrong signal, state or operator."""
     word = line.word.upper()
     if word not in ("SET", "WAIT"):
         return None
@@ -86,7 +86,9 @@ def signal(line: Line) -> Guess | None:
 
 
 def wait(line: Line) -> Guess | None:
-    """Answer a WAIT whose time has wrong brackets or none, or whose input is written in a foreign form."""
+    """Recognise a WAIT whose time has wrong brackets or is missing, or whose input is written as in
+    another language.
+    """
     if line.word.upper() != "WAIT":
         return None
     found = re.fullmatch(
@@ -132,7 +134,7 @@ def wait(line: Line) -> Guess | None:
 
 
 def turned(line: Line) -> Guess | None:
-    """Answer signals and states in the wrong form.
+    """Recognise signals and states in the wrong form.
 
     These are an output without SET, a state before its output or after a comma, a WHEN without a state, a
     STOP with a text, and a REGISTER without a range.
@@ -212,7 +214,7 @@ def turned(line: Line) -> Guess | None:
 
 
 def rounds(line: Line) -> Guess | None:
-    """Answer a REPEAT that counts like a loop of another language."""
+    """Recognise a REPEAT that counts like a loop of another language."""
     if line.word.upper() != "REPEAT":
         return None
     found = re.fullmatch(

@@ -1,4 +1,4 @@
-"""Replace the findings of a line that can't be read by one answer, if a guesser recognises the mistake."""
+"""Replace the findings of a line that can't be read by one finding, if a guesser recognises the mistake."""
 
 from __future__ import annotations
 
@@ -33,19 +33,21 @@ from yarclang.syntax.lines import code_of
 from yarclang.syntax.parse import parse_statement
 
 _FAMILIES = (SYNTAX, "02", "03", "04")
-"""Families of findings about lines that can't be read: syntax, names, frames and units, values."""
+"""Families of findings that mean that a line can't be read: syntax, names, frames and units, values."""
 
 _NO_INDEX, _NO_UNIT, _NO_END, _NO_BLOCK = "Y0105", "Y0304", "Y0113", "Y0114"
 _NO_TEXT, _CHARACTER = "Y0108", "Y0118"
 
 _UNDERSTOOD = frozenset((_NO_INDEX, _NO_UNIT, _NO_TEXT))
-"""Codes of these families that don't count: of lines that can be read, and of a file that is no program."""
+"""Codes of these families that are ignored: those of lines that can be read, and of a file that is no
+program.
+"""
 
 _MOST_LINES = 200
-"""Largest number of lines with errors that are examined; a file with more of them is probably no program."""
+"""Largest number of lines with errors that are examined. A file with more of them is probably no program."""
 
 _LONGEST = 400
-"""Largest number of characters in a line that is examined; longer lines weren't typed by a person."""
+"""Largest number of characters in a line that is examined. Longer lines weren't typed by a person."""
 
 GUESSERS: tuple[Guesser, ...] = (
     characters.alike,
@@ -87,13 +89,14 @@ GUESSERS: tuple[Guesser, ...] = (
     numbers.number,
     words.word,
 )
-"""Guessers in order: those first that need the least of a line to be correct."""
+"""Guessers in the order in which they are tried. The first ones need the fewest correct parts in a line."""
 
 
 def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
-    """Return the findings, with those of a line that can't be read replaced by one answer, if there is one.
+    """Return the findings. If a guesser recognises the mistake in a line that can't be read, its finding
+    replaces the others.
 
-    The answer keeps the code of the line's first error. It has a fix if only one repair is likely.
+    The new finding has the code of the line's first error. It has a fix if only one repair is likely.
 
     Args:
         diagnostics: all findings.
@@ -138,12 +141,14 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
 
 
 def _is_of_the_line(one: Diagnostic) -> bool:
-    """Return True if a finding says that its line can't be read."""
+    """Return True if a finding means that its line can't be read."""
     return one.is_error and one.code not in _UNDERSTOOD and family_of(one.code) in _FAMILIES
 
 
 def _line(one: Diagnostic, source: SourceFile) -> int:
-    """Return the line of the program that a finding is about; 0 for another file, or for several lines."""
+    """Return the line of the program that a finding is about; 0 if it is about another file or several
+    lines.
+    """
     if (
         one.source is not source
         or one.span is None

@@ -1,4 +1,4 @@
-"""Answer speeds and corners after the values, as other languages write them."""
+"""Recognise speeds and corners after the values, as other languages write them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NEAR = re.compile(r"(?<=\s)NEAR\s+(?P<all>[\[({][^\])}]*[\])}]|[-+0-9.][-+0-9.\
 
 
 def behind(line: Line) -> Guess | None:
-    """Answer a speed without brackets, a zone, and joint values after NEAR."""
+    """Recognise a speed without brackets, a zone, and joint values after NEAR."""
     if not line.is_motion:
         return None
     begin = line.behind

@@ -1,4 +1,6 @@
-"""Answer blocks, conditions and assignments written as in other languages, and several commands on a line."""
+"""Recognise blocks, conditions and assignments written as in other languages, and several commands on a
+line.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ _SECOND = re.compile(r"(?<=\s)(?P<index>[Pp][0-9]{2,9})\s+(?P<word>[A-Za-z_]+)")
 
 
 def end(line: Line) -> Guess | None:
-    """Answer ENDIF, END IF and similar words."""
+    """Recognise ENDIF, END IF and similar words."""
     found = _ENDS.fullmatch(line.bare)
     if found is None or (found["word"].upper() in ("DONE",) and line.values.strip()):
         return None
@@ -41,10 +43,10 @@ def end(line: Line) -> Guess | None:
 
 
 def condition(line: Line) -> Guess | None:
-    """Answer THEN, and operators of other languages."""
+    """Recognise THEN, and operators of other languages."""
     word = line.word.upper()
     if word in ("IF", "WHEN", "REPEAT", "LET", "FUNC", "SET", "WHILE", "UNTIL", "WAIT"):
-        # Search in the whole text: in `bare`, the text after the ! of != is missing as a comment.
+        # Search in the whole text: `bare` lacks the text after the ! of !=, which counts as a comment.
         if (found := _SIGNS.search(line.text, line.behind)) and '"' not in line.text[: found.start()]:
             meant = _OPERATORS[found[0]]
             return line.guess(
@@ -96,7 +98,7 @@ def _how(line: Line, found: re.Match[str], meant: str) -> str:
 
 
 def assignment(line: Line) -> Guess | None:
-    """Answer LET without its equals sign, and an equals sign without LET."""
+    """Recognise LET without its equals sign, and an equals sign without LET."""
     if line.word.upper() == "LET":
         found = re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)\s+(?P<value>[-+$0-9(].*)", line.values)
         if found is None:
@@ -124,7 +126,7 @@ def assignment(line: Line) -> Guess | None:
 
 
 def hold(line: Line) -> Guess | None:
-    """Answer the text of a HOLD without quotes, or in other quotes."""
+    """Recognise the text of a HOLD without quotes, or in other quotes."""
     if line.word.upper() != "HOLD" or not line.values.strip():
         return None
     at = line.behind + len(line.values) - len(line.values.lstrip())
@@ -146,7 +148,7 @@ def hold(line: Line) -> Guess | None:
 
 
 def several(line: Line) -> Guess | None:
-    """Answer two commands on a line, a semicolon at its end, and empty brackets after a CALL."""
+    """Recognise two commands on a line, a semicolon at its end, and empty brackets after a CALL."""
     if line.is_command and (found := _SECOND.search(line.bare, line.behind)) and is_command(found["word"]):
         first = line.text[: found.start()].rstrip()
         begin, end = found.start("index"), found.end("index")

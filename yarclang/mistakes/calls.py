@@ -1,4 +1,4 @@
-"""Answer commands that are written as function calls."""
+"""Recognise commands that are written as function calls."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _RESET = re.compile(r"\s*(?P<all>(?P<word>Set|Reset|SetDO|ResetDO)\s+(?P<name>[A
 
 
 def request(line: Line) -> Guess | None:
-    """Answer Set and Reset of RAPID with the name of an output."""
+    """Recognise RAPID's Set and Reset with the name of an output."""
     found = _RESET.fullmatch(line.bare, len(line.index))
     if found is None or found["name"].upper() not in _of(line, "OUTPUT"):
         return None
@@ -25,7 +25,9 @@ def request(line: Line) -> Guess | None:
 
 
 def call(line: Line) -> Guess | None:
-    """Answer SET(GLUE, ON), HOLD("text"), CALL "PICK", CALL PICK(1, 2) and PICK; as in other languages."""
+    """Recognise commands written as in other languages: SET(GLUE, ON), HOLD("text"), CALL "PICK", CALL
+    PICK(1, 2), PICK.
+    """
     word = line.word.upper()
     found = _CALL.fullmatch(line.values)
     if found is not None and word in ("SET", "PULSE") and "," in found["inside"]:

@@ -1,4 +1,4 @@
-"""Answer signs that are usual in tables and texts, but not allowed in programs."""
+"""Recognise signs that are usual in tables and texts, but not allowed in programs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _COMMAS = re.compile(r"[،，、؛；](?=\s|$)")
 
 
 def alike(line: Line) -> Guess | None:
-    """Answer degree and minute signs after a number, fractions, and commas of other scripts."""
+    """Recognise degree and minute signs after a number, fractions, and commas of other scripts."""
     if found := _DEGREES.search(line.bare):
         every = _DEGREES.sub("", line.text)
         unit = line.units.get("angle")

@@ -1,4 +1,4 @@
-"""Answer comments that begin as in other languages."""
+"""Recognise comments that begin as in other languages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _WORDS = re.compile(r"[A-Za-z][A-Za-z'.,-]*(?:\s|$)")
 
 
 def whole(line: Line) -> Guess | None:
-    """Answer a comment on a line of its own that begins with another sign than `!`."""
+    """Recognise a comment on a line of its own that begins with a sign other than `!`."""
     found = _REM.match(line.text) or _WHOLE.match(line.text)
     if found is not None:
         sign, said = found["sign"], found["said"] or ""
@@ -33,7 +33,7 @@ def whole(line: Line) -> Guess | None:
 
 
 def behind(line: Line) -> Guess | None:
-    """Answer a comment after a command that begins with another sign than `!`."""
+    """Recognise a comment after a command that begins with a sign other than `!`."""
     found = _BEHIND.search(line.text)
     if found is None or not line.word or "!" in line.text or '"' in line.bare:
         return None
@@ -46,9 +46,9 @@ def behind(line: Line) -> Guess | None:
 
 
 def _are_words(line: Line, said: str) -> bool:
-    """Return True if the text after a semicolon is a remark and no way-point.
+    """Return True if the text after a semicolon is a remark and not a way-point.
 
-    A remark has several words, none of them a name of the program.
+    A remark has several words, and none of them is a name of the program.
     """
     words = said.split()
     known = {name.upper() for names in line.around.declared.values() for name in names} | {"HOME"}

@@ -1,4 +1,4 @@
-"""Answer declarations with equals signs, commas, quotes or brackets that the language doesn't have."""
+"""Recognise declarations with equals signs, commas, quotes or brackets that the language doesn't have."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _VARIABLE = re.compile(
 
 
 def declared(line: Line) -> Guess | None:
-    """Answer a declaration that is written as in other languages."""
+    """Recognise a declaration that is written as in other languages."""
     word = line.word.upper()
     if (meant := _MISNAMED.get(word)) and line.values.strip() and word not in line.around.lines_of:
         return line.guess(line.begin, line.behind, f"{line.word} is no declaration", meant)

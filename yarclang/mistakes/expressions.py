@@ -1,4 +1,4 @@
-"""Answer sums and functions without `$()`, and dollar signs with a blank before the name."""
+"""Recognise sums and functions without `$()`, and dollar signs with a blank before the name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _APART_UNIT = re.compile(
 
 
 def sum_(line: Line) -> Guess | None:
-    """Answer arithmetic that isn't written as `$(...)`."""
+    """Recognise arithmetic that isn't written as `$(...)`."""
     if not line.is_motion:
         return None
     begin = line.behind

@@ -1,4 +1,4 @@
-"""Answer lines of other robot languages with the equivalent in YARC."""
+"""Recognise lines of other robot languages, and name the equivalent in YARC."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _WAITTIME = re.compile(
 
 
 def foreign(line: Line) -> Guess | None:
-    """Answer a line that is valid in another robot language."""
+    """Recognise a line that is valid in another robot language."""
     said = line.bare.strip()
     if (found := _WAITTIME.fullmatch(line.bare)) and not line.index.strip():
         return line.guess(
@@ -61,7 +61,7 @@ def foreign(line: Line) -> Guess | None:
 
 
 def numbered(line: Line) -> Guess | None:
-    """Answer a line that begins with its number, as in G-code."""
+    """Recognise a line that begins with its number, as in G-code."""
     said = line.bare.strip()
     for form, help_ in NUMBERED:
         if found := form.match(said):

@@ -1,4 +1,4 @@
-"""Answer names of places in braces or quotes or after TO, and way-points on lines of their own."""
+"""Recognise names of places in braces or quotes or after TO, and way-points on lines of their own."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _COMMA = re.compile(rf"(?<=[0-9.])\s*(?P<comma>,)\s+(?={_VALUE})")
 
 
 def named(line: Line) -> Guess | None:
-    """Answer the name of a joint position or pose in braces, quotes or brackets, or after TO."""
+    """Recognise the name of a joint position or pose in braces, quotes or brackets, or after TO."""
     found = _NAMED.fullmatch(line.values) if line.is_motion else None
     if found is None:
         return None
@@ -34,7 +34,7 @@ def named(line: Line) -> Guess | None:
 
 
 def several(line: Line) -> Guess | None:
-    """Answer several names after a motion to a single place."""
+    """Recognise several names after a motion to a single place."""
     found = re.fullmatch(
         r"\s+(?P<all>(?P<one>[A-Za-z_]\w*)(?P<others>(?:\s*,\s*|\s+)[A-Za-z_]\w*)+)\s*(?:[\[(].*)?",
         line.values,
@@ -55,7 +55,7 @@ _AXIS = re.compile(
 
 
 def along(line: Line) -> Guess | None:
-    """Answer a DMOVE with a single value and the name of its axis."""
+    """Recognise a DMOVE with a single value and the name of its axis."""
     found = _AXIS.match(line.values) if line.word.upper() == "DMOVE" else None
     if found is None:
         return None
@@ -74,7 +74,7 @@ def _known(line: Line) -> set[str]:
 
 
 def apart(line: Line) -> Guess | None:
-    """Answer a way-point on a line of its own, and a comma between way-points."""
+    """Recognise a way-point on a line of its own, and a comma between way-points."""
     if line.is_motion and ("MOVEC" in line.word.upper() or "SPLINE" in line.word.upper()):
         commas = list(_COMMA.finditer(line.bare, line.behind))
         if len(commas) == 1:

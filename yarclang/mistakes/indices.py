@@ -1,4 +1,4 @@
-"""Answer indices that aren't written as `P0010 `."""
+"""Recognise indices that aren't written as `P0010 `."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DIGITS = str.maketrans("OoIl", "0011")
 
 
 def index(line: Line) -> Guess | None:
-    """Answer an index with a letter for a digit, without P, without a blank after it, or with a colon."""
+    """Recognise an index with a letter for a digit, without P, without a blank after it, or with a colon."""
     if found := _ALONE.match(line.bare):
         name = found["index"]
         return Guess(

@@ -118,7 +118,9 @@ FORMS: tuple[tuple[re.Pattern[str], str, bool], ...] = tuple(
         (r"[XYZ][-+]?[0-9.]+(?:\s+[XYZABC][-+]?[0-9.]+)+$", MOVEL, False),
     )
 )
-"""Lines that need more than their first word to be recognised: pattern, help, True if it begins a block."""
+"""Lines that need more than their first word to be recognised: pattern, help, and True if the line begins
+a block.
+"""
 
 NUMBERED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"N[0-9]+\s+(?:G0?0(?![0-9])|[XYZ][-0-9.])", re.I), MOVEJ),

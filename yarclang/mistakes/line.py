@@ -1,4 +1,4 @@
-"""A line that can't be read, the program around it, and a guess of its intended meaning."""
+"""A line that can't be read, the program around it, and a guess of what the line was meant to be."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _DECLARED = re.compile(
 )
 _BLOCK = re.compile(r"^\s*(SUB|IF|WHEN|CASE|REPEAT|LOOP|WHILE|END)(?![A-Za-z0-9_])", re.I)
 _LONGEST = 400
-"""Number of characters of each line that are examined; longer lines weren't typed by a person."""
+"""Largest number of characters in a line that is examined. Longer lines weren't typed by a person."""
 
 _INDEX = re.compile(r"\s*[Pp]([0-9]{1,9})(?![^\s])")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
 class Guess:
-    """A guess of the intended meaning of a line.
+    """A guess of what a line was meant to be.
 
     Args:
         begin: start of the mistake in the line, from 0.
@@ -44,9 +44,9 @@ class Guess:
     def __init__(self, begin: int, end: int, message: str, help_: str, *lines: str) -> None:
         self.begin, self.end, self.message, self.help, self.lines = begin, end, message, help_, lines
         self.ends_block = False
-        """True if the line is meant as END; the block's first line is then not without one."""
+        """True if the line was meant as END. The first line of its block then doesn't lack one."""
         self.begins_block = False
-        """True if the line is meant to begin a block; an END further down then belongs to it."""
+        """True if the line was meant to begin a block. An END further down then belongs to it."""
 
 
 Guesser = Callable[["Line"], Guess | None]
@@ -174,7 +174,7 @@ class Line:
         return self.around.units_at(self.number)
 
     def with_(self, begin: int, end: int, put: str) -> str:
-        """Return the line with the text between two places replaced."""
+        """Return the line with other text between two places."""
         return f"{self.text[:begin]}{put}{self.text[end:]}"
 
     def guess(self, begin: int, end: int, message: str, put: str | None = None, help_: str = "") -> Guess:
@@ -205,7 +205,7 @@ def is_thousand(text: str) -> bool:
 
 
 def first(line: Line, guessers: Iterable[Guesser]) -> Guess | None:
-    """Return the guess of the first guesser that has one; None if none has."""
+    """Return the guess of the first guesser that returns one; None if none does."""
     return next((found for one in guessers if (found := one(line)) is not None), None)
 
 

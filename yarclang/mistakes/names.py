@@ -1,4 +1,4 @@
-"""Answer unknown names: suggest the intended name, or point out a declaration that comes too late."""
+"""Recognise unknown names: suggest the intended name, or point out a declaration that comes too late."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
 
 def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
-    """Return the fix that replaces the name in a finding by another; None if it isn't exactly one name.
+    """Return the fix that replaces the name in a finding by another; None if the finding's place isn't
+    exactly one name.
 
     Args:
         source: the program's file.
@@ -36,8 +37,8 @@ def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
 def named(one: Diagnostic, source: SourceFile, around: Around) -> Diagnostic:
     """Return a finding about an unknown name with a fix, or with the line of its declaration.
 
-    A name declared further down gets that line as help; a typing error of exactly one known name gets a fix.
-    Any other finding is returned as it is.
+    If the name is declared further down, the help names that line. If it looks like a typing error of exactly
+    one known name, the finding gets a fix. Any other finding is returned unchanged.
     """
     if one.fix is not None or not isinstance(one.subject, Name) or one.span is None:
         return one

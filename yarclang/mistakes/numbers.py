@@ -1,4 +1,4 @@
-"""Answer numbers with units, commas or letters in them, and lists of numbers as in other languages."""
+"""Recognise numbers with units, commas or letters in them, and lists of numbers as in other languages."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _WAYS = re.compile(r"[0-9.]\s+[-+]?[0-9.]")
 
 
 def value_list(line: Line) -> Guess | None:
-    """Answer a list of values with commas, semicolons, brackets or names of axes."""
+    """Recognise a list of values with commas, semicolons, brackets or names of axes."""
     if not line.is_motion:
         return None
     begin = line.behind + len(line.values) - len(line.values.lstrip())
@@ -65,11 +65,11 @@ def value_list(line: Line) -> Guess | None:
 
 
 def _are_decimals(text: str, count: int) -> bool:
-    """Return True if the commas of a list are decimal signs: its numbers are separated by blanks.
+    """Return True if the commas of a list are decimal signs: the numbers of the list are separated by blanks.
 
     Args:
         text: the list.
-        count: how many of its numbers have a comma.
+        count: number of its numbers that have a comma.
     """
     return count > 0 and text.count(",") == count and len(text.split()) > count - 1 and len(text.split()) > 1
 
@@ -100,14 +100,14 @@ def _named(line: Line, begin: int, rest: str) -> Guess | None:
 
 
 def _in_order(names: list[str]) -> bool:
-    """Return True if axes are in the order in which a command takes its values."""
+    """Return True if axes are in the order in which a command expects their values."""
     if names[0].startswith("J"):
         return names == [f"J{number}" for number in range(1, len(names) + 1)]
     return tuple(names) in _ORDERS
 
 
 def decimal_commas(line: Line) -> Guess | None:
-    """Answer decimal commas in one number, or in several numbers that are separated by blanks."""
+    """Recognise decimal commas in one number, or in several numbers that are separated by blanks."""
     if not (line.is_command or line.is_declaration):
         return None
     tokens = [one for one in _tokens(line) if _COMMA.fullmatch(one[1])]
@@ -145,7 +145,7 @@ def decimal_commas(line: Line) -> Guess | None:
 
 
 def _values_around(line: Line, tokens: list[tuple[int, str]]) -> tuple[int, int]:
-    """Return start and end of the numbers in a line, including some tokens.
+    """Return start and end of the numbers around some tokens in a line.
 
     Args:
         line: the line.
@@ -158,7 +158,7 @@ def _values_around(line: Line, tokens: list[tuple[int, str]]) -> tuple[int, int]
 
 
 def number(line: Line) -> Guess | None:
-    """Answer a number with a unit, a letter, a mark or a blank in it."""
+    """Recognise a number with a unit, a letter, a mark or a blank in it."""
     if not (line.is_command or line.is_declaration):
         return None
     if found := _BRACED.search(line.bare):
@@ -272,7 +272,7 @@ def _units(line: Line) -> str:
 
 
 def _tokens(line: Line) -> Iterator[tuple[int, str]]:
-    """Yield the texts between blanks after the word, with their places; those in brackets are left out."""
+    """Yield the texts between blanks after the word, with their places. Texts in brackets are left out."""
     depth = 0
     for match in re.finditer(r"[\[({]|[\])}]|[^\s;\[\](){}\"]+", line.bare[line.behind :]):
         if match[0] in "[({":

@@ -1,4 +1,4 @@
-"""Answer times, units, frames and options of a command in wrong brackets, in the wrong order, or twice."""
+"""Recognise times, units, frames and options of a command in wrong brackets, in the wrong order, or twice."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _NAMES_OF_UNITS = {
 
 
 def time(line: Line) -> Guess | None:
-    """Answer a motion time in other brackets or without any, or with a unit in it."""
+    """Recognise a motion time in other brackets or without any, or with a unit in it."""
     if not line.is_command:
         return None
     if line.is_motion and (found := _TIME.search(line.bare, line.behind)):
@@ -122,7 +122,7 @@ def _with_unit(line: Line, begin: int, end: int, found: re.Match[str]) -> Guess 
 
 
 def order(line: Line) -> Guess | None:
-    """Answer a time after units or the base frame, a second time, and an option before the values."""
+    """Recognise a time after units or the base frame, a second time, and an option before the values."""
     if not line.is_command:
         return None
     if line.is_motion and (found := _BRACKETED_OPTION.search(line.bare, line.behind)):
@@ -130,7 +130,7 @@ def order(line: Line) -> Guess | None:
         put = f"{word} {found['square'] or found['round']}"
         message = f"the value of {word} has no brackets"
         if found["square"] and line.bare.count("[") == 1:
-            # The brackets may be meant as the motion time, with the value of the option left out.
+            # The brackets may be meant as the motion time, while the value of the option is missing.
             help_ = f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and a value after it"
             return line.guess(found.start(), found.end(), message, None, help_)
         return line.guess(found.start(), found.end(), message, put)
@@ -185,7 +185,7 @@ def _is_name(text: str) -> bool:
 
 
 def units(line: Line) -> Guess | None:
-    """Answer units without commas or in other brackets, and full names of units."""
+    """Recognise units without commas or in other brackets, and full names of units."""
     if found := _UNITS_APART.search(line.bare, line.begin):
         names = re.split(r"[\s;/]+", found["units"])
         if all(name.lower() in UNITS for name in names):
@@ -209,7 +209,7 @@ def units(line: Line) -> Guess | None:
 
 
 def frame(line: Line) -> Guess | None:
-    """Answer a frame in wrong brackets or without any, and frame names of other languages."""
+    """Recognise a frame in wrong brackets or without any, and frame names of other languages."""
     names = {name.upper(): name for name in (*_FRAMES, *line.around.declared.get("FRAME", ()))}
     if line.word.upper() in ("FRAME", "FRAME_QUAT"):
         found = re.match(r"\s+(?P<name>[A-Za-z_][A-Za-z0-9_]*)(?=\s)", line.values)
@@ -253,7 +253,7 @@ def frame(line: Line) -> Guess | None:
 
 
 def option(line: Line) -> Guess | None:
-    """Answer a mistyped option, one with an equals sign, and BLEND without a value."""
+    """Recognise a mistyped option, one with an equals sign, and BLEND without a value."""
     if not line.is_motion:
         return None
     if found := re.search(r"(?<=\s)(?P<word>BLEND)\s*$", line.bare, re.I):
@@ -278,7 +278,7 @@ def option(line: Line) -> Guess | None:
 
 
 def bracket(line: Line) -> Guess | None:
-    """Answer a bracket without its counterpart, if only one place is likely for it."""
+    """Recognise a bracket without its counterpart, if only one place is likely for it."""
     pairs = {"[": "]", "(": ")", "{": "}"}
     open_: list[int] = []
     in_text = False

@@ -1,4 +1,4 @@
-"""Answer mistakes in UNTIL and ON, which watch an input while the robot moves."""
+"""Recognise mistakes in UNTIL and ON, which watch an input while the robot moves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _WATCH = re.compile(
 
 
 def until(line: Line) -> Guess | None:
-    """Answer a condition after UNTIL, which takes the name of an input."""
+    """Recognise a condition after UNTIL. Only the name of an input, with its state, is allowed there."""
     if not line.is_motion:
         return None
     if nothing := _NOTHING.search(line.bare, line.behind):
@@ -35,7 +35,7 @@ def until(line: Line) -> Guess | None:
 
 
 def watch(line: Line) -> Guess | None:
-    """Answer an ON with a condition, or without a reaction."""
+    """Recognise an ON with a condition, or without a reaction."""
     found = _WATCH.fullmatch(line.values) if line.word.upper() == "ON" else None
     if found is None:
         return None
@@ -52,7 +52,7 @@ def watch(line: Line) -> Guess | None:
 
 
 def _is_other(found: re.Match[str]) -> bool:
-    """Return True if an input and its state are not written as in the language."""
+    """Return True if an input and its state are written in a form that the language doesn't have."""
     plain = (found["plain"] or "ON").upper()
     return bool(found["open"] or found["not"] or found["sign"] or found["is"]) or plain not in ("ON", "OFF")
 

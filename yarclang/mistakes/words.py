@@ -1,4 +1,4 @@
-"""Answer mistakes in the name of a command: wrong suffixes, relative motions, and misspelt words."""
+"""Recognise mistakes in the name of a command: wrong suffixes, relative motions, and misspelt words."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SAME = {"DMOVEL": "DMOVE", "DMOVEC": "DMOVE", "DMOVE_L": "DMOVE", "DMOVE_J": "D
 
 
 def suffix(line: Line) -> Guess | None:
-    """Answer a suffix that is mistyped, after a blank or hyphen, or in the wrong order."""
+    """Recognise a suffix that is mistyped, after a blank or hyphen, or in the wrong order."""
     if not line.is_motion:
         return None
     upper = line.word.upper()
@@ -80,7 +80,7 @@ def suffix(line: Line) -> Guess | None:
 
 
 def relative(line: Line) -> Guess | None:
-    """Answer a foreign word for a relative motion. The answer never proposes an absolute motion."""
+    """Recognise a foreign word for a relative motion. An absolute motion is never suggested."""
     upper = line.word.upper()
     if (meant := _SAME.get(upper)) is not None:
         if len(line.values.split()) == _POSITION and all(map(is_number, line.values.split())):
@@ -96,7 +96,7 @@ def relative(line: Line) -> Guess | None:
 
 
 def word(line: Line) -> Guess | None:
-    """Answer a word that is no command with the known words that are similar."""
+    """Recognise a word that is no command, and suggest similar known words."""
     upper = line.word.upper()
     if not upper or line.is_command or line.is_declaration or line.values.lstrip()[:1] in ("=", ":", "("):
         return None

@@ -16,16 +16,18 @@ from yarclang.robot.kinematics.track import SAMPLES, Broken, Reason, Track, trac
 from yarclang.robot.model import Chain, Limits, Tolerance
 
 _LIKE = Tolerance()
-"""Weights of a distance and an angle where the miss along a path is separated from the miss across it."""
+"""Weights of distance and angle, used to separate the miss along a path from the miss across it."""
 
 _AT_ONCE = 8_192
 """Places of a long path that are solved, or compared with it, at a time."""
 
 _MANY_LEGS = 512
-"""A path with more legs than this is sampled at least once on each: a few places wouldn't show its bends."""
+"""Number of legs above which a path is sampled at least once on each leg: fewer places wouldn't show its
+bends.
+"""
 
 _STILL = 1e-9
-"""A path shorter than this is a pure turn [m]."""
+"""Length below which a path counts as a pure turn [m]."""
 
 
 class FramePath(Protocol):
@@ -54,9 +56,9 @@ class FramePath(Protocol):
 
 @frozen(eq=False)
 class CartesianPath:
-    """A path of the moving frame with the arm's motion along it, in one configuration.
+    """A path of the moving frame, with the arm's motion along it in one configuration.
 
-    `followed` are joint positions along the path without a jump; every other position is the solution of
+    `followed` are joint positions along the path without a jump. Any other position is the solution of
     inverse kinematics nearest to them. `start` is the robot's first position, (n,) [rad or m].
     """
 
@@ -86,7 +88,7 @@ class CartesianPath:
 
     @property
     def places(self) -> Array:
-        """Places s (k,) at which the arm was followed: the faster a joint turns, the denser."""
+        """Places s (k,) at which the arm was followed; they are denser where a joint turns faster."""
         return self.followed.s
 
     @property
@@ -102,8 +104,8 @@ class CartesianPath:
         """Return the largest distance of the moving frame from the path [m], and the largest angle from its
         orientation there [rad].
 
-        Being early or late along the path doesn't count: the miss, position and orientation together, is
-        measured perpendicular to the path's tangent.
+        A position that is early or late along the path doesn't count as a miss: the miss of position and
+        orientation together is measured perpendicular to the path's tangent.
 
         Args:
             q: (N, n) joint positions [rad or m].
@@ -113,8 +115,9 @@ class CartesianPath:
 
 
 def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[Array]:
-    """Return the joint positions (N, n) of each path at its places (N,): solved together, with the same
-    results as one by one.
+    """Return the joint positions (N, n) of each path at its places (N,).
+
+    They are solved together, with the same results as one by one.
 
     Args:
         paths: paths of one arm and one moving frame.
@@ -166,17 +169,17 @@ def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
 
     Args:
         columns: the moving frame's axes and origin (4, 3, N).
-        wanted: those on the path (4, 3, N).
+        wanted: the axes and origin on the path (4, 3, N).
         tangent: derivatives with respect to s (6, N) [m, rad].
     """
     miss: Array = np.empty((6, columns.shape[2]))
     miss[:3] = (columns[3] - wanted[3]) / _LIKE.position
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
-        # twice the sine of the angle between the frames: the sum of the cross products of their axes
+        # The sum of the cross products of the frames' axes is twice the sine of the angle between the frames.
         sine = (columns[:3, before] * wanted[:3, after] - columns[:3, after] * wanted[:3, before]).sum(axis=0)
         miss[3 + row] = sine / (2.0 * _LIKE.angle)
-    # remove the component of the miss along the tangent
+    # Remove the component of the miss along the tangent.
     scaled = np.concatenate((tangent[:3] / _LIKE.position, tangent[3:] / _LIKE.angle))
     square = np.maximum((scaled * scaled).sum(axis=0), 1e-300)
     miss -= ((miss * scaled).sum(axis=0) / square) * scaled
@@ -186,8 +189,9 @@ def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
 
 
 def extent_of(frame: FramePath) -> tuple[float, bool]:
-    """Return the extent of a frame's motion: its distance [m] and False, or, for a pure turn, the angle [rad]
-    and True.
+    """Return the extent of a frame's motion.
+
+    For a pure turn it is the angle [rad] and True, otherwise the distance [m] and False.
     """
     return (frame.angle, True) if frame.length < _STILL else (frame.length, False)
 

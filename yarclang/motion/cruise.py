@@ -22,32 +22,32 @@ from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Tolerance
 
 _FINE = 12
-"""A blend with at least so many segments is within a few percent of the shortest that the limits allow."""
-
-_MANY = 100
-"""Ramps with more segments than this are determined only to one percent."""
-
-_LITTLE = 0.002
-"""Ramps are short enough if they take no more than this share of the motion: finer segments would be many and
-gain nothing.
+"""Number of segments from which on a blend is within a few percent of the shortest one that the limits
+allow.
 """
 
+_MANY = 100
+"""Number of segments above which ramps are determined only to one percent."""
+
+_LITTLE = 0.002
+"""Share of the motion up to which ramps are short enough: finer segments would be many and gain nothing."""
+
 _FINEST = 0.002
-"""Segments aren't made shorter than this to get shorter blends [s]."""
+"""Segment time below which segments aren't made shorter to get shorter blends [s]."""
 
 _LEAST_SHARE = 0.02
-"""Least share of a speed that is tried: where a path nearly turns back on the spot, a smaller one would need
+"""Least share of a speed that is tried. If a path nearly turns back on the spot, a smaller share would need
 too many segments.
 """
 
 
 @frozen
 class CruiseBroken:
-    """The speed can't be held.
+    """The reason why a speed can't be held.
 
-    `broken` is the limit that it breaks, or None if the path is too short to reach the speed. `share` is the
-    largest share of the speed that was tried and works; 0 if none of at least `_LEAST_SHARE` works, or if the
-    path is too short.
+    `broken` is the limit that the speed breaks, or None if the path is too short to reach the speed. `share`
+    is the largest share of the speed that was tried and works; 0 if no share from `_LEAST_SHARE` on works, or
+    if the path is too short.
     """
 
     broken: TooFast | None
@@ -55,7 +55,7 @@ class CruiseBroken:
 
 
 def full_time(path: CartesianPath, speed: Reading) -> float | None:
-    """Return how long a path takes at a speed [s]; None if the speed has another unit than the path's
+    """Return the duration of a path at a speed [s]; None if the speed has another unit than the path's
     extent.
     """
     way, turns = path.extent
@@ -70,7 +70,7 @@ def at_speed(
 
     Args:
         path: the path, traversed at constant speed over s.
-        full: how long the whole path takes at the wanted speed [s].
+        full: duration of the whole path at the wanted speed [s].
         bounds: the limits to keep.
         grid: the segment times that the controller accepts.
         tolerance: largest distance of the executed path from `path`.
@@ -83,14 +83,14 @@ def at_speed(
     found = _tried(path, full, bounds, grid, tolerance)
     if isinstance(found, Curve | NotHeld):
         return found
-    # a path too short to reach its speed needs another law: no share of the speed helps
+    # A path too short to reach its speed needs another law: no share of the speed helps.
     share = 0.0 if found is None else _share(path, full, bounds, grid, tolerance)
     return CruiseBroken(found, share)
 
 
 def cruise_law(segments: float) -> Law:
-    """Return the law whose cruise would take the whole path in `segments` segments; the segments beyond this
-    number are its ramps.
+    """Return the law whose cruise would take the whole path in `segments` segments; its other segments are
+    ramps.
     """
 
     def forms(number: int) -> NDArray[np.int64]:
@@ -110,13 +110,13 @@ def fewest_at_speed(
     """Return the trial with the shortest ramps that keep the limits, for a law of `cruise_law(cruise)`.
 
     Args:
-        trials: of the path and this law.
+        trials: the trials of the path and this law.
         cruise: number of segments that the whole path would take at the speed.
-        segment: their duration [s].
+        segment: duration of the segments [s].
         any_ramps: True to try only the gentlest ramps, if the result won't be executed.
 
     Returns:
-        None if there is no room for such ramps.
+        The trial; None if there is no room for such ramps.
     """
     least, most = math.ceil(cruise + FEWEST_IN_BLEND), math.floor(2.0 * cruise)
 
@@ -135,21 +135,24 @@ def fewest_at_speed(
 
 
 def _is_too_short(trials: Trials, duration: float) -> bool:
-    """Return True if no law within the limits of acceleration and jerk goes from rest to rest in a duration
-    [s], whatever the path.
+    """Return True if no law within the limits of acceleration and jerk can go from rest to rest in a duration
+    [s].
+
+    The path doesn't matter, only its two ends.
     """
     way, bounds = np.abs(trials.path.end - trials.path.start), trials.bounds
-    # the fastest law without pauses: jerk up, down, down and up, a quarter of the time each
+    # The fastest law without pauses has jerk up, down, down and up, each for a quarter of the time.
     most = np.minimum(bounds.jerk * (duration**3 / 32.0), bounds.acceleration * (duration**2 / 4.0))
     return bool((way > (1.0 + 1e-6) * most).any())
 
 
 def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial | None:
-    """Return the trial with the smallest number from `least` to `most` that has one; large numbers are
-    determined only roughly.
+    """Return the trial of the smallest number from `least` to `most` that has one.
 
-    From some number on all numbers must have a trial, so that bisection applies.
+    Large numbers are determined only roughly. From some number on, all numbers must have a trial, so that
+    bisection applies.
     """
+    # Grow the number until one works, then bisect between it and the last one that doesn't.
     size, before, found = least, least - 1, None
     while size <= most and (found := tried(size)) is None:
         if size == most:
@@ -167,8 +170,9 @@ def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial
 def _tried(
     path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance, *, any_ramps: bool = False
 ) -> Curve | NotHeld | TooFast | None:
-    """Return the curve, or None if there is no room for the ramps; `any_ramps` is as for
-    `fewest_at_speed`.
+    """Return the curve, or None if there is no room for the ramps.
+
+    `any_ramps` is as for `fewest_at_speed`.
     """
     segment = grid.nearest(min(grid.largest, full / (FEWEST_IN_BLEND + 1)))
     refused = False
@@ -178,7 +182,7 @@ def _tried(
         can_be_finer = finer >= max(grid.smallest, _FINEST)
         trial = fewest_at_speed(trials, full / segment, segment, any_ramps=any_ramps)
         if trial is None:
-            # if the ramps have enough room, coarse segments aren't the reason
+            # If the ramps have enough room, coarse segments aren't the reason.
             has_room = full / segment > 2 * _FINE
             if not can_be_finer or (refused and has_room):
                 return _cause(trials, full / segment, segment)
@@ -202,8 +206,8 @@ def _tried(
 
 
 def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
-    """Return the limit that the cruise itself breaks with the gentlest ramps; None if only the ramps are too
-    short.
+    """Return the limit that the cruise itself breaks with the gentlest ramps; None if only the ramps are
+    too short.
     """
     if math.floor(2.0 * cruise) < cruise + FEWEST_IN_BLEND:
         return None
@@ -216,8 +220,8 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
 
 
 def _share(path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance) -> float:
-    """Return the largest share of a speed that works, to within half a percent; 0 if none of at least
-    `_LEAST_SHARE` is found.
+    """Return the largest share of a speed that works, to within half a percent; 0 if none from
+    `_LEAST_SHARE` on does.
     """
     low, high = 0.0, 1.0
     for _ in range(16):

@@ -6,9 +6,9 @@ three its end, so that it starts and ends at rest. With the control points f, at
     x = (f[k] + 4 f[k+1] + f[k+2]) / 6        v = (f[k+2] - f[k]) / 2h
     a = (f[k+2] - 2 f[k+1] + f[k]) / h^2      jerk = (f[k+3] - 3 f[k+2] + 3 f[k+1] - f[k]) / h^3
 
-Acceleration is linear between knots, and jerk is constant in each segment. The velocity at any instant lies
-in the convex hull of the first differences over h. Therefore limits of velocity, acceleration and jerk hold
-at all instants if they hold for the differences (de Boor, B-spline basics).
+Acceleration is linear between knots, and jerk is constant in each segment. The velocity at any instant is in
+the convex hull of the first differences over h. Therefore limits of velocity, acceleration and jerk hold at
+all instants if they hold for the differences (de Boor, B-spline basics).
 """
 
 from __future__ import annotations
@@ -22,14 +22,17 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_SEGMENTS = 4
-"""With fewer segments no control point is left between the three at the start and the three at the end."""
+"""Least number of segments: with fewer, no control point is left between the three at the start and the three
+at the end.
+"""
 
 
 @frozen(eq=False)
 class Curve:
     """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s].
 
-    `law` (n + 3,) are the control values of the share of the path over time from which the points were made.
+    `law` (n + 3,) are the control values of the share of the path over time, from which the points were
+    computed.
     """
 
     points: Array
@@ -73,7 +76,7 @@ class Sampler:
         self._segment = np.array([curve.segment for curve in curves])
 
     def sample(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array, Array]:
-        """Compute position, velocity and acceleration: the same bits as `Curve.sample` returns.
+        """Compute position, velocity and acceleration, with the same bits as `Curve.sample`.
 
         Args:
             number: (N,) the curve of each sample.
@@ -99,6 +102,7 @@ def _values(
         u: (N, 1) the elapsed share of the segment, from 0 to 1.
         segment: duration of the segments [s].
     """
+    # Basis functions of the uniform cubic B-spline at the share u of a segment, and their derivatives.
     f0, f1, f2, f3 = (points[k + i] for i in range(4))
     w = 1.0 - u
     x = (
@@ -135,7 +139,7 @@ def through_knots(inner: Array, start: Array, end: Array) -> Array:
     Returns:
         (n + 3, d) control points.
     """
-    # 6 x[k] = f[k] + 4 f[k+1] + f[k+2], with the known control points moved to the right side
+    # 6 x[k] = f[k] + 4 f[k+1] + f[k+2], with the known control points moved to the right side.
     right = 6.0 * inner
     right[0] -= start
     right[-1] -= end

@@ -1,7 +1,7 @@
 """Fit a law of motion and a path to the controller's segments.
 
-The number of segments, the form of the law and the segment time are chosen here. If a time or a speed asks
-for too much, the answer is one that works.
+This module chooses the number of segments, the form of the law and the segment time. If a time or a speed
+asks for too much, the result names one that works.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials, find_deviations
 from yarclang.robot.model import Tolerance
 
 MORE_SEGMENTS = 4
-"""Numbers of segments beyond the fewest that are tried for the shortest time: blends and ramps are whole
-segments.
+"""Numbers of segments beyond the fewest that are tried for the shortest time: blends and ramps take integer
+numbers of segments.
 """
 
 MOST_MORE = 3 * MORE_SEGMENTS
@@ -32,25 +32,25 @@ FEW_SEGMENTS = 100
 """Number of segments up to which solving several trials together takes hardly longer than solving one."""
 
 _ROUNDS = 8
-"""The largest number of rounds in which the number of segments is chosen anew, each for the duration that the
-last one needs.
+"""Largest number of rounds in which the number of segments is chosen anew, each time for the duration that
+the last round needs.
 """
 
 _MUCH = 1.5
-"""A duration misses that of the law by far if it is longer by this factor and also by `_FEW`."""
+"""Factor by which a duration must exceed that of the law, in addition to `_FEW`, to be much longer."""
 
 _FEW = 0.02
 """See `_MUCH` [s]: a few segments more are usual."""
 
 MOST_SEGMENTS = 100_000
-"""A motion with more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no
-bound.
+"""Number of segments above which a motion is refused (83 minutes at 50 ms): near a singularity the shortest
+time has no bound.
 """
 
 
 @frozen
 class TooFast:
-    """A limit is broken in the given time.
+    """A limit that is broken in the given time.
 
     `share` is the used share of the limit (1 is all of it). `time` [s] and `s` are the place. `shortest` [s]
     is a duration that was tried and works, infinite if none does. `demand` is None if only the controller's
@@ -66,7 +66,7 @@ class TooFast:
 
 @frozen
 class NotHeld:
-    """The path can't be held: the misses [m] and [rad] that remain with the shortest segments."""
+    """A path that can't be held, with the misses [m] and [rad] that remain with the shortest segments."""
 
     position: float
     angle: float
@@ -75,7 +75,7 @@ class NotHeld:
 
 @frozen
 class TooLong:
-    """The motion would need more segments than are ever planned: at least `duration` [s]."""
+    """A motion that would need more segments than are ever planned: at least `duration` [s]."""
 
     duration: float
 
@@ -101,8 +101,8 @@ def fit(
         trials: trials made earlier for the same arguments, or None.
 
     Returns:
-        The curve, whose duration is the given one up to the controller's step of the segment time; or the
-        reason why there is none.
+        The curve, or the reason why there is none. The curve's duration is the given one, up to the
+        controller's step of the segment time.
     """
     if not profile.has_jerk_limit:
         bounds = bounds.without_jerk()
@@ -118,6 +118,7 @@ def fit(
     fitted = fitter.in_time(duration)
     if not isinstance(fitted, TooFast):
         return fitted
+    # The given time is too short: find the shortest one, so that the finding can propose it.
     fastest = fitter.shortest()
     if isinstance(fastest, NotHeld):
         return fastest
@@ -127,8 +128,7 @@ def fit(
 
 
 def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
-    """Make the trials for the shortest durations of several motions together, so that later searches find
-    them done.
+    """Make the trials for the shortest durations of several motions together; later searches find them done.
 
     Args:
         work: the trials of each motion, on paths of one arm and one moving frame, and its profile.
@@ -171,9 +171,9 @@ def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
 
 @dataclass(slots=True)
 class _Fitter:
-    """Fitter of one motion.
+    """The search for the curve of one motion.
 
-    `grid` are the segment times that the controller accepts; `quick` is limited to segments short enough to
+    `grid` are the segment times that the controller accepts. `quick` is limited to segments short enough to
     rate the shortest duration.
     """
 
@@ -194,8 +194,9 @@ class _Fitter:
         return self.quick.fewest(max(self.trials.foreseen_shortest(), self.quick.smallest))
 
     def in_time(self, duration: float) -> Curve | TooFast | NotHeld:
-        """Return a curve of the given duration, or the reason why there is none; a `TooFast` has no
-        `shortest` yet.
+        """Return a curve of the given duration, or the reason why there is none.
+
+        A `TooFast` has no `shortest` yet.
         """
         fewest = self.grid.fewest(duration)
         refusal: TooFast | None = None
@@ -216,14 +217,15 @@ class _Fitter:
                 fewest = segments = better
                 continue
             refusal = refusal or refusal_of(trial, demand, segment)
+            # Far from keeping the limit: a few segments more won't help.
             if demand.segment > (1.25 if segments > 2 * MOST_MORE else 1.6) * segment:
                 break
             segments += 1
         return refusal or TooFast(None, math.inf, 0.0, 0.0, math.inf)
 
     def stretched(self, segments: int, segment: float) -> Trial | None:
-        """Return the trial with the form of the shortest time, stretched to `segments` segments, if it keeps
-        the limits; otherwise None.
+        """Return the trial with the form of the shortest time, stretched to `segments` segments; None if it
+        breaks a limit.
         """
         found = self.shortest_trial()
         if isinstance(found, NotHeld | TooLong):
@@ -239,7 +241,7 @@ class _Fitter:
         return found if isinstance(found, NotHeld | TooLong) else found[0]
 
     def shortest_trial(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return the curve of the shortest duration, and its trial; the search runs only once."""
+        """Return the curve of the shortest duration, and its trial. The search runs only once."""
         if self._shortest is None:
             self._shortest = self._coarser(self._search())
         return self._shortest
@@ -247,10 +249,10 @@ class _Fitter:
     def _coarser(
         self, found: tuple[Curve, Trial] | NotHeld | TooLong
     ) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return a curve with longer segments, if it is much faster, and `found` is much slower than the law
-        allows.
+        """Return a curve with longer segments if it is much faster than `found`, else `found`.
 
-        Beside a singularity, short segments resolve peaks that longer ones pass over within the tolerance.
+        This is tried only if `found` is much slower than the law allows. Near a singularity, short segments
+        resolve peaks that longer ones pass over within the tolerance.
         """
         least = self.trials.law.shortest
         if least is None or (isinstance(found, tuple) and found[0].duration <= _MUCH * least + _FEW):
@@ -274,20 +276,22 @@ class _Fitter:
                 break
             segments = needed
             if segments <= FEW_SEGMENTS and not self.trials.path.is_straight_in_joints:
-                # which costs little more than the first of them alone
-                # costs little more than the first of them alone
+                # Compute several numbers of segments together: this costs little more than the first of them
+                # alone.
                 self.trials.fastest_of(self.compared(segments))
             needed = self.needed(self.trials.fastest(segments))
         while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)
             if self.quick.not_below(best.demand.segment) > self.grid.largest:
-                # beside a singularity more segments find a higher peak: take as many as it needs
+                # Near a singularity, more segments find a higher peak: take as many as it needs.
                 segments = max(segments + MORE_SEGMENTS + 1, self.needed(best))
                 continue
             better = self.trials.segments_for_tolerance(best)
             if better is None:
                 return curve_of(best, self.quick.not_below(best.demand.segment)), best
             shortest = best.segments * max(best.demand.segment, self.quick.smallest)
+            # Holding the path would need segments shorter than the controller's smallest, or a much longer
+            # motion.
             if better * self.quick.smallest > 2.0 * shortest:
                 return NotHeld(*self.trials.deviation(best), self.quick.smallest)
             segments = better
@@ -298,12 +302,14 @@ class _Fitter:
         return self.quick.fewest(trial.segments * max(trial.demand.segment, self.quick.smallest))
 
     def best_of(self, segments: int) -> Trial:
-        """Return the fastest trial of a few numbers of segments from `segments` on, if possible one whose
-        segments aren't too long.
+        """Return the fastest trial of a few numbers of segments from `segments` on.
+
+        If possible, its segments aren't too long for the controller.
         """
         numbers = self.compared(segments)
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
-            # the needs of other numbers are known without their control points, so that many can be compared
+            # The needs of other numbers are known without their control points, so many numbers can be
+            # compared.
             numbers = self._likeliest(range(segments, segments + max(MORE_SEGMENTS, segments // 4) + 1))
         trials = self.trials.fastest_of(numbers)
 
@@ -314,8 +320,9 @@ class _Fitter:
         return min(trials, key=duration)
 
     def compared(self, segments: int) -> range:
-        """Return the numbers of segments from `segments` on that are compared; without blends and ramps only
-        one, since nothing is rounded.
+        """Return the numbers of segments from `segments` on that are compared.
+
+        A law without blends and ramps has only one, since nothing is rounded to segments.
         """
         more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
         return range(segments, segments + more + 1)
@@ -348,12 +355,12 @@ def curve_of(trial: Trial, segment: float) -> Curve:
 
 
 def refusal_of(trial: Trial, demand: Demand, segment: float) -> TooFast:
-    """Return where and by how much a trial breaks a limit at a segment time [s]; a shorter time isn't known
-    yet.
+    """Return the limit that a trial breaks at a segment time [s], with its place and excess; `shortest` isn't
+    known yet.
     """
     order = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}[demand.kind]
-    # a difference of order r from control point i on belongs to knot i + r/2 - 1, since control points are
-    # one knot ahead
+    # A difference of order r from control point i on belongs to knot i + r/2 - 1, since control points are
+    # one knot ahead.
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(trial.segments))
     s = float(np.interp(knot, np.arange(trial.segments + 1), knot_values(trial.control)))
     return TooFast(demand, (demand.segment / segment) ** order, knot * segment, s, math.inf)

@@ -1,5 +1,5 @@
-"""Measure how exactly the moving frame keeps a speed: between the knots the curve is slightly faster and
-slower than its law.
+"""Measure how exactly the moving frame keeps a speed: between knots, the curve is slightly faster and slower
+than its law.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ cruise.
 """
 _BETWEEN = 0.2
 _REACHED = 2e-3
-"""A speed counts as reached, in the certificate too, if less than this share of it is missing."""
+"""Missing share of a speed below which the speed counts as reached, in the certificate too."""
 _DIPS = 20
-"""The largest number of dips of a speed that are examined, each lower than the one before."""
+"""Largest number of dips of a speed that are examined, each lower than the one before."""
 _PARTS = 4
 _AT_ONCE = 4_096
 """Instants at which speeds are computed together."""
@@ -52,29 +52,30 @@ def _instants(segments: int, segment: float) -> Iterator[Array]:
 
 
 def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
-    """Return the largest and the sustained speed of the moving frame on a curve from rest to rest [m/s, or
-    rad/s for a pure turn].
+    """Return the largest and the sustained speed of the moving frame on a curve from rest to rest.
 
-    The sustained speed is that below which the frame doesn't fall between the first and the last instant at
-    which it has nearly that speed.
+    The unit is m/s, or rad/s for a pure turn. The frame doesn't fall below the sustained speed between the
+    first and the last instant at which it nearly has that speed.
     """
     speeds = np.concatenate(
         [frame_speeds(path, *curve.sample(times)[:2]) for times in _instants(curve.segments, curve.segment)]
     )
     top = least = float(speeds.max())
     for _ in range(_DIPS):
+        # A dip between two instants that reach the speed lowers the sustained speed, which may be reached
+        # earlier and later then: repeat.
         (reached,) = np.nonzero(speeds >= least * (1.0 - _REACHED))
         lowest = float(speeds[reached[0] : reached[-1] + 1].min())
         if lowest >= least * (1.0 - KEPT):
             break
         least = lowest
-    # between the instants it may be slightly lower
+    # Between the instants the speed may be slightly lower.
     return top, least - _BETWEEN * (top - least)
 
 
 def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float | None:
-    """Return a segment time [s] at which the cruise keeps its speed; None if it already does with
-    `segment`.
+    """Return a segment time [s] at which the cruise keeps its speed; None if `segment` is already short
+    enough.
     """
     law = Curve(trial.control[:, None], segment, trial.control)
     curve = Curve(trial.points, segment, trial.control)
@@ -87,5 +88,5 @@ def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float 
         speeds, is_cruise = frame_speeds(path, q, velocities) / path.extent[0], wanted > _CRUISE * top
         off = max(off, float(np.abs(speeds[is_cruise] / wanted[is_cruise] - 1.0).max(initial=0.0)))
         off = max(off, _OF_RAMPS * float((speeds[~is_cruise] / top - 1.0).max(initial=0.0)))
-    # the error of the speed between knots grows with the third power of the segment time
+    # The error of the speed between knots grows with the third power of the segment time.
     return segment * float(max((0.8 * KEPT / off) ** (1 / 3), 0.25)) if off > KEPT else None

@@ -19,8 +19,8 @@ from yarclang.robot.model import Robot
 
 LimitKind = Literal["velocity", "motor speed", "acceleration", "jerk", "zone speed"]
 
-# Shares of the limits that printing the control points with finitely many decimals may add; the backend
-# chooses the decimals so that these suffice.
+# Shares of the limits that may be lost by printing the control points with finitely many decimals. The
+# backend chooses the decimals so that these shares suffice.
 HEADROOM: dict[LimitKind, float] = {
     "velocity": 2e-4,
     "motor speed": 2e-4,
@@ -32,11 +32,11 @@ HEADROOM: dict[LimitKind, float] = {
 
 @frozen
 class Demand:
-    """The demand of a limit on the segment time: `segment` [s] is the least at which control points keep the
-    limit.
+    """The demand of a limit on the segment time.
 
-    `row` is the joint, or the motor for `motor speed`; `at` is the first control point of the most demanding
-    difference. A `zone speed` has the watch of the slow zone in `watch`, and no row.
+    `segment` [s] is the least segment time at which control points keep the limit. `row` is the joint, or the
+    motor for `motor speed`; `at` is the first control point of the most demanding difference. A `zone speed`
+    has the watch of the slow zone in `watch`, and no row.
     """
 
     kind: LimitKind
@@ -50,8 +50,8 @@ class Demand:
 class Bounds:
     """The limits of a robot, less the headroom.
 
-    Joint limits (n,) are in rad (m) per s, s^2, s^3; `motor_velocity` (n,) is in counts/s, for the motors of
-    `counts` (n, n) counts per rad (m). `zones` are the slow zones of the cell, whose speeds are never
+    Joint limits (n,) are in rad (m) per s, s^2, s^3. `motor_velocity` (n,) is in counts/s, and `counts` (n,
+    n) are the motors' counts per rad (m). `zones` are the slow zones of the cell, whose speeds are never
     reduced.
     """
 
@@ -64,12 +64,12 @@ class Bounds:
 
     @property
     def key(self) -> Hashable:
-        """A hashable key that contains all limits by value."""
+        """A hashable key that contains the values of all limits."""
         arrays = (self.velocity, self.acceleration, self.jerk, self.motor_velocity)
         return *(one.tobytes() for one in arrays), None if self.zones is None else self.zones.key
 
     def reduced(self, share: float, ramp: float) -> Bounds:
-        """Return the limits reduced to a share, and acceleration and jerk to a further share `ramp`."""
+        """Return the limits reduced to a share; acceleration and jerk are also multiplied by `ramp`."""
         if share == ramp == 1.0:
             return self
         return Bounds(
@@ -82,13 +82,13 @@ class Bounds:
         )
 
     def without_jerk(self) -> Bounds:
-        """Return the same limits without one of jerk."""
+        """Return these limits without a limit of jerk."""
         return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:
         """Return the demand of each kind of limit on control points (N, n), by the convex hull property.
 
-        The slow zones come last, and only if they demand most.
+        Slow zones come last, and are included only if they demand most.
         """
         first = np.diff(points, axis=0)
         second = np.diff(first, axis=0)
@@ -119,6 +119,8 @@ class Bounds:
 def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> Demand:
     shares = np.abs(differences) / limit
     at, row = divmod(int(np.argmax(shares)), shares.shape[1])
+    # A difference of order k over h^k is the derivative: the least h is the k-th root of difference over
+    # limit.
     return Demand(kind, float(shares[at, row] ** (1.0 / order)), row, at)
 
 
@@ -153,8 +155,9 @@ class Grid:
         return round(segment / self.quantum) * self.quantum
 
     def not_below(self, segment: float) -> float:
-        """Return the least segment time that the controller can represent and that is neither below `segment`
-        nor below the smallest [s].
+        """Return the least segment time [s] that the controller can represent.
+
+        It is neither below `segment` nor below the smallest one.
         """
         steps = np.ceil(max(segment, self.smallest) / self.quantum - 1e-6)
         return float(steps * self.quantum)

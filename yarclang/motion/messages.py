@@ -99,7 +99,7 @@ def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: 
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:
-    """Return a clause that says what would break a limit, and by how much."""
+    """Return a clause that names the joint, motor or zone that breaks a limit, and the excess."""
     limits, row = robot.limits, demand.row
     if demand.watch is not None and demand.watch.item is not None:
         zone = demand.watch.zone
@@ -162,8 +162,8 @@ def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) ->
 
 
 def _beside(robot: Robot, near: Nearest) -> str:
-    """Return a clause about the place where a path is nearest to a singularity, the distance, and the
-    cost.
+    """Return a clause about the place where a path is nearest to a singularity: the distance, and the effect
+    on speed.
     """
     joint, unit = robot.joint_names[near.joint], robot.axis_unit_names[near.joint]
     rate = near.rate / robot.axis_units[near.joint] * (DEG if near.turns else MM)
@@ -183,7 +183,7 @@ def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
 
 
 def no_cruise(step: Motion) -> Message:
-    """Return the finding about a speed with a law that has no cruise."""
+    """Return the finding about a speed for a law that has no cruise."""
     origin = step.origin
     message = f"[V ..] is the speed of a cruise, and _{step.profile} has none"
     help_ = f"take {profiles_with(lambda profile: profile.has_cruise)}"
@@ -191,7 +191,7 @@ def no_cruise(step: Motion) -> Message:
 
 
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
-    """Return the finding about a motion with more segments than are planned."""
+    """Return the finding about a motion that would need more segments than are planned."""
     message = f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the most that are planned"
     if near is not None:
         message += f"; {_beside(robot, near)}"
@@ -203,7 +203,7 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
 
 
 def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
-    """Return the finding about a timetable with more segments than are planned."""
+    """Return the finding about a timetable that would need more segments than are planned."""
     message = (
         f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than {MOST_SEGMENTS:,} segments, "
         "the most that are planned"

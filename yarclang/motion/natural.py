@@ -27,6 +27,8 @@ class NaturalSpline:
         if len(values) > 2:
             width = np.diff(knots)
             slope = np.diff(values, axis=0) / width[:, None]
+            # Continuity of the first derivative: w m + 2 (w + w') m' + w' m'' = 6 (slope' - slope) at each
+            # inner knot, with m = 0 at both ends.
             bends[1:-1] = solve_tridiagonal(
                 2.0 * (width[:-1] + width[1:]), width[1:-1], 6.0 * np.diff(slope, axis=0)
             )
@@ -55,8 +57,8 @@ class NaturalSpline:
         return slope
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Return the least and the largest value of each component (d,), each with its place s (d,): least,
-        place, largest, place.
+        """Return the extremes of each component (d,): the least value, its place s, the largest value, its
+        place s.
         """
         s = np.concatenate((self.knots, self._turning_points()))
         values = self.at(s)
@@ -64,8 +66,8 @@ class NaturalSpline:
         return np.amin(values, axis=0), s[low], np.amax(values, axis=0), s[high]
 
     def _legs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
-        """Return for each `s` its leg (N,), the leg's width (N, 1), and the share of the leg that is still
-        ahead (N, 1).
+        """Return, for each `s`, its leg (N,), the leg's width (N, 1), and the remaining share of the leg
+        (N, 1).
         """
         leg = self._leg(s)
         width = (self.knots[leg + 1] - self.knots[leg])[:, None]
@@ -79,13 +81,13 @@ class NaturalSpline:
         """Return all s strictly inside the legs at which some component's derivative is zero."""
         width = np.diff(self.knots)[:, None]
         m0, m1 = self.bends[:-1], self.bends[1:]
-        # with r from 0 to 1 on a leg, the derivative with respect to s is a r² + b r + c
+        # With r from 0 to 1 on a leg, the derivative with respect to s is a r² + b r + c.
         a = (m1 - m0) * width / 2.0
         b = m0 * width
         c = np.diff(self.values, axis=0) / width - (2.0 * m0 + m1) * width / 6.0
         with np.errstate(all="ignore"):
             root = np.sqrt(b**2 - 4 * a * c)
-            # both roots without cancellation: q / a and c / q with q = -(b ± root) / 2
+            # Both roots without cancellation: q / a and c / q with q = -(b ± root) / 2.
             half = -0.5 * (b + np.where(b < 0, -root, root))
             candidates = np.stack((half / a, c / half))
         inside = np.isfinite(candidates) & (candidates > 0) & (candidates < 1)

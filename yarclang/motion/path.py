@@ -22,7 +22,7 @@ class Path(Protocol):
 
     @property
     def is_straight_in_joints(self) -> bool:
-        """True if all joints move in a constant ratio: control points on the line then execute the path
+        """True if all joints move in a constant ratio; control points on the line then execute the path
         exactly.
         """
         ...
@@ -34,7 +34,9 @@ class Path(Protocol):
 
     @property
     def places(self) -> Array:
-        """Places s (k,) that show the path's bends where equal distances may be too few."""
+        """Places s (k,) that show the path's bends, for paths of which equally spaced places may be too
+        few.
+        """
         ...
 
     def joints(self, s: Array) -> Array:
@@ -42,10 +44,10 @@ class Path(Protocol):
         ...
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return how far joint positions `q` (N, n), each near `s` (N,), are from the path.
+        """Return the deviation of joint positions `q` (N, n), each near `s` (N,), from the path.
 
         Returns:
             The largest distance in m and the largest angle in rad: of the moving frame for a Cartesian path,
-                of prismatic and revolute joints for one in joint space.
+            of prismatic and revolute joints for a path in joint space.
         """
         ...

@@ -60,8 +60,8 @@ class PlannedMotion:
     neighbours, it goes from the middle of one overlap to the middle of the next. `overlap` is the number of
     segments of the overlap at its end, 0 if both paths are kept, None if it ends at rest. `law` are the
     control values of the share of the path over the motion's own time from rest to rest, which is half an
-    overlap longer on either side. `kept` is the share of the requested speed that is reached, and `least`
-    that below which the speed doesn't fall then; see `Piece`.
+    overlap longer on either side. `kept` is the share of the requested speed that is reached. `least` is the
+    share below which the speed doesn't fall after that; see `Piece`.
     """
 
     step: int
@@ -87,10 +87,10 @@ class PlannedMotion:
 
 @dataclass(frozen=True)
 class MotionPlan:
-    """All motions of a program, one after the other, each a curve that the controller can execute exactly.
+    """All motions of a program, one after the other, each as a curve that the controller can execute exactly.
 
-    Its times count motions and dwells, with the branches of a WHEN one after the other; waiting for an input
-    or the operator takes no time.
+    The times of the plan count motions and dwells, with the branches of a WHEN one after the other. Waiting
+    for an input or for the operator takes no time.
     """
 
     program: Program
@@ -142,8 +142,8 @@ class MotionPlan:
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
-        """The steps of the motions whose law has no limit of jerk, or that follow a timetable instead of a
-        law.
+        """The steps of the motions without a limit of jerk: their law has none, or they follow a
+        timetable.
         """
         return frozenset(
             motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
@@ -152,7 +152,9 @@ class MotionPlan:
     @property
     def duration(self) -> float:
         """The last time of the plan [s]: all motions and dwells, with the branches of a WHEN one after the
-        other. `lasting` is how long a run takes.
+        other.
+
+        `lasting` is the duration of a run.
         """
         return self.schedule.places[-1]
 
@@ -164,11 +166,12 @@ class MotionPlan:
         v, a = np.zeros_like(q), np.zeros_like(q)
         if not self.motions:
             return q, v, a
+        # The last motion that has begun at each time; outside of motions the robot rests at an end.
         number = np.searchsorted(self.begins, times, side="right") - 1
         number = np.clip(number, 0, len(self.motions) - 1)
         return self.sampler.sample(number, times - self.begins[number])
 
     @cached_property
     def sampler(self) -> Sampler:
-        """The sampler of the motions' curves, of which there must be at least one."""
+        """The sampler of the motions' curves; there must be at least one motion."""
         return Sampler([motion.curve for motion in self.motions])

@@ -58,11 +58,11 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
     Args:
         program: the program.
         robot: the robot.
-        settings: of the planner.
+        settings: settings of the planner.
 
     Returns:
         The plan, or None if a motion can't be done. After an error, planning continues from the robot's
-        intended position, as far as it is known, so that every fault is found.
+        intended position, as far as it is known, so that all faults are reported.
     """
     made, is_whole, found = plan_in_part(program, robot, settings, ENOUGH_LINKED)
     return Result(made if is_whole else None, found)
@@ -73,13 +73,13 @@ def plan_in_part(
 ) -> tuple[MotionPlan, bool, tuple[Diagnostic, ...]]:
     """Plan those motions of a program that can be planned.
 
-    In a partial plan, a motion need not begin where the one before it ends: such a plan is for display, never
+    In a partial plan, a motion need not begin at the end of the one before. Such a plan is for display, never
     for a controller.
 
     Args:
         program: the program.
         robot: the robot.
-        settings: of the planner.
+        settings: settings of the planner.
         enough: number of motions in chains after which no more chains are planned if the program has errors;
             None for all.
 
@@ -93,6 +93,7 @@ def plan_in_part(
         robot, steps, program.start, program.cell, settings.memory, program.cells, settings.searches
     )
     planner = _Planner(robot, settings, bounds_of(robot))
+    # First pass: the paths of all motions.
     for number in range(end):
         tell("planning", number // 2, end)
         router.advance()
@@ -100,6 +101,7 @@ def plan_in_part(
     links: dict[int, Link] = {}
     ways: dict[int, Path | FrameWay] = {}
     flows = False
+    # Second pass: each motion by itself, except in long chains, which can be planned as one path.
     motions_of = [
         (step, done.route.path) if isinstance(step, Motion) and done.route is not None else None
         for step, done in zip(steps, router.done, strict=True)
@@ -131,6 +133,7 @@ def plan_in_part(
             found[number] += _known_without_a_way(step)
         if isinstance(step, Motion):
             flows = step.blend is not None
+    # Third pass: the chains.
     motions: list[PlannedMotion] = []
     has_gaps = any(isinstance(step, Gap) for step in steps)
     if not (has_gaps or any(map(has_errors, found))):
@@ -141,12 +144,12 @@ def plan_in_part(
             in_chains += len(chain)
             if enough is not None and in_chains > enough:
                 continue
-        # a link with its corner replaces the one without
+        # A link with its corner replaces the link without.
         links.update(zip(numbers, chain, strict=True))
         as_one = planner.pieces(chain)
         pieces: Sequence[Piece | None] = as_one or ()
         if as_one is None:
-            # a chain that can't be planned as one path: first plan each motion by itself
+            # The chain can't be planned as one path: first plan each motion by itself.
             pieces = planner.pieces_of_known(numbers, chain, steps, router, found, links)
         for number, piece in zip(numbers, pieces, strict=True):
             if piece is None:
@@ -181,8 +184,9 @@ def plan_in_part(
 
 
 def _known_without_a_way(step: Motion) -> list[Diagnostic]:
-    """Return the findings about a motion whose start or end isn't known, so that they are reported now and
-    not only after that is mended.
+    """Return the findings about a motion whose start or end isn't known.
+
+    They are reported now, and not only after the fault that hides the position is mended.
     """
     findings = Collector(step.origin.source)
     findings.place = step.origin.place
@@ -199,14 +203,14 @@ class _Planner:
     _slow: dict[Hashable, SlowZones | None] = field(default_factory=dict)
 
     def zones(self, step: Motion, path: Path, cell: Cell | None, *, leaves: bool) -> SlowZones | None:
-        """Return the slow zones that a motion may enter; `leaves` is True if it may leave its path to flow
-        into another one.
+        """Return the slow zones that a motion may enter; with `leaves`, it may leave its path to flow into
+        another one.
         """
         zones = slow_zones(self.robot, cell, step)
         return zones if zones is None or leaves else zones.beside(path.joints, path.slope)
 
     def asked(self, step: Motion) -> tuple[Bounds, Tolerance]:
-        """Return the limits and the tolerance of a motion, without slow zones."""
+        """Return the limits and the tolerance that a motion asks for, without slow zones."""
         timing, tolerance = step.timing, self.settings.tolerance
         if step.tolerance is not None:
             tolerance = tolerance.of_motion(step.tolerance, leads_frame=step.leads_frame)
@@ -236,8 +240,8 @@ class _Planner:
             The link; None, with a finding, if the motion can't be done as its command asks.
         """
         told = self.settings
-        # the path was recalled by everything that the step does (motion/routes.py), and therefore stands for
-        # it
+        # The path was recalled by a key of everything that the step does (motion/routes.py), so the path
+        # stands for the step in this key.
         key = ("link", self.robot, cell, told.grid, told.tolerance, path, leaves)
 
         def make() -> tuple[Link | None]:
@@ -253,7 +257,8 @@ class _Planner:
         bounds, tolerance = self.asked(step)
         if zones is not None:
             bounds = replace(bounds, zones=zones)
-        # inverse kinematics and sums return to a place only up to rounding: far below a count, nothing moves
+        # Inverse kinematics and sums return to a place only up to rounding. A motion far below a count is
+        # none.
         is_still = isinstance(path, JointPath | TimedPath) and bool(
             (path.slope <= NO_WAY * self.robot.axis_units).all()
         )
@@ -265,6 +270,8 @@ class _Planner:
         full: float | None = None
         grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | NoLaw | CruiseBroken
+        # Try in turn: a cruise just below the ceiling, a programmed speed, and a programmed or the shortest
+        # time.
         cruise = self._below_ceiling(step, path, bounds, tolerance)
         if cruise is not None:
             full, fitted = cruise
@@ -278,8 +285,8 @@ class _Planner:
                 return None
             fitted = at_speed(path, full, bounds, grid, tolerance)
             if isinstance(fitted, CruiseBroken) and fitted.broken is None:
-                # too short to start and stop; if the speed is reached depends on the motion that it flows
-                # into
+                # The path is too short to start and stop at this speed. Only the motion that it flows into
+                # decides if the speed is reached.
                 gentle = load_profile(FOR_SHORT)
                 trials = None if tried is None else tried.trials_of(gentle)
                 fitted = fit(path, gentle, None, bounds, grid, tolerance, trials)
@@ -309,8 +316,11 @@ class _Planner:
     def _below_ceiling(
         self, step: Motion, path: Path, bounds: Bounds, tolerance: Tolerance
     ) -> tuple[float, Curve] | None:
-        """Return the duration of the whole path at a speed just below a motion's ceiling [s], and the curve
-        with that cruise; None if the ceiling isn't what limits the motion.
+        """Plan a motion with a cruise just below its ceiling.
+
+        Returns:
+            The duration of the whole path at that speed [s], and the curve; None if the motion has no
+            ceiling, or no cruise at that speed is possible.
         """
         full = _full_below(step, path)
         if full is None or not load_profile(step.profile).has_cruise:
@@ -339,8 +349,8 @@ class _Planner:
         return None
 
     def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:
-        """Return a link with nothing but its path, to be planned as part of a long chain; None if more has to
-        be known first.
+        """Return a link with only its path, to be planned as part of a long chain; None if more must be
+        known first.
         """
         if not isinstance(path, CartesianPath):
             return None
@@ -366,14 +376,15 @@ class _Planner:
         return Link(path, profile, None, full, bounds, tolerance, None, None)
 
     def pieces(self, chain: list[Link]) -> list[Piece] | None:
-        """Return the curves of motions that flow into each other, or of a single one; None if each has to be
-        planned by itself first.
+        """Return the curves of motions that flow into each other, or of a single one.
+
+        The result is None if each of them has to be planned by itself first.
         """
         settings = self.settings
         if all(link.by_itself is not None for link in chain):
             if len(chain) == 1:
                 return [chain[0].as_alone]
-            # a link owns its curve, which therefore stands for everything from which it was made
+            # A link owns its curve, so the curve's identity stands for everything from which it was computed.
             parts = [(link.alone, None if link.corner is None else link.corner.key) for link in chain]
             key = ("chain", self.robot, settings.grid, *parts)
             return recall(settings.memory, key, lambda: linked(self.robot.chain, chain, settings.grid))
@@ -414,8 +425,8 @@ class _Planner:
         Args:
             numbers: the steps of its motions.
             chain: the motions.
-            steps: of the program.
-            router: knows their paths.
+            steps: the steps of the program.
+            router: knows the paths of the motions.
             found: the findings of each step; those of these motions are added.
             links: all motions; receives these ones, planned by themselves.
         """
@@ -439,7 +450,7 @@ class _Planner:
         )
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
-        """Report where a chain can't do exactly what its commands ask."""
+        """Report the places where a chain can't do exactly what its commands ask for."""
         if flows and piece.overlap is None:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
@@ -447,8 +458,8 @@ class _Planner:
 
 
 def _full_below(step: Motion, path: Path) -> float | None:
-    """Return how long a path takes just below a motion's ceiling [s]; None if there is no ceiling, or the
-    frame only turns.
+    """Return the duration of a path just below a motion's ceiling [s]; None without a ceiling, or for a
+    pure turn.
     """
     ceiling = step.timing.ceiling
     if ceiling is None or not isinstance(path, CartesianPath):
@@ -458,14 +469,14 @@ def _full_below(step: Motion, path: Path) -> float | None:
 
 
 ENOUGH_LINKED = 12
-"""In a program with errors, the number of motions in chains up to which chains are planned.
+"""Number of motions in chains after which no more chains are planned, in a program with errors.
 
-Beyond it, the only findings missed are stops at corners and times that aren't kept; a long chain takes
-seconds.
+Planning a long chain takes seconds. Without it, only findings about stops at corners and missed times are
+lost.
 """
 
 NO_WAY = 1e-9
-"""Motion of a joint up to which it is rounding [axis units]."""
+"""Motion of a joint up to which it counts as rounding [axis units]."""
 
 _EXACT = 2e-4
 """Difference up to which a duration counts as the requested one [s]: the controller's step times some hundred

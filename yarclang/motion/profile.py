@@ -19,12 +19,13 @@ from yarclang.motion.path import Path
 from yarclang.named import by_name
 
 Form = tuple[int, ...]
-"""The free parameters of a law on a grid, in segments: the lengths of its ramps and its blends. Each law has
-its own.
+"""The free parameters of a law on a grid, in segments: the lengths of its ramps and blends.
+
+Each law has its own parameters.
 """
 
 NO_FORM = np.zeros((1, 0), dtype=np.int64)
-"""The forms of a law without free parameters: a single, empty one."""
+"""The forms of a law without free parameters: a single, empty form."""
 
 
 @frozen
@@ -39,7 +40,8 @@ class Law:
             first.
         strain: returns the peaks (K, 3) of velocity, acceleration and jerk over distance, in units of
             segments, for n segments and forms (K, f); used to compare forms.
-        scaled: returns the form for n' segments that is most like a form for n: arguments n, form, n'.
+        scaled: returns the form for n' segments that is most similar to a form for n segments; its arguments
+            are n, form, n'.
         shortest: the duration [s] for which the limits shape the law; None if its shape doesn't depend on
             them.
     """
@@ -54,13 +56,15 @@ class Law:
 
 @frozen
 class NoLaw:
-    """The search for a law gives up at place `s` of a path, from 0 to 1."""
+    """The place `s` of a path, from 0 to 1, at which the search for a law gives up."""
 
     s: float
 
 
 def _without_law(path: Path, bounds: Bounds) -> Law | NoLaw:  # noqa: ARG001
-    """Refuse to make a law: a timetable itself prescribes the joints' positions over time."""
+    """Raise an error: a motion along a timetable has no law, since the table prescribes the joints'
+    positions over time.
+    """
     raise TypeError("a timetable has no law")
 
 
@@ -100,7 +104,7 @@ def profile_names() -> tuple[str, ...]:
 
 
 FOR_SHORT = "SCURVE"
-"""The profile of a path that is too short to reach its speed: its ramps are as long as the limits require."""
+"""The profile of a path that is too short to reach its speed; its ramps are as long as the limits require."""
 
 TIMETABLE = Profile("", "as the timetable says", _without_law, has_jerk_limit=False)
 """The profile of a motion along a timetable."""
@@ -114,7 +118,7 @@ def profiles_with(fits: Callable[[Profile], bool]) -> str:
 
 @cache
 def load_profile(name: str) -> Profile:
-    """Return the profile of a name in upper case; `TIMETABLE` for the empty name.
+    """Return the profile with a name in upper case; `TIMETABLE` for the empty name.
 
     Raises:
         ValueError: the profile's name isn't that of its file.

@@ -1,5 +1,5 @@
-"""Recall motions that were planned before: by what they do and where they begin, wherever their commands now
-are in the file.
+"""Recall motions that were planned before, by their content and their start, wherever their commands are now
+in the file.
 """
 
 from __future__ import annotations
@@ -25,12 +25,13 @@ def told_before(
     *,
     may_look_around: bool = False,
 ) -> T:
-    """Return the result kept under a key, and repeat the findings about its command; otherwise compute both.
+    """Return the result kept under a key, and repeat the findings about its command. If there is none,
+    compute both.
 
     Args:
         memory: keeps results and findings; the places of findings are relative to the command's line.
         key: everything on which the result depends, without the place of the command.
-        origin: the command; if it is spelled differently, the findings may differ.
+        origin: the command; if its text is different, the findings may differ.
         findings: receives the findings, new or repeated.
         make: computes the result, with findings about this command alone.
         may_look_around: True if the findings may depend on other lines: results with findings are then
@@ -50,6 +51,7 @@ def told_before(
     before = len(findings.found)
     value = make()
     told = findings.found[before:]
+    # Keep a result only if its findings don't depend on other lines.
     if all(_is_of_command(one, origin) for one in told) and not (told and may_look_around):
         found = tuple(replace(one, source=None) for one in told)  # no text is kept
         memory.keep(key, (value, found, line, _spelling(origin) if found else None))
@@ -57,7 +59,7 @@ def told_before(
 
 
 def _spelling(origin: Origin) -> Hashable:
-    """Return everything that messages may take from a command's origin, except its line and its file."""
+    """Return all parts of a command's origin that messages may quote, except its line and its file."""
     line = origin.span.line
     places: list[Hashable] = [
         None if one is None else (one.line - line, one.column, one.end_line - line, one.end_column)
@@ -76,8 +78,8 @@ def _last_line(origin: Origin) -> int:
 
 
 def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
-    """Return True if a finding concerns only the lines of its command; otherwise it may change with other
-    lines.
+    """Return True if a finding concerns only the lines of its command. Other findings may change with
+    other lines.
     """
     spans = [edit.span for edit in one.fix.edits] if one.fix else []
     spans += [one.span] if one.span else []

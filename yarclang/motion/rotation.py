@@ -1,4 +1,4 @@
-"""Compute turns about one fixed axis: between two orientations, and continued."""
+"""Compute turns about a fixed axis: between two orientations, and beyond them."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from yarclang.robot.kinematics.fk import skew
 from yarclang.transforms import constant
 
 NO_TURN = 1e-9
-"""A turn smaller than this has no axis, and needs none [rad]."""
+"""Angle below which a turn has no axis, and needs none [rad]."""
 
 HALF_TURN = np.pi - 1e-6
-"""A turn larger than this has no short way [rad]."""
+"""Angle above which a turn has no short way [rad]."""
 
 
 def turn_between(first: Array, second: Array) -> tuple[Array, float] | None:
@@ -23,7 +23,7 @@ def turn_between(first: Array, second: Array) -> tuple[Array, float] | None:
         no short way.
     """
     turn = second @ first.T
-    # sine times the axis, and cosine: together well conditioned for every angle
+    # The sine times the axis, and the cosine: together they are well conditioned for every angle.
     sine = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2.0
     cosine = (np.trace(turn) - 1.0) / 2.0
     size = float(np.linalg.norm(sine))
@@ -35,7 +35,7 @@ def turn_between(first: Array, second: Array) -> tuple[Array, float] | None:
 
 
 def turns_between(first: Array, second: Array) -> tuple[Array, Array]:
-    """Compute the short turns between pairs of rotations (N, 3, 3): the same bits as `turn_between` returns.
+    """Compute the short turns between pairs of rotations (N, 3, 3), with the same bits as `turn_between`.
 
     Returns:
         The axes (N, 3), unit vectors in the axes of {B}, and the angles (N,) [rad]; NaN for half a turn,
@@ -74,5 +74,6 @@ def turned(rotation: Array, axis: Array, angles: Array) -> Array:
     """
     turn = skew(axis)
     angle = angles[..., None, None]
+    # Rodrigues' formula: I + sin(angle) K + (1 - cos(angle)) K^2.
     result: Array = (np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)) @ rotation
     return result

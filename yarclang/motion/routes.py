@@ -1,8 +1,8 @@
-"""Route the motions of a program: the path of each, from the end of the last one.
+"""Route the motions of a program: find the path of each, from the end of the one before.
 
-A pose target of a joint motion has several solutions, and the choice decides what the Cartesian motions after
-it can do. The nearest is taken first; if a motion that follows can't be done from there, the next ones are
-tried.
+A pose target of a joint motion has several solutions, and the choice decides which Cartesian motions are
+possible after it. The nearest solution is taken first. If a later motion can't be done from there, the next
+solutions are tried.
 """
 
 from __future__ import annotations
@@ -70,9 +70,9 @@ class _Stand:
     """State of the search between two steps.
 
     `ways` has the robot's position on the open control-flow paths (None if it isn't known). `choice` is the
-    last motion with a free choice of solution that decides this position; None if the position is given by
-    the text. `flange` is the flange's pose base_from_flange (4, 4), if only that is known. `parts` are the
-    places of the cell's parts.
+    last motion with a free choice of solution that determines this position; None if the text gives the
+    position. `flange` is the flange's pose base_from_flange (4, 4), if only the pose is known. `parts` are
+    the places of the cell's parts.
     """
 
     ways: Ways[Array | None]
@@ -90,8 +90,9 @@ class _Stand:
 class _Done:
     """The result of one step.
 
-    `before` and `behind` are what is known before and after it. `broken` is True if it can't be done from the
-    robot's position, though perhaps from another one. `way` is the way of its frame, if no more is known.
+    `before` and `behind` are the states before and after the step. `broken` is True if the step can't be done
+    from the robot's position, but perhaps from another one. `way` is the way of its frame, if no more is
+    known.
     """
 
     before: _Stand
@@ -119,14 +120,14 @@ class Router:
     """Number of ways around obstacles that are searched for; the fastest is taken."""
     done: list[_Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
-    """Solutions taken instead of the nearest, by step."""
+    """Solutions taken instead of the nearest one, by step."""
     _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
     """Commands for which a search found nothing."""
     _handling: Handling = field(init=False)
     _grasps: dict[int, Grasp] = field(default_factory=dict)
     """The effects of SETs of grippers, by step."""
     _blocked: set[tuple[SourceFile, Span]] = field(default_factory=set)
-    """Commands whose poses are blocked, and for which nearby poses were tried."""
+    """Commands with blocked poses for which nearby poses were tried."""
     _ahead: WaysAhead = field(init=False)
     _reached: ReachedAhead = field(init=False)
 
@@ -157,13 +158,13 @@ class Router:
             return self.cell
         touches = handling.touches(number, self._grasps.get)
         if not step.leads_frame and before.q is not None:
-            # for straight ways of a frame, only the certificate checks what they meet
+            # Only the certificate checks what a straight way of a frame meets.
             flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
         return handling.around(before.parts.parts, touches, number)
 
     def _first(self) -> _Stand:
-        """Return what is known before the first step."""
+        """Return the state before the first step."""
         return _Stand(Ways(self.start), parts=self._handling.first())
 
     def advance(self) -> None:
@@ -178,7 +179,7 @@ class Router:
 
     def _choose_otherwise(self, chosen: int) -> None:
         """Try the other solutions of step `chosen`, the nearest first, until all steps from there to the last
-        can be done.
+        one can be done.
         """
         tried = self.done[chosen:]
         last = len(self.done)
@@ -187,6 +188,8 @@ class Router:
         goal, near = step.end, self._near(chosen)
         if not isinstance(goal, PoseGoal) or near is None:
             return
+        # Backtracking: route all steps from `chosen` on again with another solution, until one gets past the
+        # broken step. Without success, the first result is restored.
         for q in Solver(self.robot, self.done[chosen].cell).others(goal, near, step):
             if chosen in self._choices and np.array_equal(q, self._choices[chosen]):
                 continue
@@ -216,7 +219,7 @@ class Router:
         self.done[chosen:] = tried
 
     def _near(self, number: int) -> Array | None:
-        """Return the joint position that the solution of a motion's last pose should be near."""
+        """Return the joint position near which the solution of a motion's last pose is wanted."""
         done = self.done[number]
         if done.route is None or len(done.route.waypoints) < 2:
             return done.before.q
@@ -249,8 +252,9 @@ class Router:
         return _Done(before, behind, None, tuple(findings.found))
 
     def _flow(self, number: int, step: Action, stand: _Stand, findings: Collector) -> _Stand:
-        """Return what is known after a step that doesn't move the robot: it changes only at the branches of a
-        WHEN, and where a gripper closes or opens.
+        """Return the state after a step that doesn't move the robot.
+
+        The state changes only at the branches of a WHEN, and where a gripper closes or opens.
         """
         if self._handling.has_parts:
             parts, grasp = self._handling.passed(stand.parts, number, stand.q)
@@ -279,18 +283,22 @@ class Router:
             return None
 
         ways = stand.ways.turned(step, meet)
-        # solutions chosen earlier are fixed by all paths together
+        # All paths together have fixed the solutions chosen earlier.
         is_met = isinstance(step, EndWhen | Loop | EndLoop)
         return _Stand(ways, None, None, stand.parts) if is_met else replace(stand, ways=ways)
 
     def _same(self, one: Array, other: Array) -> bool:
-        """Return True if two joint positions are the same for the controller: closer than a count by far."""
+        """Return True if two joint positions are the same for the controller: they differ by far less than
+        a count.
+        """
         return bool((np.abs(one - other) <= 1e-9 * self.robot.axis_units).all())
 
     def _motion(
         self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
     ) -> _Done:
         """Route one motion from `q` (n,)."""
+        # A joint motion to a free pose becomes the new choice to vary; other targets in joint space fix the
+        # position.
         choice, taken = before.choice, self._choices.get(number)
         if not step.leads_frame and not isinstance(step.end, JointDelta):
             choice = number if is_free(step.end) else None
@@ -311,7 +319,7 @@ class Router:
                 return led, None
             return led, Route(led.path, led.waypoints)
 
-        # the fix of a way around obstacles uses names that occur nowhere in the text
+        # The fix of a way around obstacles uses names that don't occur in the text.
         around = isinstance(step, AvoidMove)
         led, route = told_before(self.memory, key, step.origin, findings, make, may_look_around=around)
         behind = _Stand(
@@ -336,8 +344,8 @@ class Router:
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> _Done:
-        """Check a motion from an unknown position as far as possible: if its poses can be reached at all, and
-        the way of its frame.
+        """Check a motion from an unknown position as far as possible: are its poses in reach, and does its
+        frame have a path?
         """
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
@@ -352,11 +360,11 @@ class Router:
     def _goals_from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> tuple[Array | None, Array | None, FrameWay | None]:
-        """Return where a motion from an unknown position leads.
+        """Return the goals of a motion from an unknown position.
 
         Returns:
             Joint positions (n,) if they are given, the flange's pose (4, 4), and the way of its frame; None
-            for what isn't known.
+            for each value that isn't known.
         """
         if isinstance(step, TimedMove):
             return step.table.positions[-1], None, None
@@ -385,8 +393,8 @@ MOST_MEASURED = 20
 
 
 def _moved(stand: _Stand, q: Array | None) -> _Stand:
-    """Return what is known after a motion to `q` (n,) [rad or m]; None if the position isn't known."""
-    # twice as fast as `replace`: this runs for every motion of a program that is edited
+    """Return the state after a motion to `q` (n,) [rad or m]; None if the position isn't known."""
+    # This is twice as fast as `replace`, and runs for every motion of a program that is edited.
     return _Stand(Ways(q, stand.ways.ends, stand.ways.open), None, None, stand.parts)
 
 

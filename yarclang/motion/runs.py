@@ -1,19 +1,19 @@
-"""Decide how many motions are computed together: the more, the longer consecutive ones are requested."""
+"""Decide how many motions are computed together: more of them if longer consecutive runs are requested."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 MOST = 64
-"""The largest number of motions computed together: more take no less time each, and more memory."""
+"""Largest number of motions computed together: with more, each would take as long, and need more memory."""
 
 
 @dataclass(slots=True)
 class Growing:
     """The number of motions that are computed together.
 
-    It is 1 if a single one is requested, as after an edit. It doubles each time the next ones are requested,
-    up to `most` (None: `MOST`).
+    The number is 1 if a single motion is requested, as after an edit. It doubles each time the next motions
+    are requested, up to `most` (None: `MOST`).
     """
 
     most: int | None = None

@@ -1,4 +1,4 @@
-"""Measure how near a path of the moving frame comes to a singularity, and the cost."""
+"""Measure the distance of a path of the moving frame from a singularity, and its effect on speed."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ NEAR = 0.06
 """Smallest singular value below which a path counts as near a singularity; far from one it is 0.1 to 0.5."""
 
 _COSTS = 2.0
-"""Ratio of the joints' load there to the average load, from which a path counts as slowed by a
-singularity.
+"""Ratio of the joints' load near a singularity to the average load, from which the path counts as slowed by
+the singularity.
 """
 
 _STILL = 1e-9
@@ -38,8 +38,9 @@ class Nearest:
 
 
 def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
-    """Return True for each path that is proved to keep away from singularities; all paths are of one arm and
-    one moving frame.
+    """Return True for each path that is proved to keep away from singularities.
+
+    All paths are of one arm and one moving frame.
     """
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     q = [path.followed.q for path in paths]
@@ -49,10 +50,10 @@ def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
 
 
 def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
-    """Return where a path comes near a singularity and pays for it in joint speed; None if it keeps away, or
-    passes at no cost.
+    """Return the place where a singularity slows a path; None if the path keeps away, or passes without a
+    loss.
 
-    The places examined are those at which the arm was followed: near a singularity they are denser.
+    The places examined are those at which the arm was followed; they are denser near a singularity.
 
     Args:
         path: the path.
@@ -66,7 +67,7 @@ def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
     if smallest.min() >= NEAR:
         return None
     slope = np.abs(np.diff(q, axis=0)) / np.diff(s)[:, None]
-    # the share of its speed limit that the busiest joint needs if the path takes 1 s
+    # The share of its speed limit that the busiest joint needs if the path takes 1 s.
     shares = slope / velocity
     load = shares.max(axis=1)
     near = np.minimum(smallest[1:], smallest[:-1]) < NEAR

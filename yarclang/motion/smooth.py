@@ -1,10 +1,10 @@
 """Approximate joint positions along a line or an arc by one polynomial: a few places are solved, and all
-others follow from them.
+others are evaluated.
 
-Except at singularities, the joints of an arm are analytic functions of the place on such a path, so that
-their Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the
-last digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward kinematics checks the
-polynomial between the places; if it is inaccurate, there is none.
+Except at singularities, the joints of an arm are analytic functions of the place on such a path, so their
+Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the last
+digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward kinematics checks the
+polynomial between the places; an inaccurate polynomial is not used.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from yarclang.robot.kinematics.inverse import extent
 from yarclang.robot.kinematics.numeric import misses, pose_columns
 
 MANY = 64
-"""With fewer places on a path than this, each is solved."""
+"""Number of places on a path below which each place is solved."""
 
 _DEGREES = (15, 39)
 """The degrees that are tried."""
@@ -67,6 +67,7 @@ class Smooth:
         Returns:
             Upper bounds of the distance [m] and of the angle [rad].
         """
+        # A joint that is off by an angle moves the frame by at most its lever times the angle.
         off = np.abs(q - self.at(s))
         turn = off @ (1.0 - self.is_sliding)
         return float((self.lever * turn + off @ self.is_sliding).max()), float(turn.max())
@@ -74,7 +75,7 @@ class Smooth:
 
 def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
     """Return the joint positions along paths of one arm and one moving frame as polynomials; None for a path
-    that has none.
+    without a polynomial.
     """
     found: list[Smooth | None] = [None] * len(paths)
     missing = [place for place, path in enumerate(paths) if isinstance(path.frame, Line | Arc)]
@@ -122,9 +123,10 @@ def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
         matrix from values to values at the second places.
     """
     count = degree + 1
+    # Roots of the Chebyshev polynomial of degree `count`, and its extremes, which are between the roots.
     places = (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2.0
     between = (1.0 - np.cos(np.pi * np.arange(count + 1) / count)) / 2.0
-    # discrete orthogonality of the Chebyshev polynomials at their roots
+    # Discrete orthogonality of the Chebyshev polynomials at their roots.
     to_coefficients = _chebyshev(places, count) * (2.0 / count)
     to_coefficients[0] /= 2.0
     return places, between, to_coefficients, _chebyshev(between, count).T @ to_coefficients
@@ -135,6 +137,7 @@ def _chebyshev(s: Array, count: int) -> Array:
     x = 1.0 - 2.0 * s
     polynomials = np.empty((count, len(s)))
     polynomials[0], polynomials[1] = 1.0, x
+    # Recurrence T(n + 1) = 2 x T(n) - T(n - 1).
     twice = 2.0 * x
     for number in range(2, count):
         np.multiply(twice, polynomials[number - 1], out=polynomials[number])

@@ -1,10 +1,10 @@
 """Fit the path of a timetable to the controller's segments.
 
-The path is a function of time, so that only the segments and the curve's smoothness can be chosen. Where the
+The path is a function of time, so only the segments and the curve's smoothness can be chosen. If the
 acceleration of the path jumps, as it does at both ends of a clamped spline, a curve through all knots
 overshoots. The control points therefore minimize a sum of squares: of the distances at the knots, and, with a
-weight, of the differences between the accelerations and the path's own. The larger the weight, the less the
-curve overshoots and the farther it is from the path. The largest weight that keeps the tolerance is used.
+weight, of the differences between the curve's accelerations and those of the path. With a larger weight, the
+curve overshoots less and is farther from the path. The largest weight that keeps the tolerance is used.
 """
 
 from __future__ import annotations
@@ -24,9 +24,7 @@ from yarclang.progress import go_on
 from yarclang.units import MS
 
 LATE = 1.0 * MS
-"""Time by which the duration may exceed that of the table [s]: the segment times of the controller have
-steps.
-"""
+"""Time by which the duration may exceed that of the table [s]: the controller's segment times have steps."""
 
 _SHARE = 0.85
 """Share of the tolerance that is used, since the distance is sampled only at some places."""
@@ -38,14 +36,16 @@ _WEIGHTS = (1e6, 1e5, 1e4, 1e3, 1e2, 1e1, 1.0, 0.1, 0.0)
 """Weights of the accelerations that are tried."""
 
 _GAIN = 0.98
-"""Shorter segments are tried as long as each step reduces an excess at least to this share."""
+"""Factor to which each step must reduce an excess, if shorter segments are to be tried."""
 
 _FINER = 0.6
-"""Factor to the next shorter segments, if limits are broken or the curve overshoots."""
+"""Factor from one segment time to the next one that is tried, if limits are broken or the curve
+overshoots.
+"""
 
 _OVERSHOOT = 1.15
-"""Shorter segments are tried if accelerations exceed those of the path, and half of the limit, by more than
-this factor.
+"""Factor by which accelerations may exceed those of the path, and half of the limit, before shorter segments
+are tried.
 """
 
 _ROUNDS = 12
@@ -53,8 +53,9 @@ _ROUNDS = 12
 
 @frozen
 class Broken:
-    """A limit is broken: `demand` names it, `share` is its used share (1 is all of it), `time` [s] is
-    when.
+    """A broken limit, named by `demand`.
+
+    `share` is its used share (1 is all of it), and `time` [s] the time of the excess.
     """
 
     demand: Demand
@@ -64,10 +65,9 @@ class Broken:
 
 @frozen
 class Missed:
-    """The path can't be held: `joint` misses it by `off` [rad or m], `time` [s] after the start, with the
-    shortest segments of `segment` [s].
+    """A path that can't be held: `joint` misses it by `off` [rad or m], `time` [s] after the start.
 
-    `share` is the miss as a share of the allowed one.
+    The shortest segments, of `segment` [s], are used. `share` is the miss as a share of the allowed one.
     """
 
     joint: int
@@ -79,14 +79,17 @@ class Missed:
 
 @frozen
 class TooShort:
-    """A table ends after `duration` [s], earlier than the fewest segments can: these last `shortest` [s]."""
+    """A table that is shorter than the fewest segments.
+
+    The table ends after `duration` [s], and the fewest segments take `shortest` [s].
+    """
 
     duration: float
     shortest: float
 
 
 Refused = Broken | Missed | TooShort
-"""The reasons why a timetable can't be carried out as it is; a slower one can."""
+"""The reasons why a timetable can't be carried out as it is; a slower timetable can."""
 
 
 def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
@@ -95,7 +98,7 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
     Args:
         path: the joints' positions over time.
         within: (n,) the largest distance of each joint from its position at the same time [rad or m].
-        bounds: the limits to keep, except that of jerk, since the table decides it.
+        bounds: the limits to keep, except that of jerk, since the table determines the jerk.
         grid: the segment times that the controller accepts.
 
     Returns:
@@ -119,11 +122,11 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
         points, excess = trial.solved(0.0)
         if excess > _SHARE:
             if is_last:
-                # if no segments are short enough for a fast motion, report the limit that it breaks first
+                # If no segments are short enough for a fast motion, report the limit that it breaks first.
                 demand = max(bounds.demands(points), key=lambda one: one.segment)
                 found = _broken(demand, segment) if demand.segment > segment else None
                 return broken or found or trial.missed(points, segment)
-            # where the acceleration jumps, the distance falls with the square of the segment time
+            # If the acceleration jumps, the distance falls with the square of the segment time.
             wanted = max(grid.smallest, segment * max(0.3, min(0.9, 0.95 * math.sqrt(_SHARE / excess))))
             continue
         points = trial.smoothest(points)
@@ -148,10 +151,10 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
 
 
 STEPS = 24
-"""The largest number of stretches that are tried."""
+"""Largest number of stretches that are tried."""
 
 FINE = 1.001
-"""Factor up to which a stretch is the shortest that works."""
+"""Factor within which a stretch counts as the shortest that works."""
 
 
 def shortest_stretch(
@@ -170,7 +173,7 @@ def shortest_stretch(
         within: as for `fit_timed`.
         bounds: as for `fit_timed`.
         grid: as for `fit_timed`.
-        stretch: one that doesn't work.
+        stretch: a stretch that doesn't work.
 
     Returns:
         A stretch with few digits that was tried and works; None if none is found.
@@ -189,6 +192,7 @@ def shortest_stretch(
         else:
             fails = tried
         if not isinstance(found, Curve) and math.isinf(works):
+            # Until a stretch works, follow the estimate; then bisect, in ratios.
             nearest = tried * max(_needed(found), FINE)
         elif works <= fails * FINE:
             break
@@ -200,8 +204,8 @@ def shortest_stretch(
 def _needed(refused: Refused) -> float:
     """Return the approximate factor by which all times must grow.
 
-    Velocities fall with its first power; accelerations, and the misses of the shortest segments, with its
-    square.
+    Velocities fall with the first power of the factor. Accelerations, and the misses of the shortest
+    segments, fall with its square.
     """
     if isinstance(refused, TooShort):
         return refused.shortest / refused.duration
@@ -231,15 +235,16 @@ _NUMBERS = 4096
 
 
 def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
-    """Return the number of segments and their time [s], near `wanted`, that last as long as a table, or
-    longer by at most `LATE`.
+    """Return a number of segments and their time [s], near `wanted`, that together last as long as a table.
+
+    They may last longer by at most `LATE`.
     """
     steps = duration / grid.quantum
     most = max(FEWEST_SEGMENTS, math.floor((duration + LATE) / grid.smallest + 1e-9))
     least = min(most, max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9)))
     fewest = max(FEWEST_SEGMENTS, math.ceil(duration / grid.largest - 1e-9))
-    # try some thousand numbers, larger ones first: for a long motion, one in twenty has segments whose steps
-    # fit
+    # Try some thousand numbers, larger ones first: for a long motion, one in twenty has a segment time that
+    # the controller's steps allow.
     larger = np.arange(least, min(most, least + _NUMBERS) + 1)
     smaller = np.arange(least - 1, max(fewest, least - _NUMBERS) - 1, -1)
     numbers = np.concatenate((larger, smaller))
@@ -255,7 +260,7 @@ class _Trial:
     """Trial of a timetable with a fixed number of segments.
 
     `knots` (n + 1, d) are the wanted positions at the knots, `between` (n * _BETWEEN + 1, d) those at all
-    samples; `within` (d,) is the tolerance.
+    samples. `within` (d,) is the tolerance.
     """
 
     path: TimedPath
@@ -276,8 +281,10 @@ class _Trial:
         return points, float((np.abs(_looked_at(points) - self.between) / self.within).max())
 
     def smoothest(self, points: Array) -> Array:
-        """Return the control points with the largest weight that keep the tolerance; `points` are those
-        without weight.
+        """Return the control points with the largest weight that keep the tolerance.
+
+        Args:
+            points: the control points without weight.
         """
         low, high = 0, len(_WEIGHTS) - 1
         while low < high:
@@ -290,8 +297,8 @@ class _Trial:
         return points
 
     def overshoot(self, curve: Curve, bounds: Bounds) -> float:
-        """Return the factor by which accelerations exceed the largest of the path, or half of the limit if
-        that is larger.
+        """Return the ratio of the largest acceleration of a curve to that of the path, or to half of the
+        limit if that is larger.
         """
         asked = np.abs(np.diff(self.knots, 2, axis=0)).max(axis=0) / curve.segment**2
         made = np.abs(np.diff(curve.points, 2, axis=0)).max(axis=0) / curve.segment**2
@@ -334,6 +341,8 @@ def _least_squares(knots: Array, weight: float) -> Array:
     inner = slice(1, -1)
     positions = knots[inner] - knot_values(points)[inner]
     bends = np.diff(knots, 2, axis=0) - np.diff(points, 2, axis=0)[inner]
+    # Normal equations A'A + weight B'B: A has the rows (1, 4, 1) / 6 of positions at knots, B the rows (1,
+    # -2, 1) of second differences. Each product has the five diagonals of `rows`.
     right = (positions[:-2] + 4.0 * positions[1:-1] + positions[2:]) / 6.0
     right += weight * np.diff(bends, 2, axis=0)
     unknowns = len(right)

@@ -1,4 +1,4 @@
-"""Make the first trials of many lines together: most lines need few more."""
+"""Make the first trials of many lines together: most lines need few more trials."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ _MOST_ROWS = 20_000
 
 @frozen(eq=False)
 class Tried:
-    """The trials of a motion, including the first one, and True if its path is known to keep away from
-    singularities.
+    """The trials of a motion, including the first one.
+
+    The flag is True if the motion's path is known to keep away from singularities.
     """
 
     trials: Trials
@@ -84,7 +85,7 @@ class TriedAhead:
         self._growing.done(number + len(begun) - 1)
 
     def _begun(self, number: int) -> _Begun | None:
-        """Return the first trial to make of a motion; None for a motion of another kind."""
+        """Return the first trial to make for a motion; None for a motion of another kind."""
         motion = self.motions[number]
         if motion is None:
             return None
@@ -122,8 +123,10 @@ class TriedAhead:
 
 @frozen(eq=False)
 class _Begun:
-    """A motion whose first trial is known: `segments` segments of `segment` [s]; or, if `segment` is None,
-    those of the shortest duration.
+    """A motion whose first trial is known.
+
+    The trial has `segments` segments of `segment` [s]. If `segment` is None, the trial is that of the
+    shortest duration.
     """
 
     path: CartesianPath
@@ -133,7 +136,7 @@ class _Begun:
     segment: float | None
 
     def is_like(self, other: _Begun) -> bool:
-        """Return True if both can be tried together: motions of one kind, arm and moving frame."""
+        """Return True if both can be tried together: motions of one kind, one arm and one moving frame."""
         one, two = self.path, other.path
         return (
             (self.segment is None) == (other.segment is None)

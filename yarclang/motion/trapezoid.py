@@ -1,8 +1,8 @@
-"""Compute laws that speed up, cruise and slow down, with accelerations that rise and fall in ramps of whole
-segments.
+"""Compute laws that speed up, cruise and slow down; their accelerations rise and fall in ramps of integer
+numbers of segments.
 
-A form is (blend, ramp): the number of segments of speeding up (and of slowing down), and of each of its two
-ramps.
+A form is (blend, ramp). The blend is the number of segments for speeding up, and also for slowing down. The
+ramp is the number of segments in which the acceleration rises, and in which it falls.
 """
 
 from __future__ import annotations
@@ -14,15 +14,16 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_IN_BLEND = 2
-"""A blend has at least two ramps of one segment."""
+"""Least number of segments of a blend: two ramps of one segment."""
 
 _ROUNDING = 1e-9
-"""More than the rounding error of a difference of numbers of segments."""
+"""Bound of the rounding error of a difference of numbers of segments."""
 
 
 def trapezoid(segments: int, blend: int, ramp: int) -> Array:
-    """Return the control values (n + 3,) of s: acceleration is linear between knots, so that the curve is
-    exactly the law.
+    """Return the control values (n + 3,) of s.
+
+    The acceleration is linear between knots, so the curve is exactly the law.
 
     Args:
         segments: n, at least twice the blend.
@@ -30,9 +31,10 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
         ramp: segments in which the acceleration rises.
     """
     knot = np.arange(segments + 1)
+    # A trapezoid of acceleration for speeding up, and its mirror image for slowing down.
     rise = np.clip(np.minimum(knot, blend - knot) / ramp, 0.0, 1.0)
     acceleration = rise - rise[::-1]
-    # the second difference of the control values is the acceleration at the knots
+    # The second difference of the control values is the acceleration at the knots.
     control = np.zeros(segments + 3)
     control[2:] = np.cumsum(np.cumsum(acceleration))
     control /= control[-1]
@@ -51,14 +53,17 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
         cruise: the segments that the path takes at full speed.
         ramp: segments in which the acceleration rises, at most half of the blend.
     """
+    # The pulse has the sum 1, so the law gains the speed of one path per `cruise` segments.
     rise = _pulse(segments, segments - cruise, ramp)
     return _of_accelerations((rise - rise[::-1]) / cruise)
 
 
 @frozen
 class Ramp:
-    """Speeding up or slowing down: it begins at knot `start`, an integer or not, and takes `width` segments;
-    its acceleration rises in `rise` of them and falls in as many.
+    """Speeding up or slowing down.
+
+    The ramp begins at knot `start`, an integer or not, and takes `width` segments. Its acceleration rises in
+    `rise` of them and falls in as many.
     """
 
     start: float
@@ -74,10 +79,10 @@ class Ramp:
 def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
     """Return the control values (n + 3,) of a law that speeds up in one ramp and slows down in another.
 
-    The time between the middles of the two ramps is that of the whole path at full speed.
+    The time between the middles of the two ramps is the time of the whole path at full speed.
 
     Args:
-        segments: n; both ramps lie within.
+        segments: n; both ramps are within the n segments.
         first: speeding up.
         last: slowing down.
     """
@@ -86,8 +91,8 @@ def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
 
 
 def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
-    """Return the control values (n + 3,) of a law that speeds up in a ramp, and slows down until the last of
-    the segments.
+    """Return the control values (n + 3,) of a law that speeds up in a ramp, and comes to rest at the end of
+    its last segment.
 
     Args:
         segments: n.
@@ -100,8 +105,9 @@ def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
 
 
 def _shifted(segments: int, ramp: Ramp) -> Array:
-    """Return accelerations (n + 1,) at the knots of one ramp, with sum 1: a mixture of two ramps that begin
-    at integer knots.
+    """Return accelerations (n + 1,) at the knots of one ramp, with sum 1.
+
+    They are a mixture of two ramps that begin at integer knots.
     """
     whole = int(ramp.start + _ROUNDING)
     later = max(ramp.start - whole, 0.0)
@@ -109,6 +115,7 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
     one = np.clip(np.minimum(knot, ramp.width - knot) / max(1, min(ramp.rise, ramp.width // 2)), 0.0, 1.0)
     one /= one.sum()
     pushes = np.zeros(segments + 1)
+    # A mixture of two ramps at neighbouring knots has its middle between theirs.
     pushes[whole : whole + ramp.width + 1] += (1.0 - later) * one
     if later > _ROUNDING:
         pushes[whole + 1 : whole + ramp.width + 2] += later * one
@@ -116,8 +123,9 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
 
 
 def _pulse(segments: int, blend: float, ramp: int) -> Array:
-    """Return accelerations (n + 1,) at the knots with sum 1, from knot 0 on: a mixture of two blends of
-    integer length.
+    """Return accelerations (n + 1,) at the knots from knot 0 on, with sum 1.
+
+    They are a mixture of two blends of integer length.
     """
     whole = int(blend + _ROUNDING)
     longer = max(blend - whole, 0.0)
@@ -141,8 +149,9 @@ def _of_accelerations(accelerations: Array) -> Array:
 
 
 def trapezoid_strain(segments: int, forms: NDArray[np.int64]) -> Array:
-    """Return the peaks (K, 3) of velocity, acceleration and jerk over distance, in units of segments, of
-    `forms` (K, 2).
+    """Return the peaks (K, 3) of velocity, acceleration and jerk of `forms` (K, 2).
+
+    They are relative to the distance, in units of segments.
     """
     blend, ramp = forms.T
     velocity = 1.0 / (segments - blend)

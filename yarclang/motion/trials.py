@@ -1,4 +1,4 @@
-"""Try a path and a law on a number of segments, and compute the demands of the limits on the segment time.
+"""Try a path and a law on a number of segments, and compute the segment time that each limit demands.
 
 The control points don't depend on the segment time. Once they are known, the shortest time in which they keep
 all limits follows in closed form.
@@ -26,21 +26,21 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Tolerance
 
 _SHARE_OF_TOLERANCE = 0.7
-"""Share of the tolerance that is used, since the deviation is sampled in the middle of each segment; the
+"""Share of the tolerance that is used: the deviation is sampled only in the middle of each segment, and the
 proof comes later.
 """
 
 _SHARE_OF_SPLINE = 0.55
-"""Share of the tolerance for a spline of poses, whose bends may be of any sharpness between its way-
-points.
-"""
+"""Share of the tolerance for a spline of poses, which may bend sharply between its way-points."""
 
 
 _KEPT = 200_000
-"""Number of segments of all trials of a motion that are kept: 10 MB of control points."""
+"""Number of segments in all kept trials of a motion: 10 MB of control points."""
 
 _FAR = 3.0
-"""Factor by which segment times may exceed the estimate from the steepest slope of a path."""
+"""Factor by which segment times must exceed the estimate from the steepest slope of a path to be far from all
+speed limits.
+"""
 
 MANY_SEGMENTS = 24
 """Number of segments from which the form of a law hardly depends on their number."""
@@ -49,7 +49,7 @@ MANY_SEGMENTS = 24
 @frozen(eq=False)
 class Trial:
     """Control points for a number of segments and a form of the law, and the demands of the limits on
-    them.
+    these points.
     """
 
     segments: int
@@ -90,8 +90,8 @@ class Trials:
         return _made([(self, segments, form) for segments, form in wanted])
 
     def within(self, segments: int, segment: float) -> Trial:
-        """Return the trial with the first form that keeps the limits at a segment time [s], or the fastest
-        one.
+        """Return the trial of the first form that keeps the limits at a segment time [s], or else the
+        fastest trial.
         """
         forms = self.law.forms(segments)
         first = self._likely(segments, forms, segment)
@@ -119,22 +119,22 @@ class Trials:
         return [self._fastest[number] for number in numbers]
 
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
-        """Estimate the shortest segment times [s] for other numbers of segments: exact for straight lines in
-        joint space.
+        """Estimate the shortest segment times [s] for other numbers of segments.
+
+        The estimate is exact for straight lines in joint space.
         """
         return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
 
     def foreseen_shortest(self) -> float:
-        """Estimate the shortest duration [s] from the steepest slope of the path alone, unless the law knows
-        it.
-        """
+        """Estimate the shortest duration [s] from the steepest slope of the path, unless the law knows it."""
         if self.law.shortest is not None:
             return self.law.shortest
         return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
     def is_slow(self, segments: int, segment: float) -> bool:
-        """Return True if segments of a given time [s] are far from every speed limit in any form of the law,
-        and no slow zone is near.
+        """Return True if segments of a given time [s] are far from every speed limit in any form of the law.
+
+        With slow zones, the result is False.
         """
         bounds, slope = self.bounds, self.path.slope
         if bounds.zones is not None:
@@ -147,14 +147,14 @@ class Trials:
         return bool(_FAR * peak * share <= segment)
 
     def deviation(self, trial: Trial) -> tuple[float, float]:
-        """Return the largest distance of the curve from the path, in the middle of the segments and at the
-        knots [m], [rad].
+        """Return the largest distance [m] and angle [rad] of the curve from the path, in the middle of the
+        segments and at the knots.
         """
         known = self._deviations.get((trial.segments, trial.form)) or self._surely(trial)
         return known or self.path.deviation(_looked_at(trial.points), _looked_at(trial.control))
 
     def segments_for_tolerance(self, trial: Trial) -> int | None:
-        """Return how many segments are needed to hold the path; None if the trial holds it."""
+        """Return the number of segments that holds the path; None if the trial already does."""
         if self.path.is_straight_in_joints:
             return None
         go_on()
@@ -166,12 +166,13 @@ class Trials:
         excess /= _SHARE_OF_SPLINE if is_spline else _SHARE_OF_TOLERANCE
         if excess <= 1.0:
             return None
-        # the error falls with the fourth power of the number of segments
+        # The error falls with the fourth power of the number of segments.
         return max(trial.segments + 1, math.ceil(trial.segments * math.pow(min(excess, 256.0), 0.25)))
 
     def _surely(self, trial: Trial) -> tuple[float, float] | None:
-        """Return an upper bound of the deviation [m], [rad] if it proves that a trial with many segments
-        keeps the tolerance; otherwise None.
+        """Return an upper bound of the deviation [m], [rad] for a trial with many segments.
+
+        The result is None if there is no such bound, or if it doesn't prove that the tolerance is kept.
         """
         if self._smooth is None or trial.segments < MANY:
             return None
@@ -180,8 +181,8 @@ class Trials:
         return (position, angle) if excess <= _SHARE_OF_TOLERANCE else None
 
     def _forget(self) -> None:
-        """Drop the oldest trials while all have too many segments together: those of a long motion would fill
-        the memory.
+        """Drop the oldest trials while all of them together have too many segments; a long motion would
+        fill the memory.
         """
         kept = sum(segments for segments, _ in self._made)
         for key in list(self._made)[:-1]:
@@ -205,17 +206,22 @@ class Trials:
             slope, bounds = self.path.slope, self.bounds
             limits = (bounds.velocity, bounds.acceleration, bounds.jerk)
             self._rates = np.array([(slope / limit).max() for limit in limits])
+        # A derivative of order k scales with 1 / h^k, so the needed segment time is the k-th root of its
+        # share.
         needed: Array = ((strain * self._rates) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
     def _foreseen(self, trial: Trial, forms: NDArray[np.int64], segments: int | None = None) -> Array:
-        """Estimate the segment times (K,) that other forms would need, with the same or another number of
-        segments: exact for straight lines in joint space.
+        """Estimate the segment times (K,) that other forms need, with the same or another number of segments.
+
+        The estimate is exact for straight lines in joint space.
         """
         had = self.law.strain(trial.segments, np.array([trial.form], dtype=np.int64))[0]
         gets = self.law.strain(segments or trial.segments, forms)
         velocity, motors, acceleration, jerk, *zones = (demand.segment for demand in trial.demands)
         asked = np.array([max(velocity, motors, *zones), acceleration, jerk])
+        # The demands of velocity, acceleration and jerk grow with the law's peaks; segment times with their
+        # roots.
         needed: Array = (asked * (gets / had) ** (1.0 / np.arange(1, 4))).max(axis=1)
         return needed
 
@@ -224,8 +230,8 @@ def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float
     """Make the trials with which `within` begins, and find their deviations, for many paths together.
 
     Args:
-        all_trials: of paths of one arm and one moving frame.
-        wanted: for each, the number of segments and the segment time [s].
+        all_trials: trials of paths of one arm and one moving frame.
+        wanted: for each path, the number of segments and the segment time [s].
     """
     first = list[tuple[Trials, int, Form]]()
     for trials, (segments, segment) in zip(all_trials, wanted, strict=True):
@@ -256,8 +262,9 @@ def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
 
 
 def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
-    """Find the form that needs the shortest segments, for several paths of one arm and one moving frame, each
-    with a number of segments.
+    """Find, for several paths of one arm and one moving frame, the form that needs the shortest segments.
+
+    Each path has a given number of segments.
     """
     wanted = [(trials, number) for trials, number in wanted if number not in trials._fastest]
     forms = [trials.law.forms(number) for trials, number in wanted]
@@ -268,6 +275,7 @@ def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
     best = _made([(*one, _form(row)) for one, row in zip(wanted, likely, strict=True)])
     improving = [place for place, each in enumerate(forms) if len(each) > 1]
     for _ in range(3):
+        # Improve each estimate by the demands of the trial just made, up to three times.
         nearer = [
             forms[place][int(np.argmin(wanted[place][0]._foreseen(best[place], forms[place])))]
             for place in improving
@@ -286,8 +294,9 @@ def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
 
 
 def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
-    """Return trials of paths of one arm and one moving frame, each with a number of segments and a form;
-    missing ones are made together.
+    """Return trials of paths of one arm and one moving frame, each with a number of segments and a form.
+
+    Missing trials are made together.
     """
     go_on()
     missing: dict[int, tuple[Trials, dict[tuple[int, Form], Array]]] = {}
@@ -307,8 +316,8 @@ def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
 
 
 def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
-    """Return the control points of the joints for control values of the share of the path, some for each
-    path.
+    """Return the control points of the joints for control values of the share of the path, several for
+    each path.
     """
     _smoothen([trials for trials, controls in wanted if any(len(one) - 3 >= MANY for one in controls)])
     found = list[list[Array]]()
@@ -336,7 +345,7 @@ def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
 
 
 _TO_SOLVE = np.empty((0, 0))
-"""Stands for control points whose joint positions are solved together with others."""
+"""Placeholder for control points whose joint positions are solved together with others."""
 
 
 def _smoothen(all_trials: Sequence[Trials]) -> None:
@@ -367,8 +376,9 @@ def _straight(path: Path, control: Array) -> Array:
 
 
 def _looked_at(points: Array) -> Array:
-    """Return the values (n + 2, ...) of control points at which the deviation is sampled; the knots 2 to n -
-    2 were solved.
+    """Return the values (n + 2, ...) of control points at which the deviation is sampled.
+
+    The knots 2 to n - 2 are left out, since they were solved.
     """
     return np.concatenate((knot_values(points)[[1, -2]], middle_values(points)))
 

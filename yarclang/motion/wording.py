@@ -15,10 +15,10 @@ MessageAbout = tuple[str, str, Span, str, Fix | None, Subject]
 """A message, and the subject of the finding."""
 
 _ANGLE_NOISE = 1e-3
-"""A smaller angle left beside a distance is noise of the search for the distance [rad]."""
+"""Angle below which an angle beside a distance is noise of the search for the distance [rad]."""
 
 _DISTANCE_NOISE = 1e-6
-"""A smaller distance left beside an angle is noise of the search for both [m]."""
+"""Distance below which a distance beside an angle is noise of the search for both [m]."""
 
 
 def percent_text(share: float) -> str:
@@ -27,7 +27,7 @@ def percent_text(share: float) -> str:
 
 
 def miss_text(distance: float, angle: float) -> str:
-    """Return a distance [m], an angle [rad] or both, without what is rounding."""
+    """Return a distance [m], an angle [rad] or both in words; amounts that are only rounding are left out."""
     if angle <= _ANGLE_NOISE:
         return length_text(distance)
     turn = f"{angle / DEG:.3g} deg"
@@ -45,8 +45,8 @@ def amount_text(robot: Robot, joint: int, value: float) -> str:
 
 
 def beyond_text(robot: Robot, joint: int, excess: float) -> str:
-    """Return by how much a joint exceeds its limits [rad or m]: the upper one, or, if negative, the lower
-    one.
+    """Return in words the excess of a joint over its limits [rad or m]; a negative one is over the lower
+    limit.
     """
     side = "above its upper" if excess > 0 else "below its lower"
     return f"{robot.joint_names[joint]} {amount_text(robot, joint, abs(excess))} {side} limit"

@@ -1,5 +1,6 @@
-"""Limit curves by the slow zones of the cell. Slow zones are limits like any other, since control points
-don't depend on the segment time.
+"""Limit curves by the slow zones of the cell.
+
+Slow zones are limits like any other, since control points don't depend on the segment time.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ HEADROOM = 4e-4
 """The share of a zone's speed that is left for printing with finitely many decimals."""
 
 BELOW_CEILING = 1.0 - 2.0 * HEADROOM
-"""The share of a motion's ceiling at which a cruise goes."""
+"""Share of a motion's ceiling that is used for a cruise."""
 
 _SHARP = 1e-3
 """Relative accuracy of speeds: a motion may be slower than allowed by this share."""
@@ -34,22 +35,22 @@ _PLACES = 100
 """Places of a path that are sampled to estimate its speed."""
 
 _FEW = 12
-"""Parts of a path that are examined to foresee if it enters a zone."""
+"""Parts of a path that are examined to find out if it may enter a zone."""
 
 _STEEPER = 1.5
 """Factor by which a path may be steeper at some places than its estimated slope."""
 
 _LARGER = 2.0 * SLACK
-"""Distance by which zones are enlarged [m]: the printed curve may enter them where this one doesn't."""
+"""Distance by which zones are enlarged [m]: the printed curve may enter them although this one doesn't."""
 
 
 _TOGETHER = 8
-"""Segments in each group of which the fastest is found."""
+"""Number of segments in a group, of which the fastest is found."""
 
 
 @frozen(eq=False)
 class SlowZones:
-    """The things that slow zones watch during a motion."""
+    """The items that slow zones watch during a motion."""
 
     scene: Scene
     watches: tuple[Watch, ...]
@@ -62,12 +63,12 @@ class SlowZones:
     def asked(
         self, points: Array, segment: float, *, stops: bool = False
     ) -> Iterator[tuple[float, int, Watch]]:
-        """Yield the demands of zones on control points (N, n) beyond a segment time [s].
+        """Yield the demands of zones on control points (N, n) that exceed a segment time [s].
 
         Args:
             points: the control points.
             segment: the segment time that is known to be needed [s].
-            stops: True if it only matters that a zone demands more.
+            stops: True to end at the first demand, if it only matters that a zone demands more.
 
         Yields:
             The segment time [s], the first control point of the most demanding difference, and the watch.
@@ -91,14 +92,14 @@ class SlowZones:
                 sharp=_SHARP,
             )
             if found.segment[0] >= 0:
-                # smaller demands no longer matter
+                # Smaller demands no longer matter.
                 segment = float(found.speed[0]) / limit
                 yield segment, int(found.segment[0]) + 1, watch
                 if stops:
                     return
 
     def too_fast(self, points: Array, segment: float) -> tuple[Array, Array]:
-        """Return the segments in which something is too fast in its zone, one of each group, and the factors.
+        """Return the segments in which an item is too fast in its zone, one of each group, and the factors.
 
         Args:
             points: the control points (N, n).
@@ -138,8 +139,9 @@ class SlowZones:
         return SlowZones(self.scene, near) if near else None
 
     def shortest(self, way: Callable[[Array], Array]) -> float:
-        """Estimate the least time [s] of the whole path at constant speed; `way` returns joint positions (N,
-        n) at places (N,).
+        """Estimate the least time [s] of the whole path at constant speed.
+
+        `way` returns joint positions (N, n) at places (N,).
         """
         points = way(np.linspace(0.0, 1.0, _PLACES + 1))
         return max((segment for segment, _, _ in self.asked(points, 0.0)), default=0.0) * _PLACES
@@ -157,7 +159,7 @@ class SlowZones:
         return SlowZones(self.scene, rest) if rest else None
 
     def together(self, other: SlowZones | None) -> SlowZones:
-        """Return everything that is watched where two motions overlap."""
+        """Return all items that are watched where two motions overlap."""
         if other is None or other is self:
             return self
         known = {(one.zone.name, one.item.name if one.item else "") for one in self.watches}
@@ -168,7 +170,7 @@ class SlowZones:
 
 
 def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | None:
-    """Return the slow zones that a motion has to keep, its own ceiling among them; None if there are none."""
+    """Return the slow zones that a motion has to keep, with its own ceiling; None if there are none."""
     has_zones = cell is not None and any(zone.rule == "slow" for zone in cell.zones)
     ceiling = motion.timing.ceiling
     if not has_zones and ceiling is None:
@@ -202,7 +204,7 @@ def _in_knots(points: Array) -> Course:
     f0, f1, f2, f3 = (points[at : len(points) - 3 + at] for at in range(4))
     steps = f1 - f0, f2 - f1, f3 - f2
     first, second = steps[1] - steps[0], steps[2] - steps[1]
-    # the velocity is within the hull of its Bezier points
+    # The velocity is in the hull of its Bezier points.
     peaks = np.maximum.reduce(
         [np.abs(steps[0] + steps[1]) / 2.0, np.abs(steps[1]), np.abs(steps[1] + steps[2]) / 2.0]
     )

@@ -1,5 +1,5 @@
-"""Analysts: language servers for the editor pages, each in a process of its own so that it can't disturb the
-process that streams.
+"""Analysts: language servers for the editor pages. Each runs in a process of its own, so that it can't
+disturb the process that streams to the controller.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MOST = 4
 """Largest number of analysts at once."""
 
 MOST_MEMORY = 4 << 30
-"""Address space of each analyst [bytes]. A compiler with its libraries takes 1 GiB of it."""
+"""Largest address space of each analyst [bytes]. A compiler with its libraries takes 1 GiB."""
 
 _LARGEST = 16 << 20
 """Longest message of an analyst [bytes]."""
@@ -40,8 +40,8 @@ class Analysts:
     """The analysts of a pendant.
 
     Args:
-        robot: for programs that name no robot.
-        folder: of the project.
+        robot: robot for programs that name none.
+        folder: folder of the project.
         inside: returns the path of a file of the project, or raises `Trouble`.
     """
 
@@ -54,13 +54,13 @@ class Analysts:
 
     @contextlib.asynccontextmanager
     async def one(self, say: Say) -> AsyncIterator[Analyst]:
-        """Serve a page with an analyst as long as the context lasts.
+        """Serve a page with an analyst until the context ends.
 
         Args:
             say: sends a message to the page.
 
         Raises:
-            Trouble: `MOST` analysts are running.
+            Trouble: `MOST` analysts are already running.
         """
         if self._serving >= MOST:
             raise Trouble(
@@ -84,8 +84,8 @@ class Analyst:
     """The analyst of one page. It is restarted once if it dies.
 
     Args:
-        command: that starts it.
-        folder: of the project.
+        command: command that starts the analyst.
+        folder: folder of the project.
         inside: returns the path of a file of the project, or raises `Trouble`.
         say: sends a message to the page.
     """
@@ -106,7 +106,9 @@ class Analyst:
         return self._process.pid if self._process else None
 
     async def run(self) -> None:
-        """Start the analyst and pass its messages to the page. Return when it can't be used any more."""
+        """Start the analyst and pass its messages to the page. Return when the analyst can't be used any
+        more.
+        """
         for last in (False, True):
             try:
                 self._process = await begun(self._command, folder=self._folder)
@@ -123,10 +125,10 @@ class Analyst:
         )
 
     async def take(self, text: str) -> None:
-        """Pass a message of the page to the analyst.
+        """Pass a message from the page to the analyst.
 
         Args:
-            text: the message as it was received.
+            text: the message as received.
         """
         async with self._sending:
             process = self._process
@@ -176,7 +178,7 @@ class Analyst:
 
 
 async def _write(process: Process, message: dict[str, Any]) -> None:
-    """Send a message. It is lost if the analyst has died."""
+    """Send a message. If the analyst has died, the message is lost."""
     assert process.stdin is not None
     with contextlib.suppress(ConnectionError):
         process.stdin.write(written(message))

@@ -1,5 +1,5 @@
-"""Processes for work that mustn't disturb the process that streams: with low priority and bounded memory, on
-one core each.
+"""Processes for work that mustn't disturb the process that streams to the controller. Each has low priority,
+limited memory and one core.
 """
 
 from __future__ import annotations
@@ -21,17 +21,19 @@ resource.setrlimit(resource.RLIMIT_AS, (most, most))
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 importlib.import_module(sys.argv.pop(1)).main()
 """
-"""First statements of each process: they give it ordinary scheduling, whatever the pendant's is."""
+"""First statements of each process. They give the process ordinary scheduling, even if the pendant has
+real-time scheduling.
+"""
 
 
 def command_of(module: str, arguments: Sequence[str], most_memory: int, nice: int = 10) -> tuple[str, ...]:
     """Return the command that starts a process.
 
     Args:
-        module: whose `main` the process calls.
-        arguments: for `main`, in sys.argv.
-        most_memory: address space [bytes]. A compiler with its libraries takes 1 GiB of it.
-        nice: number by which its priority is lower.
+        module: module with the `main` that the process calls.
+        arguments: arguments for `main`, in sys.argv.
+        most_memory: largest address space [bytes]. A compiler with its libraries takes 1 GiB.
+        nice: number by which the priority of the process is lowered.
     """
     return sys.executable, "-c", _BEGINS, str(nice), str(most_memory), module, *arguments
 
@@ -44,14 +46,15 @@ async def begun(
     folder: Path | None = None,
     handles: Sequence[int] = (),
 ) -> Process:
-    """Start a process. Ctrl-C in a terminal does not reach it, because it is for the pendant.
+    """Start a process. Ctrl-C in a terminal does not reach the process, because Ctrl-C is meant for the
+    pendant.
 
     Args:
-        command: of the process (`command_of`).
+        command: command that starts the process (`command_of`).
         talks: True if the process has an input.
-        limit: longest line of its output [bytes].
-        folder: its working folder; None for the present one.
-        handles: numbers of open files that it inherits.
+        limit: longest line of the process's output [bytes].
+        folder: working folder of the process; None for the present one.
+        handles: numbers of open files that the process inherits.
 
     Raises:
         OSError: the process can't be started.

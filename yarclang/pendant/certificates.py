@@ -1,4 +1,4 @@
-"""Self-signed certificates, for users without a certificate of their own."""
+"""Self-signed TLS certificates, for users without a certificate of their own."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _RENEWED = timedelta(days=30)
 
 
 def self_signed(folder: Path, names: frozenset[str]) -> tuple[Path, Path, str]:
-    """Return a certificate and its key. They are made if they are missing, are for other names, or expire
-    soon.
+    """Return a certificate and its key. New ones are created if they are missing, are for other names, or
+    expire soon.
 
     Args:
-        folder: where they are kept, readable for this system user alone.
+        folder: folder in which they are stored, readable only for the present system user.
         names: names and addresses of this server.
 
     Returns:
-        Both files, and the SHA-256 fingerprint of the certificate, by which users recognise it.
+        Both files, and the SHA-256 fingerprint by which users recognize the certificate.
 
     Raises:
         Trouble: the files can't be written.

@@ -1,4 +1,4 @@
-"""Changes of the project's files by users: their rights, the audit trail, and uploads."""
+"""Changes of the project's files by users: rights, audit trail, and uploads."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ MOST_UPLOADED = 100_000_000
 """Largest file that is uploaded [bytes]."""
 
 _AT_ONCE, _OF_ONE = 4, 2
-"""Uploads at a time, of all sessions and of one."""
+"""Most uploads at the same time: of all sessions, and of one session."""
 _PIECE = 1 << 18
-"""Bytes that are written at a time."""
+"""Size of the pieces in which an upload is written [bytes]."""
 _SILENCE = 20.0
 """Longest time without data in an upload [s]."""
 _START, _SLOWEST = 30.0, 10_000
-"""Longest time of an upload [s], plus one second for each of this many bytes."""
+"""Longest time of an upload: `_START` [s] plus 1 s for each `_SLOWEST` bytes."""
 _MOST_DEEDS = 20_000
 _MOST_HASHED = 200
 _LARGEST_HASHED = 16_000_000
@@ -47,7 +47,7 @@ class Filing:
     """Access to the project's files for users.
 
     Args:
-        accounts: of the pendant.
+        accounts: accounts of the pendant.
         folder: the files.
     """
 
@@ -62,8 +62,8 @@ class Filing:
         """Save a text.
 
         Args:
-            session: of the user.
-            address: from which the request came.
+            session: session of the user.
+            address: address from which the request came.
             file: path in the project.
             text: the new text.
             known: SHA-256 of the version that was edited; None if the file doesn't exist yet.
@@ -94,8 +94,8 @@ class Filing:
         """Change a description of the robot or of its cell. The old version is kept in the trash.
 
         Args:
-            session: of a service user who has entered the PIN lately.
-            address: from which the request came.
+            session: session of a service user who has entered the PIN recently.
+            address: address from which the request came.
             file: path in the project.
             text: the new text.
             known: SHA-256 of the version that was edited.
@@ -115,18 +115,19 @@ class Filing:
     async def upload(
         self, session: Session, address: str, file: str, known: str | None, length: int | None, stream: AsyncIterator[bytes]
     ) -> Written:  # fmt: skip
-        """Write a file while it arrives. An interrupted upload leaves nothing.
+        """Write an uploaded file while it arrives. If the upload is interrupted, nothing is left of it.
 
         Args:
-            session: of the user.
-            address: from which the request came.
+            session: session of the user.
+            address: address from which the request came.
             file: path in the project.
             known: SHA-256 of the version that is replaced; None if the file doesn't exist yet.
             length: announced length [bytes]; None if there is none.
             stream: the content.
 
         Raises:
-            Trouble: the upload is too large or too slow, there are too many, or the file can't be written.
+            Trouble: the upload is too large or too slow, there are too many uploads, or the file can't be
+                written.
         """
         self._accounts.check(session, Role.PROGRAMMER)
         if (length or 0) > MOST_UPLOADED:
@@ -159,7 +160,7 @@ class Filing:
             await asyncio.to_thread(drafting.close)
 
     async def copy(self, session: Session, address: str, file: str, to: str) -> Written:
-        """Copy a file to an unused path (`ProjectFolder.copy`)."""
+        """Copy a file to an unused path. See `ProjectFolder.copy`."""
         read = await asyncio.to_thread(self.folder.sha256, file)
         detail = {"file": to, "from": file, "sha256": read}
 
@@ -173,7 +174,7 @@ class Filing:
         return await self._done(session, address, "copy", detail, copied)
 
     async def rename(self, session: Session, address: str, file: str, to: str) -> None:
-        """Move a file or folder to another path (`ProjectFolder.rename`)."""
+        """Move a file or folder to another path. See `ProjectFolder.rename`."""
         detail = {"file": to, "from": file}
         guarded = self.folder.guarded
         await self._done(
@@ -186,17 +187,17 @@ class Filing:
         )
 
     async def make_folder(self, session: Session, address: str, file: str) -> None:
-        """Make a folder (`ProjectFolder.make_folder`)."""
+        """Create a folder. See `ProjectFolder.make_folder`."""
         await self._done(session, address, "folder", {"file": file}, lambda: self.folder.make_folder(file))
 
     async def delete(self, session: Session, address: str, file: str) -> Deleted:
-        """Move a file or folder to the trash (`ProjectFolder.delete`)."""
+        """Move a file or folder to the trash. See `ProjectFolder.delete`."""
         return await self._done(
             session, address, "delete", {"file": file}, lambda: self.folder.delete(file, session.user)
         )
 
     async def restore(self, session: Session, address: str, number: str) -> str:
-        """Restore a file or folder from the trash (`ProjectFolder.restore`)."""
+        """Restore a file or folder from the trash. See `ProjectFolder.restore`."""
         kept = await asyncio.to_thread(self.folder.trash.kept)
         file = next((one.file for one in kept if one.number == number), "")
 
@@ -218,16 +219,16 @@ class Filing:
         do: Callable[[], T],
         objection: Callable[[], str] | None = None,
     ) -> T:
-        """Write an action to the audit trail, carry it out in a thread, and note if it failed.
+        """Write an action to the audit trail, carry it out in a thread, and record a failure.
 
         Args:
-            session: of the user.
-            address: from which the request came.
+            session: session of the user.
+            address: address from which the request came.
             action: name of the action.
             detail: details for the audit trail; `file` is the path that is changed.
             do: carries the action out.
-            objection: returns why the action is for service users alone (empty if it isn't); None to decide
-                by the path.
+            objection: returns the reason why only service users may do this (empty if others may, too); None
+                to decide by the path.
         """
         self._accounts.check(session, Role.PROGRAMMER)
         self._accounts.used(session)
@@ -242,7 +243,7 @@ class Filing:
                 self._check_service(session, reason)
 
         def checked() -> T:
-            # another request may change what a path leads to
+            # Another request may change the target of a path (a link) in between.
             with self.folder.unchanged():
                 check()
                 return do()
@@ -266,7 +267,7 @@ class Filing:
         """Check that a session may change a description of the robot or its cell.
 
         Raises:
-            NotAllowed: the user has no service role, or the PIN wasn't entered lately.
+            NotAllowed: the user has no service role, or hasn't entered the PIN recently.
         """
         self._accounts.check(session, Role.SERVICE, pin=True)
 
@@ -279,7 +280,7 @@ class Filing:
     # since the last commit
 
     async def changed(self) -> GitState:
-        """Return the changes since the last commit, and who made them."""
+        """Return the changes since the last commit, and the users who made them."""
         async with self._asking:
             try:
                 state = await asyncio.to_thread(self._git.state)
@@ -294,7 +295,7 @@ class Filing:
         return await asyncio.to_thread(self._shown, state, [deed for _, deed in deeds])
 
     async def difference(self, file: str) -> tuple[str, str]:
-        """Return a file's text in the last commit, and its present text (`Git.difference`)."""
+        """Return a file's text in the last commit, and its present text. See `Git.difference`."""
         async with self._asking:
             return await asyncio.to_thread(self._git.difference, file)
 
@@ -319,10 +320,10 @@ class Filing:
 
 
 async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-    """Yield an upload in pieces for the disk.
+    """Yield the data of an upload in pieces that are written at once.
 
     Args:
-        file: its name, for messages.
+        file: name of the file, for messages.
         stream: the received data.
 
     Raises:

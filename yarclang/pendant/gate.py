@@ -1,4 +1,4 @@
-"""Orders of users to their robot: rights, allowed files, and the audit trail."""
+"""Check of the orders of users to their robot: rights, allowed files, and the audit trail."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from yarclang.runtime.actions import Trouble
 R = TypeVar("R", bound=Reply)
 
 _AT_ONCE = (orders.Stop, orders.Hold, orders.Abort)
-"""Orders that are allowed for everybody, and that never wait for a disk or a seat."""
+"""Orders that everybody may give, and that never wait for a disk or a seat."""
 
 _SHARED = (
     orders.AskStatus,
@@ -45,26 +45,26 @@ _SHARED = (
     orders.AskHoming,
     orders.AskSettings,
 )
-"""Orders that need no seat of the session at the coordinator."""
+"""Orders for which a session needs no seat, that is, no client of its own at the coordinator."""
 
 _MOST_FILES = 10_000
 _MOST_CALLED = 1000
 _LONGEST_DETAIL = 500
 _ABSENT = 10.0
-"""Time without a page after which an owner has left the robot, if nothing is running [s]."""
+"""Time without an open page after which an owner gives up the robot, if nothing is running [s]."""
 
 
 class Gate:
     """Gate between users and the coordinator.
 
     Args:
-        accounts: of the pendant.
+        accounts: accounts of the pendant.
         seats: the sessions' clients of the coordinator.
         watched: the robot.
-        files: of the project; orders can't name files outside of it.
+        files: files of the project; orders can't name other files.
         now: a monotonic clock [s].
-        loaded: called after a session has loaded a program, with its number and the order with its files'
-            paths.
+        loaded: called after a session has loaded a program, with the program's number and the order, whose
+            paths are resolved.
     """
 
     def __init__(
@@ -90,9 +90,9 @@ class Gate:
         """Carry an order out.
 
         Args:
-            session: that gives the order.
-            order: to carry out.
-            address: from which the request came.
+            session: session that gives the order.
+            order: order to carry out.
+            address: address from which the request came.
 
         Raises:
             NotAllowed: the order needs another role.
@@ -151,7 +151,7 @@ class Gate:
             raise self._accounts.trouble
 
     def _remember(self, session: Session, order: Order[Any], answer: Reply) -> None:
-        """Remember the meaning of an offer's or a program's number, for the audit trail."""
+        """Remember the meaning of the number of an offer or a program, for the audit trail."""
         if isinstance(answer, Offered) and answer.offer is not None:
             meant = answer.offer.text or answer.offer.title
             self._called[session.id, "go", answer.offer.number] = meant
@@ -161,7 +161,7 @@ class Gate:
             self._called.popitem(last=False)
 
     def meant(self, session: Session, order: Order[Any]) -> str:
-        """Return the text of the audit trail for an order."""
+        """Return the text that describes an order in the audit trail."""
         number = getattr(order, "offer", None) or getattr(order, "program", None)
         meant = self._called.get((session.id, name_of(order), number or 0), "")
         return f"{meant} {_detail(order)}".strip()[:_LONGEST_DETAIL]
@@ -208,10 +208,10 @@ class Gate:
         Args:
             session: the present owner.
             to: id of the other session; empty to release the robot.
-            address: from which the request came.
+            address: address from which the request came.
 
         Raises:
-            Trouble: the session isn't the owner, or the other one has ended.
+            Trouble: the session isn't the owner, or the other session has ended.
         """
         if not to:
             await self.order(session, orders.Release(), address)
@@ -231,11 +231,11 @@ class Gate:
         return bool(name) and name == self._watched.showing.owner
 
     def page_gone(self, session: str) -> None:
-        """Note that the last page of a session has closed."""
+        """Record that the last page of a session has closed."""
         self._gone[session] = self._now()
 
     def page_there(self, session: str) -> None:
-        """Note that a session has an open page."""
+        """Record that a session has an open page."""
         self._gone.pop(session, None)
 
     def _is_absent(self, session: str) -> bool:
@@ -246,15 +246,15 @@ class Gate:
     # files
 
     def programs(self) -> Programs:
-        """Return the programs of the project, except those in hidden folders. Slow for a large folder: call
-        it in a thread.
+        """Return the programs of the project, except those in hidden folders. This is slow for a large
+        folder: call it in a thread.
         """
         found, _ = self._files.programs(_MOST_FILES)
         shown = [ProgramFile(file=one.file, size=one.size, changed=one.changed) for one in found]
         return Programs(folder=str(self.folder), programs=tuple(shown))
 
     def _within(self, order: Order[R]) -> Order[R]:
-        """Return an order with its files' paths resolved in the project."""
+        """Return an order in which the paths of files are resolved in the project."""
         if isinstance(order, orders.Load):
             named = {key: getattr(order, key) for key in ("file", "cell", "source")}
         elif isinstance(order, orders.Save):
@@ -267,8 +267,8 @@ class Gate:
 
 
 def _outcome(made: Reply) -> str:
-    """Return the audit trail's text for the outcome of an order; empty if there is no outcome beyond that it
-    was given.
+    """Return the audit trail's text for the outcome of an order; empty if the order has no outcome of its
+    own.
     """
     match made:
         case Ended(well=well, what=what):
@@ -282,6 +282,6 @@ def _outcome(made: Reply) -> str:
 
 
 def _detail(order: Order[Any]) -> str:
-    """Return the audit trail's text for an order, without the texts of programs."""
+    """Return the audit trail's text for the parameters of an order, without the texts of programs."""
     content = order.model_dump(mode="json", exclude={"order", "text"}, exclude_defaults=True)
     return json.dumps(content, sort_keys=True)[:_LONGEST_DETAIL] if content else ""

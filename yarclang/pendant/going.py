@@ -1,5 +1,5 @@
-"""Hold-to-run of orders that the coordinator carries out: a way to a point, planned and proved to its end, or
-the home search of motors.
+"""Hold-to-run for orders that the coordinator carries out: motions to a point, planned and proved to their
+end, and home searches of motors.
 """
 
 from __future__ import annotations
@@ -23,19 +23,20 @@ Wanted = orders.Go | orders.Home
 class Going:
     """An offer or a home search that runs while a button is held, from its first press to its end.
 
-    The coordinator has a watchdog for it: without `keep` every 0.2 s the robot comes to rest on its path.
+    The coordinator has a watchdog for it: if `keep` isn't called at least every 0.2 s, the robot comes to
+    rest on its path.
 
     Args:
-        order: to carry out.
-        seat: of the session that gives the order.
-        accounts: for the audit trail.
-        deed: makes the audit trail's entry of an order.
+        order: the order to carry out.
+        seat: client of the session that gives the order.
+        accounts: accounts, for the audit trail.
+        deed: creates the audit trail's entry of an order.
         moves: returns True if the robot is executing something.
         ended: called with the reason of the end; empty if the robot has reached the end.
 
     Attributes:
         order: the order.
-        ends: True from when it can't continue: it is over, or about to be.
+        ends: True as soon as it can't continue, because it is over or about to end.
     """
 
     def __init__(
@@ -59,11 +60,11 @@ class Going:
         self._task: asyncio.Task[None] | None = None
 
     def begin(self) -> None:
-        """Begin after the order is in the audit trail."""
+        """Begin, after the order has been written to the audit trail."""
         self._task = asyncio.create_task(self._carried_out())
 
     def keep(self) -> None:
-        """Report that the button is still held."""
+        """Report to the coordinator that the button is still held."""
         if self._asked and self._held:
             self._seat.send(orders.Keep())
 
@@ -74,34 +75,35 @@ class Going:
             held: returns False if the button was released again meanwhile.
 
         Raises:
-            Trouble: it can't continue.
+            Trouble: the motion can't continue.
         """
         order = orders.Resume()
         await self._accounts.did(self._deed(order, ""))
         if self.ends or not held():
             return
-        # no await from here to the orders: a release is handled after them
+        # From here to the orders there must be no await, so that a release of the button is handled after
+        # them.
         self._held = True
         self._seat.send(orders.Keep())
         await self._seat.ask(order)
 
     def rest(self) -> None:
-        """Come to rest on the path after a release."""
+        """Bring the robot to rest on its path after a release."""
         self._held = False
         if self._asked and self._moves() and not self.ends:
             self._seat.send(orders.Hold())
         else:
-            self.stop()  # an order that hasn't begun doesn't begin any more
+            self.stop()  # an order that hasn't begun won't begin
 
     def stop(self) -> None:
-        """End it at the present place on its path."""
+        """End the motion at the present place on its path."""
         self._held = False
         if self._asked and not self.ends:
             self._seat.send(orders.Stop())
         self.ends = True
 
     async def stopped(self, within: float) -> None:
-        """End it, and wait until it is over.
+        """End the motion, and wait until it is over.
 
         Args:
             within: longest wait [s].
@@ -133,12 +135,12 @@ class Going:
 def deed_of(
     user: str, address: str, meant: Callable[[Wanted | orders.Resume], str]
 ) -> Callable[[Wanted | orders.Resume, str], Deed]:
-    """Return a function that makes entries of the audit trail.
+    """Return a function that creates the audit trail's entries for orders of a held button.
 
     Args:
-        user: who holds the button.
-        address: from which the requests come.
-        meant: returns the text of an order.
+        user: user who holds the button.
+        address: address from which the requests come.
+        meant: returns the text that describes an order.
     """
 
     def made(order: Wanted | orders.Resume, outcome: str) -> Deed:

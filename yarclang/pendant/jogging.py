@@ -1,8 +1,9 @@
-"""Hold-to-run: buttons that are pressed in a browser, as requests to a live motion.
+"""Hold-to-run: buttons pressed in a browser become requests to a live motion.
 
-A press moves the robot only while fresh messages arrive: 20 times a second the page sends what is pressed and
-the last heartbeat that it has received. The coordinator's own watchdog ends the motion 0.2 s after the last
-message. A message that is older than `FRESH` heartbeats is out of date and ends the press.
+A press moves the robot only while fresh messages arrive. The page sends 20 messages a second, each with the
+pressed button and the last heartbeat that it has received. The coordinator's own watchdog ends the motion
+0.2 s after the last message. A message whose heartbeat is older than `FRESH` heartbeats is out of date and
+ends the press.
 """
 
 from __future__ import annotations
@@ -34,11 +35,11 @@ BEAT = 0.05
 """Time between two heartbeats [s]."""
 
 FRESH = 5
-"""Heartbeats after which a message is too old."""
+"""Number of heartbeats after which a message is too old."""
 
 SILENCE = 0.2
-"""Time without a message after which a press ends [s]. The coordinator's watchdog ends its motion at the same
-time.
+"""Time without a message after which a press ends [s]. The coordinator's watchdog ends the motion after the
+same time.
 """
 
 TURN = 30.0
@@ -50,7 +51,7 @@ _REST = 1.5
 _LOOKED_EACH = 0.01
 
 _REACHED = 2e-3
-"""A step is done if all joints are nearer to its end than this [deg or mm]."""
+"""A step is complete when every joint is within this distance of its end [deg or mm]."""
 
 Say = Callable[[Message], Awaitable[None]]
 
@@ -59,11 +60,11 @@ class JogLine:
     """Connection of one page for jogs.
 
     Args:
-        session: of the page.
-        address: from which the page is connected.
-        robot: that is jogged.
-        accounts: for the audit trail.
-        gate: checks rights to jog.
+        session: session of the page.
+        address: address from which the page is connected.
+        robot: robot that is jogged.
+        accounts: accounts for the audit trail.
+        gate: checks the right to jog.
         seats: the sessions' clients of the coordinator.
         under_way: returns what the robot is executing; empty if nothing.
         say: sends a message to the page.
@@ -102,7 +103,7 @@ class JogLine:
         self._heard = 0.0
 
     async def run(self) -> None:
-        """Carry out presses until cancelled; then the robot comes to rest."""
+        """Carry out presses until cancelled; then bring the robot to rest."""
         beating = asyncio.create_task(self._beats())
         try:
             while True:
@@ -117,13 +118,13 @@ class JogLine:
             self._end_going()
 
     def take(self, message: Press | LetGo) -> None:
-        """Take a message of the page without waiting."""
+        """Accept a message of the page. Doesn't wait."""
         if isinstance(message, LetGo):
             self.let_go(message.release)
             if message.end:
                 self._end_going()
         elif message.press <= self._ended:
-            pass  # it was sent before the press ended
+            pass  # the message was sent before the press ended
         elif not self._beat - FRESH <= message.beat <= self._beat:
             self._over(
                 message.press,
@@ -168,7 +169,7 @@ class JogLine:
             self._over(press.press, trouble.what, trouble.remedy, trouble.code)
             return
         if press.press <= self._ended:
-            self._rest()  # it was released while the motion began
+            self._rest()  # the button was released while the motion began
             return
         if reply.behind is not None and all(abs(one) < _REACHED for one in reply.behind.values()):
             self._active = 0
@@ -181,11 +182,11 @@ class JogLine:
         await self._say(Jogging(press=press.press, state="moves", why=reply.why, lag_s=reply.lag_s))
 
     def _admit(self, press: Press, order: Order[Any]) -> None:
-        """Let a new press begin.
+        """Check that a new press may begin.
 
         Args:
             press: the press.
-            order: order that the role must allow.
+            order: order for which the user's role must be sufficient.
 
         Raises:
             Trouble: the press isn't allowed.
@@ -199,7 +200,7 @@ class JogLine:
         self._accounts.used(self._session)
 
     async def _go(self, press: Press, order: Wanted) -> None:
-        """Carry out an offer or a home search while a button is pressed."""
+        """Carry out an offer or a home search while its button is pressed."""
         going = self._going
         if press.press == self._active:
             if going is not None:
@@ -207,7 +208,7 @@ class JogLine:
                 await self._say(Jogging(press=press.press, state="moves", why=""))
             return
         self._admit(press, order)
-        goes_on = isinstance(order, orders.Go)  # a search ends when it is released
+        goes_on = isinstance(order, orders.Go)  # a home search ends when its button is released
         if going is not None and goes_on and going.order == order and not going.ends:
             await going.resume(lambda: press.press > self._ended)
         else:
@@ -306,7 +307,7 @@ class JogLine:
         if self._begun:
             self._seat.send(orders.Leave())
         else:
-            self._seat.send(orders.Stop())  # a motion that is about to begin doesn't begin any more
+            self._seat.send(orders.Stop())  # a motion that is about to begin won't begin
 
     def _tell(self, message: Message) -> None:
         async def told() -> None:

@@ -1,4 +1,4 @@
-"""Life of a pendant's process: changed files that need a restart, and a requested end."""
+"""The end of a pendant's process on request, and changed files that require a restart."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from yarclang.runtime.actions import Trouble
 How = Literal["restart", "shut-down"]
 
 _LARGEST = 16_000_000
-"""Size above which a file isn't a description [bytes]."""
+"""Size above which a file can't be a description of a robot or a cell [bytes]."""
 
 
 class Life:
@@ -34,7 +34,7 @@ class Life:
         self._ends = asyncio.Event()
 
     async def may(self, how: How) -> None:
-        """Check that the process may end in a way.
+        """Check that the process may end in the given way.
 
         Raises:
             Trouble: it is ending already, or couldn't be restarted.
@@ -47,7 +47,7 @@ class Life:
                 raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
 
     def end(self, how: How) -> None:
-        """Request the end of the process, after its coordinator is closed and the robot rests."""
+        """Request the end of the process. It ends after its coordinator is closed and the robot rests."""
         self.wanted = how
         self._ends.set()
 
@@ -60,8 +60,8 @@ class Descriptions:
     """Files that the process reads only when it starts.
 
     Args:
-        robot: as it was loaded.
-        folder: of the project.
+        robot: robot as loaded.
+        folder: folder of the project.
     """
 
     def __init__(self, robot: Robot, folder: Path) -> None:
@@ -72,13 +72,13 @@ class Descriptions:
         self._looked: tuple[tuple[int, int] | None, str] = (None, "")
 
     def know(self, cell: str | None) -> None:
-        """Note the cell that all motions respect, when it is first known."""
+        """Record the cell that all motions respect, when it is first known."""
         if cell is not None and Path(cell) not in self._texts:
             self._texts[Path(cell)] = _digest(Path(cell))
 
     def waiting(self) -> tuple[tuple[str, str], ...]:
-        """Return the files that have changed since, each with a text about the change. Slow: call it in a
-        thread.
+        """Return the files that have changed since they were read, each with a text about the change. This is
+        slow: call it in a thread.
         """
         found = [] if not (told := self._of_robot()) else [(self._described.name, told)]
         for path, was in self._texts.items():

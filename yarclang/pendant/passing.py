@@ -1,7 +1,7 @@
-"""Messages that are allowed between a page and its analyst, a language server. No I/O.
+"""Filter for the messages between a page and its analyst, a language server. No I/O.
 
 A page knows the files of the project as `yarc:///folder/name.yarc`. No message of a page is passed on
-unchanged: each is parsed as a type, and rewritten with the URI of the file that the page has open.
+unchanged: each is parsed as a type, and written anew with the URI of the file that the page has open.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MOST_OPEN = 8
 """Most files that a page may have open."""
 
 MOST_ASKED = 64
-"""Most requests of a page that wait for their answers."""
+"""Most requests of a page that may be waiting for a reply."""
 
 _LARGEST = 1 << 30
 _SUFFIX = ".yarc"
@@ -35,19 +35,19 @@ Id = Annotated[int, Field(ge=0, le=_LARGEST)]
 
 
 class Named(Message):
-    """A file."""
+    """Parameter that names a file (LSP TextDocumentIdentifier)."""
 
     uri: Uri
 
 
 class Versioned(Named):
-    """A file's version."""
+    """Parameter that names a file and its version."""
 
     version: Count
 
 
 class Opened(Versioned):
-    """A file with its text."""
+    """Parameter that contains a file with its text."""
 
     text: Text
 
@@ -60,52 +60,54 @@ class Position(Message):
 
 
 class Range(Message):
-    """A stretch of a text."""
+    """A range of a text."""
 
     start: Position
     end: Position
 
 
 class Change(Message):
-    """A stretch gets another text."""
+    """Replacement of a range of a text."""
 
     range: Range
     text: Text
 
 
 class Open(Message):
-    """A file is opened."""
+    """Parameters of a notification that a file was opened."""
 
     textDocument: Opened  # noqa: N815 - the protocol's
 
 
 class Edited(Message):
-    """A text has changed; each change counts from the one before."""
+    """Parameters of a notification that a text has changed. Each change refers to the text after the
+    previous one.
+    """
 
     textDocument: Versioned  # noqa: N815 - the protocol's
     contentChanges: Annotated[tuple[Change, ...], Field(max_length=20_000)]  # noqa: N815 - the protocol's
 
 
 class Whole(Message):
-    """Something about a whole text."""
+    """Parameters of a request about a whole text."""
 
     textDocument: Named  # noqa: N815 - the protocol's
 
 
 class Place(Whole):
-    """Something about a place."""
+    """Parameters of a request about a place in a text."""
 
     position: Position
 
 
 class Stretch(Whole):
-    """Something about a stretch."""
+    """Parameters of a request about a range of a text."""
 
     range: Range
 
 
 class Cancelled(Message):
-    """A request isn't wanted any more."""
+    """Parameters of a notification that a request is cancelled."""
 
     id: Id
 
@@ -143,7 +145,7 @@ REQUESTS: Mapping[str, type[Message]] = {
     "textDocument/semanticTokens/full": Whole,
     "textDocument/semanticTokens/range": Stretch,
 }
-"""Requests that pages may send, with their parameters."""
+"""Requests that pages may send, with the types of their parameters."""
 
 NOTIFICATIONS: Mapping[str, type[Message]] = {
     "initialized": Nothing,
@@ -152,7 +154,7 @@ NOTIFICATIONS: Mapping[str, type[Message]] = {
     "textDocument/didClose": Whole,
     "$/cancelRequest": Cancelled,
 }
-"""Notifications that pages may send, with their parameters."""
+"""Notifications that pages may send, with the types of their parameters."""
 
 _TYPES: dict[str, type[_Said[Any]]] = {
     **{name: _Asked[kind] for name, kind in REQUESTS.items()},  # type: ignore[valid-type]
@@ -176,7 +178,7 @@ class Passing:
     """Filter for the messages between a page and its analyst.
 
     Args:
-        folder: of the project.
+        folder: folder of the project.
         inside: returns the path of a file of the project, or raises `Trouble`.
     """
 
@@ -187,18 +189,18 @@ class Passing:
         self._asked: dict[int, str] = {}
 
     def again(self) -> None:
-        """Forget all state, for a new analyst."""
+        """Forget all state, because the analyst has been restarted."""
         self._files.clear()
         self._asked.clear()
 
-    # from the page
+    # messages from the page
 
     def to_analyst(self, text: str) -> dict[str, Any]:
         """Return the analyst's form of a page's message. Reads the folder if a file is opened.
 
         Raises:
             Malformed: pages may not send this message.
-            Trouble: it opens a file that isn't a program of the project.
+            Trouble: the message opens a file that isn't a program of the project.
         """
         name = read(text, _Method).method if text else ""  # type: ignore[type-var]  # reads any model
         if name not in _TYPES:
@@ -265,10 +267,10 @@ class Passing:
                 return place
         raise Malformed(f"{uri[:80]!r} isn't open", "open it first", "")
 
-    # from the analyst
+    # messages from the analyst
 
     def to_page(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return the page's form of an analyst's message; None if it isn't for pages."""
+        """Return the page's form of an analyst's message; None if the message isn't meant for pages."""
         if "method" in message:
             if message["method"] == "textDocument/publishDiagnostics" and "id" not in message:
                 return self._findings(message["params"])
@@ -289,9 +291,7 @@ class Passing:
         return made | {"result": result}
 
     def reply(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return the answer to an analyst's own request, which is an error; None if the message is no
-        request.
-        """
+        """Return an error as the reply to a request of the analyst; None if the message is no request."""
         if "method" not in message or "id" not in message:
             return None
         return {"jsonrpc": "2.0", "id": message["id"], "error": {"code": _NOT_FOUND, "message": "not here"}}
@@ -327,7 +327,9 @@ class Passing:
         }
 
     def _short(self, text: str) -> str:
-        """Return a text with the paths of the project's files as the page knows them."""
+        """Return a text in which the paths of the project's files are replaced by the page's names for
+        them.
+        """
         return text.replace(f"{self._folder}/", "")
 
 

@@ -1,4 +1,4 @@
-"""A tool's mass as a change of robot.toml, and its effect on joint torques. All functions read files or
+"""Change of a tool's mass in robot.toml, and its effect on joint torques. All functions read files or
 compute: call them in a thread.
 """
 
@@ -30,20 +30,20 @@ from yarclang.toml.changes import ChangeError, with_table, with_value, without
 from yarclang.toml.reading import parse_toml, read_text
 
 _EACH, _MOST_INSTANTS = 16, 40_000
-"""Most instants that are examined of a motion, and of a whole program."""
+"""Most instants that are examined for a motion, and for a whole program."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """The robot.toml of the running robot, as it is on the disk now.
+    """The robot.toml of the running robot, in its present version on the disk.
 
     Attributes:
-        file: its path in the project, or the absolute path.
-        folder: that holds it.
-        text: its content.
-        sha256: of the file.
-        outside: why it can't be changed here; empty if it can.
-        remedy: what to do in that case.
+        file: path in the project, or absolute path.
+        folder: folder that contains the file.
+        text: content of the file.
+        sha256: SHA-256 of the file.
+        outside: reason why the file can't be changed here; empty if it can be.
+        remedy: what to do if it can't be changed here.
     """
 
     file: str
@@ -55,12 +55,12 @@ class RobotFile:
 
     @property
     def why_not(self) -> str:
-        """Reason and remedy if it can't be changed here, in one sentence; empty if it can."""
+        """Reason why the file can't be changed here, with the remedy, in one sentence; empty if it can be."""
         return f"{self.outside}: {self.remedy}" if self.outside else ""
 
     @property
     def source(self) -> SourceFile:
-        """The text as a source named after the file."""
+        """Content of the file as a source with its name."""
         return SourceFile(self.file, self.text)
 
     @property
@@ -77,7 +77,7 @@ class RobotFile:
         return data
 
     def read(self) -> Result[Robot]:
-        """Return the robot that the file describes."""
+        """Return the robot that the text of the file describes."""
         return read_robot(self.source, self.folder)
 
 
@@ -114,14 +114,14 @@ def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def with_payload(file: RobotFile, payload: said.Payload) -> str:
-    """Return the text of robot.toml with a tool's new payload. Unchanged numbers stay as they are written.
+    """Return the text of robot.toml with a tool's new payload. Numbers that stay equal keep their spelling.
 
     Args:
         file: robot.toml.
         payload: new payload of the tool.
 
     Raises:
-        Trouble: the file has no such tool and can't get one, or its form can't be changed.
+        Trouble: the tool isn't in the file and can't be added, or its table has a form that can't be changed.
     """
     tables = tables_of(file.data)
     named = {name.upper(): name for name in tables}
@@ -146,7 +146,7 @@ def with_payload(file: RobotFile, payload: said.Payload) -> str:
 
 
 def _changed(file: RobotFile, name: str, table: dict[str, Any], wanted: dict[str, object]) -> str:
-    """Return the text with a new mass, centre and inertia of an existing tool."""
+    """Return the text with a new mass, center of mass and inertia of an existing tool."""
     text = file.text
     for key in ("mass", "center_of_mass", "inertia"):
         path, source = ("tools", name, key), SourceFile(file.file, text)
@@ -166,7 +166,7 @@ def _numbers(value: object) -> Sequence[float]:
 
 
 def joints_of(robot: Robot) -> tuple[said.JointEffort, ...]:
-    """Return the joints with their efforts."""
+    """Return the joints with the largest torques of their motors."""
     efforts = np.full(robot.size, np.inf) if robot.dynamics is None else robot.dynamics.effort
     return tuple(
         said.JointEffort(
@@ -185,9 +185,9 @@ def torques_of(
 
     Args:
         robot: the running robot.
-        other: the robot with the payload, as its changed file describes it.
+        other: the robot with the payload, read from the changed file.
         here: (n,) present joint positions [rad or m]; None if unknown.
-        plan: of a program; None to examine no program.
+        plan: plan of a program; None to examine no program.
     """
     now, then = robot.dynamics, other.dynamics
     if now is None or then is None or robot.joint_names != other.joint_names:
@@ -206,7 +206,7 @@ def torques_of(
 
 
 def _of_program(robot: Robot, loads: tuple[Dynamics, Dynamics], plan: MotionPlan) -> said.Torques:
-    """Return the largest torques of a program over all of its branches."""
+    """Return the largest torques over all branches of a program."""
     each = max(2, min(_EACH, _MOST_INSTANTS // len(plan.motions)))
     rows = [one.curve.sample(np.linspace(0.0, one.curve.duration, each)) for one in plan.motions]
     q, v, a = (np.concatenate([row[part] for row in rows]) for part in range(3))
@@ -239,9 +239,9 @@ def proposed(
     Args:
         robot: the running robot.
         project: the project's folder, whose files can be changed.
-        payload: as entered.
+        payload: payload as entered.
         here: (n,) present joint positions [rad or m]; None if unknown.
-        plan: of a program; None to examine no program.
+        plan: plan of a program; None to examine no program.
 
     Raises:
         Trouble: robot.toml can't be read, or can't be changed in this way.
@@ -269,11 +269,11 @@ def proposed(
 
 
 def differs(robot: Robot, read: Result[Robot]) -> bool:
-    """Return True if a file describes another robot than the running one."""
+    """Return True if the file describes a robot that differs from the running one."""
     if read.value is None:
         return True
     theirs, ours = read.value.dynamics, robot.dynamics
     if theirs is None or ours is None:
         return read.value.fingerprint != robot.fingerprint
-    # masses that aren't checked yet aren't in the fingerprint
+    # The fingerprint doesn't contain masses of bodies for which torques aren't checked yet.
     return read.value.fingerprint != robot.fingerprint or not np.array_equal(theirs.effort, ours.effort)

@@ -1,4 +1,6 @@
-"""Conversion of presses to requests to a live motion: velocities of joints or of a frame, and steps."""
+"""Conversion of button presses to requests to a live motion: velocities of joints or of a frame, and
+steps.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +21,17 @@ class Pressed:
     """Converter of presses for one robot.
 
     Args:
-        robot: that is jogged.
+        robot: robot that is jogged.
     """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
 
     async def of(self, press: Press, seat: Attached) -> wants.Want:
-        """Return the request of a press for velocities.
+        """Return the live motion's request for a press that asks for velocities.
 
         Raises:
-            Trouble: the press asks for no velocity, or names an unknown joint or frame.
+            Trouble: the press contains no velocity, or names an unknown joint or frame.
         """
         if press.velocity is not None:
             return wants.MoveJoints(velocity=press.velocity)
@@ -54,7 +56,7 @@ class Pressed:
         raise Trouble(f"there is no frame {name[:40]!r}", "choose one of the list", "")
 
     async def step(self, press: Press, step: Step, seat: Attached) -> wants.Want:
-        """Return the end of a step from the robot's present position."""
+        """Return the goal of a step from the robot's present position."""
         here = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
         names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
         if (number := names.get(step.axis.upper())) is not None:
@@ -84,6 +86,7 @@ def _same(one: str, other: str) -> bool:
 def _about(axis: Array, angle: float) -> Array:
     """Return the rotation (3, 3) about a unit vector (3,) by an angle [rad]."""
     x, y, z = axis
+    # Rodrigues' formula.
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn: Array = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
     return turn

@@ -1,5 +1,5 @@
-"""The sessions' clients of the coordinator ("seats"): each session that gives orders is a client of its own,
-known by its user's name.
+"""Seats: the sessions' clients of the coordinator. Each session that gives orders is a client of its own,
+named after its user.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from yarclang.pendant.accounts.sessions import Session
 from yarclang.runtime.actions import Trouble
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Function that makes a client of the coordinator from its name for others."""
+"""Function that attaches a new client to the coordinator. Its argument is the name that other clients see."""
 
 
 class Seats:
     """All seats.
 
     Args:
-        attach: makes clients of the coordinator.
+        attach: attaches new clients to the coordinator.
 
     Attributes:
-        jogging: the connection that jogs, by the session's id. A second page of the session would change the
-            motion that the first one began.
+        jogging: the connection that jogs, by the session's id. It excludes a second page of the same session,
+            which would otherwise change the motion of the first page.
     """
 
     def __init__(self, attach: Attach) -> None:
@@ -34,7 +34,7 @@ class Seats:
         self._leaving: set[asyncio.Task[None]] = set()
 
     async def of(self, session: Session) -> Attached:
-        """Return the seat of a session, made with its first order.
+        """Return the seat of a session. It is created when the session gives its first order.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -51,12 +51,12 @@ class Seats:
         return self._seats.get(session.id)
 
     def name(self, session: Session) -> str:
-        """Return the coordinator's name of a session; empty if it has no seat."""
+        """Return the name of a session at the coordinator; empty if the session has no seat."""
         seat = self._seats.get(session.id)
         return "" if seat is None else seat.welcome.name
 
     def session_called(self, client: str | None) -> str:
-        """Return the id of the session that the coordinator knows by a name; empty if there is none."""
+        """Return the id of the session that has a given name at the coordinator; empty if there is none."""
         return next((id_ for id_, seat in self._seats.items() if seat.welcome.name == client), "")
 
     def leave(self, id_: str) -> None:

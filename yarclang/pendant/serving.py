@@ -1,4 +1,4 @@
-"""The pendant's server: a port and TLS, in one event loop with the coordinator."""
+"""The pendant's server: a port with TLS, in the same event loop as the coordinator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LAST = 2
 """Time for connections to end when the server ends [s]."""
 
 _QUIET = 5
-"""Longest time between two requests of one connection [s]."""
+"""Longest pause between two requests of a connection [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class Place:
 
     Attributes:
         host: address or name.
-        port: 0 for any free port.
+        port: number of the port; 0 for any free port.
         names: further names of the server.
         certificate: file for TLS; None without TLS.
         key: file for TLS; None without TLS.
@@ -57,20 +57,20 @@ async def served(
     logs: Path | None = None,
     life: Life | None = None,
 ) -> AsyncIterator[tuple[str, str]]:
-    """Serve a pendant as long as the context lasts.
+    """Serve a pendant until the context ends.
 
     Args:
-        robot: of the pendant.
-        attach: makes clients of its coordinator.
-        folder: of the project.
+        robot: robot of the pendant.
+        attach: attaches new clients to its coordinator.
+        folder: folder of the project.
         database: the file of users, sessions and audit trail.
-        place: at which to listen.
+        place: place at which to listen.
         logs: folder or file for logs of motions; None if unknown.
-        life: of this process; None if it can't be ended from the pendant.
+        life: end of this process on request; None if the process can't be ended from the pendant.
 
     Yields:
-        The address of its pages, and the token of the one-time link for the first user; empty if there is a
-        user.
+        The address of the pages, and the token of the one-time link for the first user; the token is empty if
+        there is a user.
 
     Raises:
         Trouble: the port is taken, a file can't be used, or the coordinator can't be reached.

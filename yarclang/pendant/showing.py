@@ -1,4 +1,4 @@
-"""Content of the display that is always on the screen, from the coordinator's messages. No I/O."""
+"""State of the display that is always on the screen, built from the coordinator's messages. No I/O."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Showing:
         connected: True if the coordinator is connected.
         alarm: returns the most important alarm.
         scene: version of the drawn scene; empty before the first.
-        touching: bodies that are too near to others.
+        touching: bodies that are too near to another one.
         stopped_by: bodies and zones that have stopped the last live motion.
     """
 
@@ -77,7 +77,7 @@ class Showing:
 
     @property
     def why(self) -> str:
-        """Reason of the state; empty if unknown."""
+        """Reason for the state; empty if unknown."""
         return self._why
 
     @property
@@ -86,18 +86,18 @@ class Showing:
         return self._health
 
     def runs(self, file: str) -> None:
-        """Note the file of the project that is run next."""
+        """Remember the file of the project that is run next."""
         self._file = (file.rpartition("/")[2], file)
 
     def file_of(self, program: str) -> str:
-        """Return the file in the project of a program's name; empty if that program wasn't the last to be run
-        here.
+        """Return the file in the project for a program's name; empty if this program wasn't the last to be
+        run at this pendant.
         """
         name, file = self._file
         return file if program and name == program else ""
 
     def welcome(self, status: replies.Status) -> None:
-        """Take the status that the coordinator sends to a new client."""
+        """Store the status that the coordinator sends to a new client."""
         self.connected = True
         self._state, self._why, self._asks = status.state, status.why, status.asks
         self._owner = status.owner
@@ -111,16 +111,16 @@ class Showing:
         self._joints = tuple(one.position for one in status.joints)
 
     def lost(self) -> None:
-        """Note that the coordinator is disconnected, and forget the state of the motors."""
+        """Store that the coordinator is disconnected, and forget the state of the motors."""
         self.connected = False
         self._health = None
 
     def health(self, health: replies.Health) -> None:
-        """Take a message on the motors' health."""
+        """Store a message about the motors' health."""
         self._health = health
 
     def take(self, event: events.BaseEvent) -> None:
-        """Take an event of the coordinator."""
+        """Update the state from an event of the coordinator."""
         match event:
             case events.StateChanged(state=state, why=why, asks=asks):
                 self._state, self._why, self._asks = state, why, asks
@@ -151,7 +151,7 @@ class Showing:
         """Return the present display.
 
         Args:
-            audit: why the audit trail can't be written; empty if it can.
+            audit: reason why the audit trail can't be written; empty if it can be.
         """
         motors = () if self._health is None else self._health.motors
         flange, links = self._places()
@@ -195,8 +195,8 @@ class Showing:
         return "jog" if self._under_way == JOG else "program"
 
     def _places(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return base_from_flange (16,) and the links' placements (7 n,), computed once for each position of
-        the robot.
+        """Return base_from_flange (16,) and the links' placements (7 n,). They are cached for the robot's
+        position.
         """
         if self._placed is not None and self._placed[0] == self._joints:
             return self._placed[1:]

@@ -1,5 +1,5 @@
-"""Inputs and outputs: requested once for all pages, with the data of the cell's file and the reports of
-runs.
+"""Values of inputs and outputs, with the data of the cell's file and the reports of runs. They are requested
+once for all pages.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from yarclang.source import SourceFile
 from yarclang.toml.places import Places, find_places
 
 _AGE, _SIMULATED_AGE = 0.4, 0.1
-"""Age of values below which they aren't requested again [s], for a real robot and for one that is simulated
-here.
+"""Age of values up to which they are used again without a request [s]: for a real robot, and for a robot that
+is simulated in this process.
 """
 _SHARE = 4.0
-"""Requests to a real controller take at most one part in this many of the time, because jogs use the same
+"""Requests to a real controller take at most 1 / `_SHARE` of the time, because jogs use the same
 connection.
 """
 _LONGEST = 160
@@ -35,14 +35,14 @@ _LONGEST = 160
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _CellFile:
-    """A cell as it was read.
+    """A cell's file after reading.
 
     Attributes:
-        path: of its file; None without a cell.
-        stamp: of the file's version.
+        path: path of its file; None without a cell.
+        stamp: stamp of the file's version.
         cell: the cell; None if there is none.
-        trouble: why there is no cell.
-        comments: of inputs and outputs, by table and name.
+        trouble: reason why the cell can't be read.
+        comments: comments of inputs and outputs, by table and name.
     """
 
     path: str | None
@@ -54,13 +54,13 @@ class _CellFile:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """The last answer about inputs and outputs.
+    """The last reply about inputs and outputs.
 
     Attributes:
-        told: the coordinator's answer.
+        told: the coordinator's reply.
         held: parts that grippers hold.
         shown: the message for pages.
-        until: time until which it is recent enough [s].
+        until: time until which the reply may be used [s].
     """
 
     told: Surroundings
@@ -87,12 +87,12 @@ class Signals:
         self._wait: tuple[events.WaitBegan, float] | None = None
 
     async def watch(self, _: Attached) -> None:
-        """Forget the state of an earlier coordinator."""
+        """Forget the state of the previous coordinator."""
         self._seen, self._wait = None, None
         self._heard.clear()
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take a run's event on inputs and outputs."""
+        """Store values that an event of a run reports."""
         match event:
             case events.Began() | events.Finished():
                 self._wait = None
@@ -113,7 +113,8 @@ class Signals:
             self._seen = None
 
     async def cell(self, attached: Attached) -> Cell | None:
-        """Return the cell around the robot from its file; None if there is none, or it can't be read.
+        """Return the cell around the robot from its file; None if there is no cell, or its file can't be
+        read.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -167,7 +168,7 @@ class Signals:
         )
 
     async def _look(self, attached: Attached) -> _Seen:
-        """Return the present state, requested once for all pages."""
+        """Return the present state. It is requested once for all pages."""
         async with self._asking:
             if self._seen is not None and self._now() < self._seen.until:
                 return self._seen
@@ -182,8 +183,8 @@ class Signals:
             return self._seen
 
     def _read(self, path: str | None) -> _CellFile:
-        """Return the cell's file. The coordinator names no file that can't be read; then the problem with the
-        last file is reported.
+        """Return the content of the cell's file. If the file can't be read, the coordinator doesn't name it;
+        the error of the last known file is reported then.
         """
         if path is not None or self._file.path is None:
             return read_cell_file(path, self._robot, self._file)
@@ -192,7 +193,7 @@ class Signals:
 
 
 async def _held(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
-    """Return the grippers that hold something."""
+    """Return the grippers that hold a part."""
     if cell is None or not cell.parts or not cell.grips:
         return ()
     try:
@@ -207,11 +208,11 @@ async def _held(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
 
 
 def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFile:
-    """Return the content of a cell's file, which is read again only after a change. Call it in a thread.
+    """Read a cell's file, unless it hasn't changed since `before`. Call this in a thread.
 
     Args:
-        path: of the file; None without a cell.
-        robot: of the cell, for its joint values.
+        path: path of the file; None without a cell.
+        robot: robot of the cell, for its joint values.
         before: the content that was read last.
     """
     if path is None:
@@ -233,8 +234,8 @@ def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFi
 
 
 def comments_of(source: SourceFile) -> dict[tuple[str, str], str]:
-    """Return the comments of inputs and outputs in a cell's file, by table and name in upper case: the
-    comment at the end of the line, otherwise in the line above.
+    """Return the comments on inputs and outputs in a cell's file, by table and name in upper case: the
+    comment at the end of the line, otherwise the comment in the line above.
     """
     places, lines = find_places(source), source.lines
     found = {}

@@ -1,4 +1,6 @@
-"""Position of the robot at rest, for results that are written down: held by motors that are referenced."""
+"""Position of the robot at rest, for results that are stored. All motors must be referenced and hold the
+position.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +15,11 @@ from yarclang.runtime.actions import Trouble
 
 
 async def stands(watched: Watched, motors: Collection[int] | None = None) -> Array:
-    """Return the robot's joint positions (n,) at rest [rad or m].
+    """Return the robot's joint positions (n,) [rad or m]. Check that the robot rests.
 
     Args:
         watched: the robot.
-        motors: numbers of the motors that have to be referenced; None for all of them.
+        motors: numbers of the motors that must be referenced; None for all motors.
 
     Raises:
         Trouble: the robot moves, isn't referenced, isn't enabled, or isn't connected.

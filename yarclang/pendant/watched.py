@@ -1,5 +1,5 @@
-"""The robot as all pages of a pendant see it: one client of the coordinator listens for all of them, and each
-message is formatted once.
+"""The robot as shown on all pages of a pendant. One client of the coordinator listens for all pages, and each
+message is formatted only once.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ EACH = 0.05
 
 _HEALTH_EACH = 0.5
 _BEATS = 10
-"""Displays between two heartbeats, by which a page knows that this server is running."""
+"""Number of displays between two heartbeats. By the heartbeat a page knows that this server is running."""
 
 _AGAIN = 1.0
 """Time between two attempts to reach the coordinator [s]."""
 
 _MOST = 64
-"""Texts that wait for a page; beyond it, the oldest is dropped."""
+"""Most texts that wait for a page. If there are more, the oldest is dropped."""
 
 
 class Page:
-    """Queue of a connected page: the newest display, and texts in order."""
+    """Queue of a connected page: the newest display, and texts in their order."""
 
     def __init__(self, session: str) -> None:
         self.session = session
@@ -41,7 +41,7 @@ class Page:
         self._arrived = asyncio.Event()
 
     def show(self, display: str) -> None:
-        """Queue a display, in place of one that wasn't sent yet."""
+        """Queue a display. It replaces a display that wasn't sent yet."""
         self._display = display
         self._arrived.set()
 
@@ -68,12 +68,12 @@ class Watched:
 
     Args:
         robot: the robot.
-        attach: makes clients of the coordinator.
-        seats: the sessions' clients of the coordinator, which end with it.
-        audit: returns why the audit trail can't be written; empty if it can.
+        attach: attaches new clients to the coordinator.
+        seats: the sessions' clients of the coordinator. They end when the coordinator is disconnected.
+        audit: returns the reason why the audit trail can't be written; empty if it can be.
 
     Attributes:
-        showing: the state on all screens.
+        showing: the state that all pages display.
     """
 
     def __init__(self, robot: Robot, attach: Attach, seats: Seats, audit: Callable[[], str]) -> None:
@@ -97,7 +97,8 @@ class Watched:
         """Register a further listener.
 
         Args:
-            work: runs while the coordinator is connected, until it is cancelled.
+            work: coroutine that runs while the coordinator is connected, and is cancelled when the connection
+                ends.
             hear: called with each event.
             lost: called when the coordinator can't be reached.
         """
@@ -132,7 +133,7 @@ class Watched:
         return sum(page.session == session for page in self._pages)
 
     def join(self, page: Page) -> None:
-        """Begin to send all messages to a page."""
+        """Start sending all messages to a page."""
         self._pages.add(page)
         page.show(self._shown or self._written())
 
@@ -141,14 +142,14 @@ class Watched:
         self._pages.discard(page)
 
     def notice(self, notice: Notice, session: str = "") -> None:
-        """Send a notice to the pages of a session; empty for all pages."""
+        """Send a notice to the pages of a session, or to all pages if the session is empty."""
         text = notice.model_dump_json()
         for page in self._pages:
             if not session or page.session == session:
                 page.tell(text)
 
     async def run(self) -> None:
-        """Listen until cancelled, and reconnect to a coordinator that was lost."""
+        """Listen until cancelled. Reconnect if the connection to the coordinator is lost."""
         telling = asyncio.create_task(self._tell())
         try:
             while True:

@@ -1,1 +1,3 @@
-"""The whole way from text to certified text: the only package that knows all stages."""
+"""All stages from program text to certified controller text. This is the only package that knows all of
+them.
+"""

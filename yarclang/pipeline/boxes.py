@@ -1,4 +1,8 @@
-"""The boxes of OFFSETs, tried before a program runs: corners, middles of edges, and a grid."""
+"""Try the OFFSETs of a program before it runs, by planning them at sample values of their registers.
+
+The ranges of an OFFSET's registers form a box. The samples are all combinations of the smallest, middle and
+largest value of each register.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +19,14 @@ from yarclang.pipeline.stages import Request
 from yarclang.progress import each
 
 MOST_TRIED = 400
-"""Most places that are tried for one program."""
+"""Largest number of places that are tried for one program."""
 
 _HELP = "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a smaller range of the registers, or another way in, lets all of the box be carried out"
 
 
 @dataclass(slots=True)
 class _Told:
-    """Findings about the OFFSETs of one line: in a loop there are several."""
+    """Findings about all OFFSETs that one line makes; a line in a loop makes several."""
 
     origin: Origin
     tried: int = 0
@@ -30,7 +34,7 @@ class _Told:
 
 
 def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
-    """Yield a finding for each OFFSET that can't be carried out everywhere in the box of its registers.
+    """Yield a finding for each OFFSET that can't be carried out for all tried values of its registers.
 
     Args:
         plan: the program.
@@ -44,7 +48,7 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
             first = next((n for n, motion in enumerate(plan.motions) if motion.step > at), None)
             if first is not None:
                 boxes.append((step, step.offset, first, places_of(step.offset, plan.program)))
-    # the corners of all boxes come first
+    # try the corners of all boxes first
     wanted = [(place, number) for number, (*_, places) in enumerate(boxes) for place in enumerate(places)]
     wanted.sort(key=lambda one: (not _is_corner(boxes[one[1]], one[0][1]), one[1], one[0][0]))
     told: dict[tuple[object, object], _Told] = {}
@@ -72,8 +76,8 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
 
 
 def places_of(offset: Offset, program: Program) -> list[tuple[int, ...]]:
-    """Return the corners of the box, the middles between them, and those between these, as values of
-    `SHIFTS`.
+    """Return the places to try, as values of `SHIFTS`: all combinations of the smallest, middle and largest
+    value of each register.
     """
     ranges = {one.name: (one.low, one.high) for one in program.registers}
     axes: list[Sequence[int]] = []

@@ -1,4 +1,6 @@
-"""Findings in modules, moved to the line of the program with the call: people can change that line."""
+"""Move findings in modules to the line of the program that calls the module, since users can change this
+line.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,12 @@ Load = Callable[[str], Result[Module]]
 def at_callers(
     diagnostics: Iterable[Diagnostic], program: Module, load: Load | None
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings; those in modules are moved to the CALL that leads from the program's file into the
+    """Return the findings; those in modules are moved to the CALL by which the program's file calls the
     module.
 
-    `within` then has the original place. Findings of an installed module without a CALL are moved to its USE.
-    A module beside the program keeps findings that no CALL leads to. A fix of a module's text stays with the
-    module's line: it is no edit of the program.
+    The original place is then in `within`. Findings of an installed module that no CALL reaches are moved to
+    its USE. A module beside the program keeps such findings. A fix of a module's text stays with the module's
+    line, since it is no edit of the program.
 
     Args:
         diagnostics: findings.
@@ -45,8 +47,8 @@ def at_callers(
 
 
 def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None:
-    """Return the line of a program that leads to a command of a module, and the module's line; None for the
-    program's own commands.
+    """Return the line of a program that calls a command of a module, and the module's line; None for commands
+    of the program itself.
     """
     source = origin.source
     tree = parse(program).value
@@ -57,10 +59,10 @@ def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None
 
 
 def uncalled_lines(program: Module) -> frozenset[int]:
-    """Return the lines of SUBs that nothing in their own file leads to, as in a module that is checked by
+    """Return the lines of SUBs that nothing in their own file calls, as in a module that is checked by
     itself.
 
-    Other files decide if findings in these lines matter.
+    Whether findings in these lines matter depends on the files that use the module.
     """
     nodes = arrange(program).value or ()
     subs = {name: one for one in nodes if isinstance(one, Block) and (name := _sub_name(one))}
@@ -103,7 +105,7 @@ def _at_caller(one: Diagnostic, program: Module, calls: _Calls) -> Diagnostic:
 
 
 def _called_span(statement: Statement) -> Span:
-    """Return the span of a CALL or USE and the name after it."""
+    """Return the span of a CALL or USE together with the name after it."""
     span, values = statement.head_span, values_of(statement)
     if not values or values[0].place.row:
         return span
@@ -111,7 +113,9 @@ def _called_span(statement: Statement) -> Span:
 
 
 class _Calls:
-    """Calls of a program and its modules, by their places. Texts are arranged in blocks on first use."""
+    """Calls of a program and its modules, by their places. The texts are split into blocks when they are
+    first used.
+    """
 
     def __init__(self, program: Module, load: Load | None) -> None:
         self._program = program
@@ -119,8 +123,8 @@ class _Calls:
         self._nodes: dict[str, tuple[Node, ...]] = {}
 
     def leading_to(self, place: str) -> tuple[Statement | None, tuple[str, ...]]:
-        """Return the last CALL in the program's file that leads to a place, and the names of all SUBs from
-        there on.
+        """Return the last CALL in the program's file by which a place is reached, and the names of all SUBs
+        from this CALL to the place.
         """
         module, nodes = "", self._of("")
         caller: Statement | None = None
@@ -140,15 +144,15 @@ class _Calls:
         return (caller if module else None), tuple(through)
 
     def use_of(self, module: str) -> Statement | None:
-        """Return the USE line of the program that reads a module."""
+        """Return the USE line by which the program loads a module."""
         return next(
             (one for one in self._program.statements if one.name.name == "USE" and _called(one) == module),
             None,
         )
 
     def _of(self, module: str) -> tuple[Node, ...]:
-        """Return the text of a module in blocks; the program's module name is empty. Returns nothing if it
-        can't be read.
+        """Return the blocks of a module's text; empty if the module can't be read. The program itself has
+        an empty name.
         """
         if module not in self._nodes:
             tree = self._program
@@ -162,7 +166,7 @@ class _Calls:
 
 
 def _called(statement: Statement | None) -> str:
-    """Return the name after CALL or USE, in upper case; empty for another line."""
+    """Return the name after CALL or USE, in upper case; empty for other lines."""
     if statement is None or statement.name.name not in ("CALL", "USE"):
         return ""
     values = values_of(statement)

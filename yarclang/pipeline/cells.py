@@ -1,4 +1,4 @@
-"""Locations of cells: the path of a CELL line is relative to its file, the path in yarc.toml to
+"""Find cells: the path of a CELL line is relative to its file, and the path in yarc.toml is relative to
 its folder.
 """
 
@@ -30,9 +30,9 @@ SUFFIX = ".toml"
 
 
 class CellLoader:
-    """Reads the cells of a program: those of its CELL lines, and the given one.
+    """Reads the cells of a program: those of its CELL lines, and the given cell.
 
-    The same file gives the same result for any path that leads to it.
+    All paths to the same file give the same result.
 
     Args:
         folder: folder of the program.
@@ -89,15 +89,15 @@ class CellLoader:
         return all(stamp_of((path,)) == stamp for path, stamp in self._stamps.items())
 
     def given(self, project: Project, named: str | None) -> Result[GivenCell]:
-        """Read the cell that a program respects even without a CELL line.
+        """Read the cell that applies to a program even if it has no CELL line.
 
         Args:
             project: project whose `cell` is used if `named` is None.
             named: cell of the command line; None: not given.
 
         Returns:
-            None without findings if there is no such cell; None with an error if both name one and the files
-            differ. Errors in the cell's own file are left to `GivenCell.loaded`.
+            None without findings if there is no such cell; None with an error if both are given and name
+            different files. Errors in the cell's own file are in `GivenCell.loaded`.
         """
         if project.cell is None and named is None:
             return Result(None)
@@ -129,7 +129,7 @@ def cell_loader(
 
 
 def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the named cell, or else the project's, for work that has no program yet.
+    """Read the cell `named`, or else the project's cell, for work that has no program yet.
 
     Args:
         folder: folder of the work.
@@ -149,8 +149,8 @@ def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) ->
 
 
 def holds_still(cell: Cell) -> bool:
-    """Return True if the file of a cell, and those of its meshes, are unchanged since it was read. Reads the
-    disk.
+    """Return True if the files of a cell and of its meshes haven't changed since the cell was read. Reads
+    the disk.
     """
     read = read_text(Path(cell.source.name), "")
     if isinstance(read, Diagnostic) or read.text != cell.source.text:
@@ -164,7 +164,7 @@ def holds_still(cell: Cell) -> bool:
 
 
 def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the cell of a session in a folder, as `cell_for`, with the folder's yarc.toml."""
+    """Read the cell of a session in a folder: like `cell_for`, with the yarc.toml of the folder."""
     project = find_project(folder)
     if project.value is None:
         return Result(None, project.diagnostics)
@@ -172,13 +172,13 @@ def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenC
 
 
 def is_same_file(one: Path, other: Path) -> bool:
-    """Return True if two paths lead to the same file, or would if it existed."""
+    """Return True if two paths lead to the same file, or would lead to it if it existed."""
     return file_of(one) == file_of(other)
 
 
 def file_of(place: Path) -> Path:
-    """Return the file that a path leads to, or the path itself if it leads to none: an impossible name, or a
-    circle of links.
+    """Return the file that a path leads to. If it leads to none (an invalid name, or a circle of links),
+    return the path itself.
     """
     try:
         return place.resolve()
@@ -187,7 +187,7 @@ def file_of(place: Path) -> Path:
 
 
 def _from_here(place: Path) -> Path:
-    """Return a path relative to the working folder, if it is inside."""
+    """Return a path relative to the working folder if it is inside this folder."""
     here = Path.cwd()
     return place.relative_to(here) if place.is_relative_to(here) else place
 
@@ -211,7 +211,7 @@ def check_project(
     Args:
         source: the text.
         folder: its folder.
-        texts: open files: a cell among them needs no file.
+        texts: open files. A cell among them needs no saved file.
     """
     read = read_project(source, folder)
     project = read.value
@@ -229,7 +229,7 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
     """Check a cell.toml, a robot.toml or a yarc.toml by itself.
 
     Args:
-        path: the file; a file named robot.toml describes a robot, one named yarc.toml a project.
+        path: the file. robot.toml describes a robot, yarc.toml a project, and any other name a cell.
         robot_name: robot for the joint values of a cell; None: check only what holds for any robot.
     """
     if Path(path).name.lower() == DESCRIPTION:
@@ -247,7 +247,7 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
 
 
 def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
-    """Return all findings about a cell by itself."""
+    """Return all findings about a cell that need no program."""
     found = [*loaded.diagnostics]
     if robot is not None:
         found += _of_zones(loaded, robot)

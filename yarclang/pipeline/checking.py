@@ -1,4 +1,4 @@
-"""All findings about one file: those of the compiler and of the lint rules, filtered by the project's
+"""Collect all findings about one file: those of the compiler and of the lint rules, filtered by the project's
 settings and by comments.
 """
 
@@ -39,9 +39,13 @@ from yarclang.syntax.parse import forget
 class Begun:
     """A program for a robot, checked up to the planning of its motions.
 
-    `found` has the findings of opening it, `program` the checked program with its findings, and `said` the
-    findings of the rules that read the syntax tree or the program. These rules know what is `around`. With
-    `boxes`, the boxes of OFFSETs are tried as well.
+    Attributes:
+        opened: the parsed program and its request.
+        found: findings of opening the file.
+        program: the checked program, with its findings.
+        around: surroundings of the program.
+        said: findings of the rules that read the syntax tree or the program, and know the surroundings.
+        boxes: True if the boxes of OFFSETs are to be tried as well.
     """
 
     opened: Opened
@@ -63,9 +67,9 @@ class Checked:
     """The findings about a file, and the results of the stages that were reached.
 
     `source` is None if the file couldn't be read, or is no program; `opened` is None if the robot isn't
-    known. `program` may have gaps. `compiled` exists only if there is no error, including those that the
-    project's settings make errors. `begun` is the state of a check without planning, from which a check with
-    planning can continue (`check_further`).
+    known. `program` may have gaps. `compiled` exists only if there is no error, including findings that the
+    project's settings raise to errors. `begun` is the state of a check without planning, from which a check
+    with planning can continue (`check_further`).
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -84,8 +88,8 @@ def check_file(path: str, options: Options, *, plans: bool = True, boxes: bool =
     Args:
         path: the file, or `-` for standard input.
         options: further options.
-        plans: True if motions are planned and proved; otherwise, only findings that need no planning.
-        boxes: True if the boxes of OFFSETs are tried, which takes a while.
+        plans: True to plan and prove motions. False for only the findings that need no planning.
+        boxes: True to try the boxes of OFFSETs, which takes a while.
     """
     if path.lower().endswith(SUFFIX):
         try:
@@ -101,7 +105,7 @@ def check_file(path: str, options: Options, *, plans: bool = True, boxes: bool =
 
 
 def check_program_file(path: str, options: Options, *, plans: bool = True, boxes: bool = False) -> Checked:
-    """Check a program, for any file name; else as `check_file`."""
+    """Check a program like `check_file`, whatever the name of its file is."""
     read = read_source(path)
     if read.value is None:
         return Checked(in_order(read.diagnostics))
@@ -112,8 +116,8 @@ def check_program_file(path: str, options: Options, *, plans: bool = True, boxes
 def check_text(
     source: SourceFile, folder: Path, options: Options, *, plans: bool = True, boxes: bool = False
 ) -> Checked:
-    """Check the text of a program that belongs to a folder; else as `check_file`. An exception in a stage
-    becomes a finding.
+    """Check the text of a program in a folder, like `check_file`. An exception in a stage becomes a
+    finding.
     """
     try:
         begun = _opened(source, folder, options)
@@ -125,14 +129,14 @@ def check_text(
 
 
 def check_further(checked: Checked, early: Callable[[Checked], None] | None = None) -> Checked:
-    """Return the result of a check with planning, continuing one of the same text without planning.
+    """Continue a check without planning by planning and proving the same text, and return the result.
 
-    Nothing is done twice, except that loops are then executed in full.
+    No stage is repeated, except that loops are now carried out in full.
 
     Args:
         checked: result of the check without planning.
-        early: called with the intermediate result when all motions are planned, before they are proved; not
-            for a program with errors.
+        early: called with the intermediate result when all motions are planned, but not proved yet. It is not
+            called for a program with errors.
     """
     begun = checked.begun
     if begun is None:
@@ -147,7 +151,9 @@ def check_further(checked: Checked, early: Callable[[Checked], None] | None = No
 
 
 def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None = None) -> Checked:
-    """Return the result of all stages; if one of them fails, the findings up to there, and the failure."""
+    """Return the result of all stages. If a stage fails with an exception, return the findings so far and
+    the failure.
+    """
     try:
         return _planned(begun, early)
     except Exception as error:  # a bug of ours
@@ -157,11 +163,11 @@ def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None =
 
 
 _LONG = 10_000
-"""Number of lines of a text above which it is read once, and not cached."""
+"""Number of lines above which a text isn't cached, because it is read only once."""
 
 
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
-    """Check a program without planning any motion; return only findings if it can't be opened."""
+    """Check a program without planning any motion. If it can't be opened, return only findings."""
     opened = open_source(source, folder, options)
     if isinstance(options.memory, Forgetful) and len(source.lines) > _LONG:
         forget()
@@ -193,7 +199,8 @@ def _unplanned(begun: Begun) -> Checked:
 def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
     """Return the result of all stages.
 
-    Lines that couldn't be read are missing from the plan, so the motions of such a program aren't proved.
+    Lines that couldn't be read are missing from the plan, so the motions of a program with such lines aren't
+    proved.
     """
     request, source, project = begun.opened.request, begun.source, begun.project
     planned = plan_checked(begun.program, request)
@@ -221,7 +228,7 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
 def _before_the_proof(
     begun: Begun, plan: MotionPlan, found: tuple[Diagnostic, ...], said: Remarks
 ) -> Checked:
-    """Return what is known about a program whose motions are planned, but not proved."""
+    """Return the intermediate result for a program whose motions are planned but not proved yet."""
     found = (*found, *findings_of(said, begun.around, found))
     diagnostics = settled(found, begun.source, begun.project, begun.opened)
     return Checked(diagnostics, begun.source, begun.opened, begun.program.value, plan)
@@ -235,8 +242,8 @@ def _silent(project: Project) -> set[str]:
 def settled_in_folder(
     diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path, opened: Opened | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Return findings of some stages about a program in a folder, filtered by its comments and
-    its yarc.toml.
+    """Return the findings of some stages about a program in a folder, filtered by the program's comments and
+    by yarc.toml.
     """
     return settled(diagnostics, source, find_project(folder).value or Project(folder), opened)
 
@@ -251,15 +258,16 @@ def settled(
 ) -> tuple[Diagnostic, ...]:
     """Filter findings for output.
 
-    Findings that follow from others or that comments suppress are dropped, those in modules are moved to
-    their calls, and the project sets the severities.
+    Findings that follow from other findings or that comments suppress are dropped. Findings in modules are
+    moved to their calls. The project sets the severities.
 
     Args:
         diagnostics: all findings.
         source: the program's file.
         project: its settings.
-        opened: the parsed program, if it could be opened; without it, findings in modules stay there.
-        is_whole: True if all checks were made: only then a comment that suppresses nothing is needless.
+        opened: the parsed program; None if it couldn't be opened. Without it, findings in modules aren't
+            moved.
+        is_whole: True if all checks were made: only then a comment that suppresses nothing is reported.
     """
     told: list[Diagnostic] = []
     go_on()

@@ -1,5 +1,6 @@
-"""Verification of a controller text of unknown origin: against its program if that is known, else for
-everything that needs no program.
+"""Verify a controller text of unknown origin.
+
+If its program is known, the text is verified against it; otherwise for all properties that need no program.
 """
 
 from __future__ import annotations
@@ -56,11 +57,11 @@ class JudgedText:
         text: the text, as it was read.
         robot: the robot that it is for.
         certificate: what was proved, with the lines to send.
-        program: the program against which it was proved; None if that isn't known.
+        program: the program against which it was proved; None if the program isn't known.
         missing: why the program isn't known; empty if it is.
         cell: surroundings used in the proof.
-        plan: plan of that program, if the text was made from that very program according to its header; else
-            None.
+        plan: plan of that program, if the text was compiled from exactly this program according to its
+            header; else None.
     """
 
     text: SourceFile
@@ -73,12 +74,12 @@ class JudgedText:
 
 
 def is_compiled(file: str) -> bool:
-    """Return True if a file has a name that yarcc uses for some kind of controller."""
+    """Return True if a file's suffix is one that yarcc uses for some kind of controller."""
     return file.lower().endswith(suffixes())
 
 
 def read_controller_text(path: str) -> Result[SourceFile]:
-    """Read a file's bytes, each as one character: nothing is decoded, so that the judge sees the original
+    """Read a file's bytes, each as one character. Nothing is decoded, so that the judge sees the original
     bytes.
     """
     content = read_content(path, LARGEST_DATA)
@@ -93,8 +94,8 @@ def judge_text(
     options: Options,
     program: str | None = None,
 ) -> Result[JudgedText]:
-    """Verify a controller text against the program beside it, or, if there is none, for everything that needs
-    no program.
+    """Verify a controller text against the program beside it. Without a program, verify all properties that
+    need none.
 
     Args:
         text: a text of yarcc.
@@ -104,7 +105,7 @@ def judge_text(
         program: the program's file, if it is given.
 
     Returns:
-        None, with the errors, if the text may not be carried out; a value may have notes and warnings.
+        None, with the errors, if the text must not be carried out. A value may come with notes and warnings.
     """
     project = find_project(folder)
     if project.value is None:
@@ -157,11 +158,11 @@ def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | N
 
 
 def judge_alone(text: SourceFile, robot: str | None, cell: str | None) -> Result[JudgedText]:
-    """Verify a controller text for everything that needs no program, and look for none.
+    """Verify all properties of a controller text that need no program, and look for no program.
 
     Args:
         text: a text of yarcc.
-        robot: a robot's name or path; None: the header's.
+        robot: a robot's name or path; None: the robot that the header names.
         cell: description of the surroundings, if there is one.
     """
     opened = _opened(text, robot, cell, Path(), Project(Path()))
@@ -182,7 +183,7 @@ def _alone(
 def _opened(
     text: SourceFile, name: str | None, cell: str | None, folder: Path, project: Project
 ) -> Result[tuple[Header, Robot, GivenCell | None]]:
-    """Read a text's header, its robot and its surroundings; nothing of the text is verified yet."""
+    """Read a text's header, its robot and its surroundings. Nothing of the text is verified yet."""
     if not text.text.startswith(FIRST_WORDS):
         message = "this isn't a text that yarcc has written"
         help_ = "give the program itself, or what yarcc made of it"
@@ -232,7 +233,7 @@ def _settled(
 
 
 def check_controller_text(path: str, options: Options) -> tuple[Diagnostic, ...]:
-    """Return the findings about a controller text in a file, judged as before it is run."""
+    """Return the findings about a controller text in a file, from the same verification as before a run."""
     read = read_controller_text(path)
     if read.value is None:
         return read.diagnostics
@@ -260,8 +261,8 @@ def prove_against(text: SourceFile, opened: Opened) -> Result[Certificate]:
 
 
 def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
-    """Load the robot of a controller text that is only displayed: by name, which must agree with the header;
-    without a name, the header's.
+    """Load the robot of a controller text that is only displayed. With a name, the header must agree; without
+    one, the header's robot is used.
     """
     preamble = header_of(text.text)
     if isinstance(preamble, Unreadable):
@@ -275,7 +276,7 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
     Args:
         header: header of the text.
         text: the text.
-        name: name or path of the robot, which must agree with the header; None: the header's.
+        name: name or path of the robot, with which the header must agree; None: the header's robot.
     """
     folder = Path(text.name).parent
     found = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
@@ -294,7 +295,7 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
 def _program_of(
     text: SourceFile, header: Header, folder: Path, robot: Robot, options: Options, named: str | None
 ) -> Result[MotionPlan] | Result[str]:
-    """Return the plan of the text's program, or why there is none to prove against."""
+    """Return the plan of the text's program, or the reason why there is no program to verify against."""
     for place, must in _candidates(text, header, folder, named):
         if not is_file(place):
             if named is not None:
@@ -317,8 +318,10 @@ def _program_of(
 def _candidates(
     text: SourceFile, header: Header, folder: Path, named: str | None
 ) -> Iterator[tuple[Path, bool]]:
-    """Yield the files that may be the program, and for each, True if it must be: a file beside the text must,
-    for any header.
+    """Yield the files that may be the text's program. With each comes True if it must be used.
+
+    A named file, and a file beside the text, must be used whatever its content is. Another file is used only
+    if its content matches the header.
     """
     if named is not None:
         yield Path(named), True
@@ -334,9 +337,10 @@ def _candidates(
 def _planned(
     place: Path, header: Header, robot: Robot, options: Options, *, must: bool
 ) -> Result[MotionPlan]:
-    """Plan a program with the options in the text's header: the plan gives claims, which the judge checks.
+    """Plan a program with the options in the text's header. The plan gives claims, which the judge checks.
 
-    A program that neither must be nor is the text's isn't planned; then there are no findings.
+    If the file needn't be used (`must`) and isn't the text's program, it isn't planned, and there are no
+    findings.
     """
     asked = replace(
         options,
@@ -363,4 +367,4 @@ def _planned(
 
 
 _SAME_START = 1e-3
-"""Largest deviation of the start [deg or mm] that is explained by printing fewer digits."""
+"""Largest difference of two starts [deg or mm] that can result from printing fewer digits."""

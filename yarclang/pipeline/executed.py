@@ -1,7 +1,7 @@
-"""The robot's actions under a controller text, command by command: the executed curves, and what happens
-between them.
+"""Compute what the robot does under a controller text, command by command: the executed curves, and the
+actions between them.
 
-The certificate's own reader is used, on the text alone.
+This uses only the text, which the certificate's own reader reads.
 """
 
 from __future__ import annotations
@@ -49,10 +49,14 @@ Kind = Literal[
 class Act:
     """The action of one command.
 
-    For a command that moves nothing, `what` describes it, for people and for comparison. `curve` is the
-    executed motion [rad or m], and `duration` its known duration [s]. `step` is the number of the command in
-    the program, -1 if the text doesn't contain it. `carries` are the parts that grippers hold during a
-    motion, None if unknown. `may_touch` are the pairs of bodies that may touch on it, `keeps` the rules of KEEP.
+    Attributes:
+        what: description of a command without motion, for people and for comparison.
+        curve: the executed motion [rad or m].
+        duration: its known duration [s].
+        step: number of the command in the program; -1 if the text doesn't contain it.
+        carries: parts that grippers hold during a motion; None if unknown.
+        may_touch: pairs of bodies that may touch during the motion.
+        keeps: rules of KEEP that apply to the motion.
     """
 
     kind: Kind
@@ -69,14 +73,16 @@ class Act:
 
     @property
     def title(self) -> str:
-        """Return `P0010 MOVEL`, or the name alone."""
+        """Return a title such as `P0010 MOVEL`, or the name alone if there is no index."""
         return f"{self.place} {self.name}" if self.place else self.name
 
 
 @frozen(eq=False)
 class Executed:
-    """All actions of a text, in order, from joint positions `start` (n,) [rad or m], their duration, and the
-    inputs that hold its motions.
+    """All actions of a text in order.
+
+    It also has the joint positions `start` (n,) [rad or m] from which they begin, their duration, and the
+    inputs that hold the motions.
     """
 
     name: str
@@ -88,7 +94,7 @@ class Executed:
 
     @property
     def duration(self) -> float:
-        """Return the known time of all motions and dwells, along the longest branches [s]."""
+        """Return the known time of all motions and dwells [s]; of several branches, the longest counts."""
         return self.lasting.most
 
 
@@ -105,7 +111,7 @@ def executed(
             unknown.
 
     Returns:
-        None, with a finding, if yarcc doesn't write such a text for this robot's controller.
+        None, with a finding, if the text isn't one that yarcc writes for this robot's controller.
     """
     tell("reading the controller's text", 0)
     reader = reader_of(robot.controller)
@@ -161,7 +167,7 @@ def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) 
 
 
 def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[Act]:
-    """Return the commands of a sequence, which are taken from the front of `moving`.
+    """Return the commands of a sequence; their entries are removed from the front of `moving`.
 
     The control points of a sequence are S, S, S, c1 ... cM, cM, cM.
     """

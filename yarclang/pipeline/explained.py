@@ -1,4 +1,4 @@
-"""Merging the error of an unreachable place with the warning that explains it."""
+"""Merge the error about an unreachable place with the warning that explains it."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from yarclang.lint.registry import rules
 
 
 def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Return the findings, with an error and the warning that explains it merged into one: the error, with
-    the warning's remedy.
+    """Return the findings. An error and the warning that explains it become one error with the warning's
+    remedy.
 
     Args:
-        diagnostics: all findings; those of one command have the same file and first line.
+        diagnostics: all findings. Findings of one command have the same file and first line.
     """
     found = tuple(diagnostics)
     unreached = {_place(one) for one in found if one.is_error and _is_explained(one)}
@@ -37,7 +37,7 @@ def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 def _is_explained(one: Diagnostic) -> bool:
-    """Return True if a rule may give a finding's reason."""
+    """Return True if a lint rule may give the reason for a finding."""
     return CATALOGUE[one.code].is_explained
 
 

@@ -1,4 +1,4 @@
-"""Applying fixes to a text until none is left. Each fix is tried first, and none may break the program."""
+"""Apply fixes to a text until no fix is left. Each fix is first tried, and must not break the program."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from yarclang.progress import part
 from yarclang.source import SourceFile, Span
 
 MOST_ROUNDS = 20
-"""Maximum number of rounds, for fixes that trigger each other endlessly."""
+"""Largest number of rounds. It ends fixes that would trigger each other endlessly."""
 
 _SAME = 1e-9
-"""Tolerance for equal control points [rad or m]."""
+"""Control points that differ by less count as equal [rad or m]."""
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -41,10 +41,10 @@ def fixed(
 ) -> Fixed:
     """Apply the fixes of the wanted findings.
 
-    A fix stays only if the new text can be read, has no new error, and no longer has the finding. If the
+    A fix is kept only if the new text can be read, has no new error, and no longer has the finding. If the
     finding was no error, the new text must also do the same as before: the same curves of all motions or, for
-    a program that isn't planned, the same steps. A text that couldn't be read before may show errors of
-    meaning once it can be.
+    a program that isn't planned, the same steps. If a text couldn't be read before the fix, new errors of
+    meaning are allowed, since they were hidden.
 
     Args:
         checked: findings in the current text; its source must exist.
@@ -60,7 +60,7 @@ def fixed(
         open_ = [one for one in _fixable(checked, wanted) if _key(one, source) not in refused]
         if not open_:
             break
-        # Fix syntax errors first: errors in such lines aren't visible until then.
+        # Fix syntax errors first: they hide other errors in their lines.
         chosen = apart([one for one in open_ if _uncovers(one)] or open_)
         count = f"{len(chosen)} fixes" if len(chosen) > 1 else "a fix"
         with part(f"trying {count}"):
@@ -83,7 +83,7 @@ def fixed(
 
 
 def is_repair(one: Diagnostic) -> bool:
-    """Return True if a finding has a fix that needs no choice by a person."""
+    """Return True if a finding has a fix that can be applied without a choice by a person."""
     return one.fix is not None and not one.fix.by_choice
 
 
@@ -107,7 +107,7 @@ def _key(one: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
 
 
 def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Return the findings whose edits don't overlap with those of an earlier one."""
+    """Return the findings whose edits don't overlap with those of an earlier finding."""
     chosen: list[Diagnostic] = []
     taken: list[Edit] = []
     for one in findings:
@@ -120,14 +120,14 @@ def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def _touch(one: Edit, other: Edit) -> bool:
-    """Return True if two edits share text, or a place."""
+    """Return True if two edits overlap, or insert text at the same place."""
     first, second = sorted((one.span, other.span))
     return (second.line, second.column) <= (first.end_line, first.end_column)
 
 
 def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
-    """Return the text after edits that don't overlap. Line ends stay as they are, also a missing one at the
-    end.
+    """Return the text after edits that don't overlap. Line ends aren't changed; a missing line end at the end
+    of the text stays missing.
     """
     text = source.text
     starts = [0, *(end.end() for end in _LINE_END.finditer(text))]
@@ -147,7 +147,7 @@ def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
 def _tried(
     before: Checked, chosen: Sequence[Diagnostic], check: Callable[[SourceFile], Checked]
 ) -> Checked | None:
-    """Return the result of some fixes; None if they break something, or remove nothing."""
+    """Return the result of applying some fixes; None if they break something, or remove no finding."""
     assert before.source is not None
     text = edited(before.source, [one.fix for one in chosen if one.fix])
     if text == before.source.text:

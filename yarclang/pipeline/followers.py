@@ -1,4 +1,4 @@
-"""Removal of findings that only follow from another one: each fault is reported once, at its place."""
+"""Remove findings that only follow from another finding, so that each fault is reported once, where it is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
 
 _MISPLACED = "Y0116"
-"""The finding of a line that doesn't belong in a block."""
+"""The finding about a line that isn't allowed in a block."""
 
 _GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "FUNC", "TABLE", "JOINTS", "POSE")
 
@@ -31,10 +31,12 @@ _BY_DEFAULT = ("default", "unit")
 
 _MANY = 3
 _MOST_IN_A_LINE = 20
-"""Maximum number of findings with one code in a line; with more mistakes, people look at the line itself."""
+"""Largest number of findings with one code in one line. If there are more, users will look at the whole
+line anyway.
+"""
 
 _LIKE = 0.7
-"""Minimum similarity of a misspelt word and its meaning: difflib's ratio."""
+"""Smallest similarity of a misspelt word and the word that was meant: difflib's ratio."""
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -63,8 +65,8 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
 
 
 def _causes(found: Iterable[Diagnostic], source: SourceFile) -> set[int]:
-    """Return the program's lines with errors, except commands with an unknown name: these declare nothing
-    that others could miss.
+    """Return the program's lines with errors. Commands whose only error is an unknown name are left out: they
+    declare nothing that other lines could miss.
     """
     own = [(one, line) for one in each(found) if (line := _line(one, source))]
     uses = {line for one, line in own if _need(one) in ("name", "meaning") and not _declares(source, line)}
@@ -72,11 +74,11 @@ def _causes(found: Iterable[Diagnostic], source: SourceFile) -> set[int]:
 
 
 class _Reasons:
-    """The lines with errors, and the names and settings that others miss because of them.
+    """The lines with errors, and the names and settings that other lines miss because of these errors.
 
     Args:
         found: all findings.
-        causes: lines with errors that may be the reason of others.
+        causes: lines whose errors may be the reason for other findings.
         source: the program's file.
     """
 
@@ -108,7 +110,7 @@ class _Reasons:
                 self._first_said.setdefault(word, line)
 
     def explain(self, one: Diagnostic) -> bool:
-        """Return True if a finding follows from another one."""
+        """Return True if a finding follows from another finding."""
         line = _line(one, self._source)
         if any(self._leads(cause, line) for cause in everything()[one.code].follows):
             return True
@@ -128,7 +130,7 @@ class _Reasons:
         return False
 
     def _is_spoken_of(self, one: Diagnostic) -> bool:
-        """Return True if a line with an error has the name that a finding is about."""
+        """Return True if a line with an error contains the name that a finding is about."""
         if one.span is None or one.source is not self._source or one.span.line != one.span.end_line:
             return False
         said = self._source.line(one.span.line)[one.span.column - 1 : one.span.end_column - 1]
@@ -138,11 +140,11 @@ class _Reasons:
         )
 
     def _like(self, word: str) -> list[int]:
-        """Return the lines with errors that begin with a word, or a similar one."""
+        """Return the lines with errors that begin with a word, or with a similar one."""
         return [line for line, first in each(self._firsts.items()) if _is_like(first, word)]
 
     def _leads(self, cause: Follows, line: int) -> bool:
-        """Return True if there is a finding in a line that explains another one."""
+        """Return True if one of the findings in a line explains a given finding."""
         there = self._lines.get(cause.code, ())
         match cause.where:
             case "here":
@@ -153,8 +155,8 @@ class _Reasons:
                 return bool(there) and line not in self._causes
 
     def _lost(self, one: Diagnostic, line: int) -> bool:
-        """Return True if a name may be defined in a line with an error, or in an unreadable cell
-        or module.
+        """Return True if a name may be defined in a line with an error, or in an unreadable cell or
+        module.
         """
         if self._lost_cell and line not in self._lines.get(_MISPLACED, ()):
             return self._firsts.get(line, "") != "CELL"
@@ -164,8 +166,8 @@ class _Reasons:
 
 
 def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
-    """Return the names of declarations with errors, and of those that depend on them; includes `DEFAULT` if
-    it does.
+    """Return the names of declarations with errors, and the names of declarations that use them. `DEFAULT` is
+    included if the DEFAULT line is among them.
     """
     lost: set[str] = set()
     heads = {*_GIVES_NAMES, "DEFAULT"}
@@ -181,11 +183,13 @@ def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
 
 
 def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
-    """Return True if a finding about a motion may come from doubtful names; in unrolled code, any may."""
+    """Return True if a finding about a motion may come from doubtful names. In unrolled code, it always
+    may.
+    """
     if not doubtful:
         return False
     words = _WORD.findall(code_of(source.line(line)).upper()) if line else []
-    # The name that a line declares is doubtful because of that very line.
+    # Leave out the name that the line itself declares: it is doubtful because of this very line.
     said = set(words[:1] + words[2:] if words[:1] and words[0] in _GIVES_NAMES else words)
     return bool(one.place) or "DEFAULT" in doubtful or bool(said & doubtful)
 
@@ -218,7 +222,7 @@ def _words(line: str) -> set[str]:
 def _is_like(word: str, meant: str) -> bool:
     if word == meant:
         return True
-    # This upper bound of difflib's ratio takes a hundredth of the time.
+    # This is an upper bound of difflib's ratio, computed in a hundredth of the time.
     common = sum(letter in meant for letter in word)
     if 2.0 * common < _LIKE * (len(word) + len(meant)):
         return False
@@ -226,15 +230,17 @@ def _is_like(word: str, meant: str) -> bool:
 
 
 def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Keep the first of several findings about the same unknown name, and the first of many similar ones; it
-    then includes the number of the others.
+    """Keep the first of several findings about the same unknown name, and the first of many similar findings.
+    Its message then has the number of the others.
     """
     groups = gathered(found, lambda one: _repeated(one) or one)
     return tuple(one for group in each(groups) for one in _shortened(group))
 
 
 def _repeated(one: Diagnostic) -> tuple[str, object] | None:
-    """Return the common property of findings that repeat each other; None if this one repeats nothing."""
+    """Return the property that findings which repeat each other have in common; None if this finding
+    repeats nothing.
+    """
     need = _need(one)
     if need == "name" and isinstance(one.subject, Name) and one.subject.name:
         return "name", one.subject.name
@@ -242,7 +248,9 @@ def _repeated(one: Diagnostic) -> tuple[str, object] | None:
 
 
 def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first of several findings that repeat each other; all if they are few, or repeat nothing."""
+    """Return the first of several findings that repeat each other; all of them if they are few or don't
+    repeat each other.
+    """
     first = group[0]
     kind, _ = _repeated(first) or ("", None)
     in_lines = {one.span.line for one in each(group) if one.span is not None}
@@ -250,7 +258,7 @@ def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
         return group
     more = len(group) - 1
     lines = f"{more} more line{'s' * (more != 1)}"
-    # Findings with another subject, or at another place of unrolled code, are similar, but not the same.
+    # Findings about another name, or at another place of unrolled code, are similar, but not the same.
     here = (first.subject, first.place)
     is_like_it = here[0] is not None and any((one.subject, one.place) != here for one in each(group))
     again = f"{more} more like it" if kind == "alike" and is_like_it else f"the same in {lines}"
@@ -258,15 +266,15 @@ def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
 
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Keep only the first findings of a code in a line; the last one kept includes the number of
-    the others.
+    """Keep only the first findings of each code in a line. The last one that is kept has the number of the
+    others.
     """
     groups = gathered(diagnostics, _line_and_code)
     return tuple(one for group in each(groups) for one in _few(group))
 
 
 def _few(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first findings of one code in a line; all findings without a line."""
+    """Return the first findings of one code in a line. All findings are kept if they have no line."""
     more = len(group) - _MOST_IN_A_LINE
     if group[0].span is None or more <= 0:
         return group

@@ -1,5 +1,5 @@
-"""Checks that never raise: an exception in a stage becomes a finding about the program, with its statement if
-that is known.
+"""Run checks that never raise. An exception in a stage becomes a finding about the program, at the statement
+if it is known.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
     """Return a finding for an exception that ended a stage.
 
     Args:
-        error: the exception, as it was caught.
+        error: the exception, with its traceback.
         source: the program's file, if there is one.
     """
     found = _statement_of(error, source)
@@ -23,8 +23,8 @@ def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
 
 
 def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFile, Span] | None:
-    """Return the statement that was being processed: that of the innermost call with one among
-    its variables.
+    """Return the statement that was being processed: the statement among the variables of the innermost
+    call that has one.
     """
     for frame, _ in reversed(list(frames_of(error))):
         for value in list(frame.f_locals.values()):
@@ -45,9 +45,7 @@ def _origin_of(value: object) -> Origin | None:
 
 
 def _is_in(statement: Statement, source: SourceFile) -> bool:
-    """Return True if a statement belongs to this file, and not to a module that has a statement at the same
-    line.
-    """
+    """Return True if a statement belongs to this file. A module may have a statement at the same line."""
     name = statement.name
     line = source.line(statement.line + name.place.row)
     return line[name.place.start - 1 : name.place.end - 1] == name.text

@@ -1,7 +1,7 @@
-"""Checking a program repeatedly while it is edited: only what an edit changes is computed anew.
+"""Check a program repeatedly while it is edited, and compute only what an edit changes.
 
-An `Analyst` is a memory and the same pipeline as `yarc check`; its findings, plans and certificates are bit
-for bit those of a fresh check. These results are cached, by these keys:
+An `Analyst` uses a cache and the same pipeline as `yarc check`. Its findings, plans and certificates are bit
+for bit those of a check without a cache. These results are cached, with these keys:
 
 - a parsed statement, by its text (syntax/parse.py);
 - a robot and a cell, by their files (kept.py);
@@ -13,7 +13,7 @@ for bit those of a fresh check. These results are cached, by these keys:
   certificate of a stretch from rest to rest, by the numbers in the text and their required values
   (certify/stretches.py).
 
-So an edit of one motion costs that motion, and the motions after it whose start changes.
+So after an edit of one motion, only this motion is computed again, and the later motions whose start changes.
 """
 
 from __future__ import annotations
@@ -35,15 +35,17 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
 MOST_KEPT = 60_000
-"""Maximum number of cached results: about ten per motion, half of them small."""
+"""Largest number of cached results: about ten per motion, half of them small."""
 
 LEAST_KEPT = 4_000
-"""Minimum number of cached results, even for short programs."""
+"""Smallest number of results that the cache can hold, even for short programs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """The findings about a text, the results of the stages that were reached, and the results by command."""
+    """The findings about a text, the results of the stages that were reached, and these results by
+    command.
+    """
 
     checked: Checked
 
@@ -84,8 +86,8 @@ class Analysis:
 
     @cached_property
     def steps_by_line(self) -> Mapping[int, tuple[int, ...]]:
-        """Return the steps of each command in the program's own file, by its first line: a command in a loop
-        has many.
+        """Return the steps of each command in the program's own file, by the command's first line. A command
+        in a loop has many steps.
         """
         found: dict[int, list[int]] = {}
         for number, step in enumerate(self._steps):
@@ -99,11 +101,11 @@ class Analysis:
 
 
 ENOUGH_AT_FIRST = 1_000
-"""Lines in loops and SUBs that a quick check executes: about 0.1 s."""
+"""Number of lines in loops and SUBs that a quick check carries out, which takes about 0.1 s."""
 
 
 class Analyst:
-    """Checks texts with the same options for all, and caches results.
+    """Checks texts with the same options, and caches results.
 
     Two threads may use it at the same time; they share the cache.
     """
@@ -122,20 +124,20 @@ class Analyst:
         cancelled: Callable[[], bool] | None = None,
         early: Callable[[Checked], None] | None = None,
     ) -> Analysis | None:
-        """Check the text of a program that belongs to a folder.
+        """Check the text of a program in a folder.
 
         Args:
             source: the text.
             folder: folder in which modules, cells and settings are looked for.
-            quick: only what needs no planning, and of loops and SUBs at most ENOUGH_AT_FIRST lines.
-            begun: result of a quick check of this text, if there was one: then the check continues from
-                there.
-            cancelled: called often; True: give up.
-            early: called with the intermediate result when all motions are planned, before they are proved,
-                if the check continues a quick one.
+            quick: True to check only what needs no planning, and at most ENOUGH_AT_FIRST lines of loops and
+                SUBs.
+            begun: result of a quick check of this text, from which the check continues; None: none.
+            cancelled: called often; the check is given up if it returns True.
+            early: called with the intermediate result when all motions are planned, but not proved yet, if
+                the check continues a quick one.
 
         Returns:
-            None if it was given up; results up to there stay in the cache.
+            None if the check was given up. Its results so far stay in the cache.
         """
         options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
         try:

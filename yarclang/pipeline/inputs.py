@@ -1,4 +1,4 @@
-"""From a file's name and the user's options to a syntax tree and a request."""
+"""Read a program's file and the user's options, and return a syntax tree and a request."""
 
 from __future__ import annotations
 
@@ -31,14 +31,19 @@ from yarclang.units import DEG, MM
 
 @frozen
 class Options:
-    """Options given by the user besides the files.
+    """Options that the user gives besides the files.
 
-    `start` is in deg (mm for prismatic joints), `tm` in ms, `tolerance` in mm and deg (None: the robot's
-    own); `cell` is the path of a cell.toml. `texts` are open files by their absolute paths: modules, cells
-    and robots are taken from there rather than from the disk. `memory` caches results for the next time (made
-    by pipeline/incremental.py). `enough` is the number of lines in loops and SUBs after which a quick check
-    stops (None: all). `present` returns the places of the cell's parts when the program starts (None: as in
-    its file). `avoid_effort` is the number of ways round obstacles to search, of which the quickest is taken.
+    Attributes:
+        start: start of the program [deg, mm for prismatic joints].
+        tm: longest segment time [ms].
+        tolerance: tolerance of the path [mm, deg]; None: the robot's own.
+        cell: path of a cell.toml.
+        texts: open files by their absolute paths. Modules, cells and robots among them aren't read from the
+            disk.
+        memory: cache for later checks (created by pipeline/incremental.py).
+        enough: number of lines in loops and SUBs after which a quick check stops; None: no limit.
+        present: returns the places of the cell's parts when the program starts; None: as in the cell's file.
+        avoid_effort: number of ways round obstacles to search, of which the fastest is taken.
     """
 
     robot: str | None = None
@@ -55,7 +60,7 @@ class Options:
 
     @property
     def said(self) -> tuple[object, ...]:
-        """Return all that the user has said, for results that are kept beyond this process.
+        """Return all options of the user, as a key for results that are stored on the disk.
 
         Raises:
             ValueError: a result depends on something that isn't on the disk.
@@ -78,8 +83,8 @@ def open_program(path: str, options: Options) -> Result[Opened]:
     """Read and parse a program, and find its robot.
 
     Returns:
-        None if the file or the robot can't be read. With syntax errors alone there is a value, so that the
-        rest can still be checked.
+        None if the file or the robot can't be read. If there are only syntax errors, a value is returned, so
+        that the rest can still be checked.
     """
     read = read_source(path)
     if read.value is None:
@@ -148,7 +153,9 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
 
 
 def _robot(module: Module, folder: Path, project: Project, options: Options) -> Result[Robot]:
-    """Return the robot of the command line or a ROBOT line, which must agree; else that of yarc.toml."""
+    """Return the robot of the command line or of a ROBOT line, which must agree; without both, that of
+    yarc.toml.
+    """
     declared = declared_robot(module)
     if options.robot is not None:
         found = _on_command_line(options.robot, project, options)
@@ -175,8 +182,8 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
 
 
 def _on_command_line(name_or_path: str, project: Project, options: Options) -> Result[Robot]:
-    """Return the robot with a name or path: from the library, at the path, or from yarc.toml if it has this
-    name.
+    """Return the robot that a name or path means: from the library or at the path, or else the robot of
+    yarc.toml if it has this name.
     """
     if project.robot is not None and find_robot(name_or_path)[0] is None:
         own = _of_project(project, None, options).value
@@ -200,8 +207,8 @@ def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] =
 
 
 def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
-    """Return the robot with a name or path: from the library, at the path, or from the folder's yarc.toml if
-    it has this name.
+    """Return the robot that a name or path means: from the library or at the path, or else the robot of the
+    folder's yarc.toml if it has this name.
     """
     if find_robot(name_or_path)[0] is None and (own := _own(folder, name_or_path)) is not None:
         return Result(own)
@@ -209,8 +216,8 @@ def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
 
 
 def robot_made_for(folder: Path, name: str) -> Result[Robot]:
-    """Return the robot that a controller text or a log names: that of its folder's yarc.toml if it has this
-    name, else that of the library.
+    """Return the robot that a controller text or a log names: the robot of its folder's yarc.toml if it has
+    this name, else that of the library.
     """
     own = _own(folder, name)
     return load_robot(name) if own is None else Result(own)
@@ -238,7 +245,7 @@ def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) ->
 
 
 def _of_project(project: Project, program: SourceFile | None, options: Options) -> Result[Robot]:
-    """Return the robot of yarc.toml, or a finding about the program that no robot is named anywhere."""
+    """Return the robot of yarc.toml; without one, a finding that the program needs a robot."""
     if project.robot is not None:
         return _named(project.robot, project.folder, project.source, project.span_of("robot"), options)
     names = ", ".join(robot.name for robot in list_robots())
@@ -253,8 +260,8 @@ def _named(
     span: Span | None,
     options: Options,
 ) -> Result[Robot]:
-    """Return the robot with a name or path from a file; a wrong name is reported at its place in
-    that file.
+    """Return the robot that a file names, by name or path. A wrong name is reported at its place in that
+    file.
     """
     found = _loaded(_placed(name, folder), options.texts, options.memory)
     placed = tuple(
@@ -264,7 +271,9 @@ def _named(
 
 
 def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile], memory: Memory) -> Result[Robot]:
-    """Return the robot with a name or path; if its robot.toml is an open file, the robot of that text."""
+    """Return the robot that a name or path means. If its robot.toml is an open file, the robot of the open
+    text.
+    """
     path = find_robot(name_or_path)[0] if texts or memory is not NO_MEMORY else None
     text = texts.get(path.absolute()) if path is not None else None
 
@@ -275,7 +284,7 @@ def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile], memory: Memory)
 
 
 def _placed(name_or_path: str, folder: Path) -> str:
-    """Resolve a path relative to its file; a plain name stays a name."""
+    """Resolve a path relative to the file that contains it. A plain name isn't changed."""
     if "/" in name_or_path or name_or_path.endswith(".toml"):
         return str(folder / name_or_path)
     return name_or_path
@@ -284,7 +293,7 @@ def _placed(name_or_path: str, folder: Path) -> str:
 def _start(
     robot: Robot, values: tuple[float, ...] | None, what: str, findings: Collector, span: Span | None
 ) -> Array | None:
-    """Check joint values in deg (mm), and return them as a joint position in SI."""
+    """Check joint values [deg or mm], and return them as a joint position in SI."""
     if values is None:
         return None
     names = " ".join(robot.joint_names)
@@ -308,8 +317,8 @@ def _start(
 
 
 def tolerance_of(robot: Robot, asked: tuple[float, float | None] | None) -> Tolerance | None:
-    """Return a requested tolerance [mm, deg], with the robot's own angle if only a length is given; None
-    without a request.
+    """Return a requested tolerance [mm, deg]; None without a request. If only a length is given, the angle is
+    the robot's own.
     """
     if asked is None:
         return None

@@ -1,4 +1,4 @@
-"""The jobs of a project: numbered programs, each of which may follow any other."""
+"""Compile the jobs of a project: numbered programs that may follow each other in any order."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Listed:
 def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
     """Compile and prove the jobs of a project, in the order of their numbers.
 
-    Each job must begin and end where the first one begins, so that any job may follow any other.
+    Each job must begin and end where the first job begins, so that any job may follow any other.
 
     Args:
         project: yarc.toml with jobs.
@@ -61,8 +61,8 @@ def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
 
 
 def _ends(compiled: Compiled) -> list[Array]:
-    """Return the positions (n,) in which the robot may end a program [rad or m]: at its last line, and at
-    each STOP in its branches.
+    """Return the positions (n,) at which a program may end [rad or m]: at its last line, and at each STOP
+    in a branch.
     """
     stands = {motion.step: motion.path.end for motion in compiled.plan.motions}
     walked = Ways(compiled.program.start)
@@ -80,7 +80,7 @@ def _ends(compiled: Compiled) -> list[Array]:
 def _apart(
     project: Project, number: int, job: Job, ends: list[Array], first: tuple[int, Job]
 ) -> Iterator[Diagnostic]:
-    """Yield the findings about a job's robot, its start, and its ends."""
+    """Yield findings if a job's robot, its start, or one of its ends differs from the first job's."""
     other, common = first
     if job.robot.folder != common.robot.folder:
         message = f"job {number} is for {job.robot.name}, job {other} for {common.robot.name}"

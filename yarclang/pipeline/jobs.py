@@ -1,4 +1,4 @@
-"""From a certificate to a job that the runtime carries out."""
+"""Convert a certified text to a job for the runtime."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ def job_of(
     offset: float = 0.0,
     clock: float = 0.0,
 ) -> Result[Job]:
-    """Make a job from a verified text: its lines are the very ones that the judge has read.
+    """Create a job from a verified text. Its lines are exactly those that the judge has read.
 
     Args:
         certificate: certificate without an error.
-        text: whole text, for the log.
-        robot: robot that it is for.
+        text: complete text, for the log.
+        robot: robot that the text is for.
         name: name of the program for people.
-        papers: documents stored with it.
+        papers: documents that are stored with the job.
         offset: start of the job in the program that it is a part of [s].
-        clock: latest known time at which it begins there [s].
+        clock: latest known time at which the job begins in that program [s].
 
     Returns:
         None, with a finding, if the text isn't for streaming.
@@ -100,8 +100,8 @@ def job_of(
 
 
 def _end_of(content: ControllerText, start: Array) -> Array:
-    """Return where the robot stands after the last line (n,) [axis units]; after branches that meet, the
-    point of the RAPID there.
+    """Return the position after the last line (n,) [axis units]. After branches that meet, this is the point
+    of their RAPID.
     """
     for item in reversed(content.course):
         match item:
@@ -113,9 +113,9 @@ def _end_of(content: ControllerText, start: Array) -> Array:
 
 
 def in_pieces(content: dict[str, Any]) -> str:
-    """Return content as JSON, encoding each item of its lists by itself.
+    """Return content as JSON, encoding each item of its lists separately.
 
-    One call for everything would block the interpreter for other threads: 0.1 s for a program of 400
+    A single call for all items would block the interpreter's other threads: 0.1 s for a program of 400
     commands.
     """
     written = []
@@ -128,14 +128,14 @@ def in_pieces(content: dict[str, Any]) -> str:
 def job_of_compiled(
     compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0, clock: float = 0.0
 ) -> Job:
-    """Make a job from a compiled program. A program for a program buffer can't become a job.
+    """Create a job from a compiled program. A program for a program buffer can't become a job.
 
     Args:
         compiled: the program.
         name: name of the program for people.
-        source: text for its log; None: its own.
+        source: text for its log; None: the program's own text.
         offset: start of the job in the program that it is a part of [s].
-        clock: latest known time at which it begins there [s].
+        clock: latest known time at which the job begins in that program [s].
     """
     text = compiled.program.source.text if source is None else source
     papers = Papers(text, in_pieces(compiled.certificate.to_json()))
@@ -150,10 +150,14 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @frozen
 class _Making:
-    """Data shared by all parts of a text.
+    """Data that all parts of a text share.
 
-    It has the begin of each move line's motion or each dwell [s], the commands with their times, and, by
-    line, what arms the guard, sets a variable, or stands still [s].
+    Attributes:
+        begins: time at which the motion of each move line, or each dwell, begins [s], by line.
+        commands: the commands with their times.
+        arms: lines that arm the guard.
+        sets: variables that lines set, by line.
+        dwells: durations of dwells [s], by line.
     """
 
     common: Job
@@ -163,7 +167,7 @@ class _Making:
     sets: dict[int, tuple[str, float]]
     dwells: dict[int, float]
     searches: dict[int, Searched]
-    """Searches, by the first of their lines."""
+    """Searches, by their first lines."""
 
     def part(
         self,
@@ -173,17 +177,18 @@ class _Making:
         begin: float,
         end: float,
     ) -> Job:
-        """Return the job of some lines.
+        """Return the job for some lines.
 
         Args:
             loaded: lines with their numbers.
             runs: sequences of moves in these lines.
-            start: (n,) where the robot stands before them [axis units].
+            start: (n,) position before these lines [axis units].
             begin: program time at which the lines begin [s].
             end: program time at which they end [s].
         """
         robot = self.common.robot
-        # From the last line to the first: a line that takes no time has the time of the next one that does.
+        # From the last line to the first: a line without a duration gets the time of the next line that has
+        # one.
         times, following = np.empty(len(loaded)), end
         for row in range(len(loaded) - 1, -1, -1):
             following = self.begins.get(loaded[row][0], following)
@@ -229,8 +234,8 @@ def _legs(
     loaded: Sequence[tuple[int, str]],
     start: Array,
 ) -> Iterator[Leg]:
-    """Yield the lines between two barriers. STOP itself isn't sent: the streaming code stops by not
-    continuing.
+    """Yield the legs: the lines between two barriers. A STOP isn't sent; the streaming code stops by
+    sending nothing more.
     """
     entries = {entry.step: entry for entry in content.entries}
     offsets = {one.step: one for one in content.offsets}
@@ -283,14 +288,14 @@ def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Barrier:
 
 
 def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
-    """Return when the motion towards each move line's point, and each dwell, begins [s], by the line's
-    number.
+    """Return when the motion to the point of each move line, and when each dwell, begins [s], by the
+    line's number.
     """
     begins: dict[int, float] = {}
     for item, now in zip(content.course, schedule.places, strict=False):
         match item:
             case Run():
-                # A sequence begins with a segment of its own (TUM 289).
+                # A sequence begins with an additional segment (TUM 289).
                 begins |= {int(line): now + row * item.segment for row, line in enumerate(item.lines, 1)}
             case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
                 begins[line] = now

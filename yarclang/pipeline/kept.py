@@ -23,13 +23,13 @@ Stamp = Hashable
 def robot_kept(
     memory: Memory, path: Path | None, text: str | None, load: Callable[[], Result[Robot]]
 ) -> Result[Robot]:
-    """Return a robot from the cache, or else from `load`; a robot with errors is loaded each time.
+    """Return a robot from the cache, or else from `load`. A robot with errors isn't cached.
 
     Args:
         memory: the cache.
         path: its robot.toml; None if there is none.
-        text: content of the file, if it differs from the saved one.
-        load: reads it.
+        text: content of the file, if it differs from the saved content.
+        load: reads the robot.
     """
     if path is None:
         return load()
@@ -47,7 +47,7 @@ def robot_kept(
 def cell_kept(
     memory: Memory, path: Path, robot: Robot, text: str | None, load: Callable[[], Result[Cell]]
 ) -> Result[Cell]:
-    """Return a cell for the same robot from the cache; else as `robot_kept`."""
+    """Return a cell for the same robot from the cache, like `robot_kept`."""
     key = ("cell", path, path.absolute(), robot, text)
     return _kept(memory, key, load, lambda: (path,), lambda cell: (path, *meshes_of(cell)))
 
@@ -55,7 +55,7 @@ def cell_kept(
 def trajectory_kept(
     memory: Memory, path: Path, text: str | None, load: Callable[[], Result[TrajectoryFile]]
 ) -> Result[TrajectoryFile]:
-    """Return a trajectory file from the cache; else as `robot_kept`."""
+    """Return a trajectory file from the cache, like `robot_kept`."""
     files = (path,) if text is None else ()
     key = ("trajectory", path, path.absolute(), text)
     return _kept(memory, key, load, lambda: files, lambda _: files)
@@ -68,15 +68,15 @@ def _kept(
     begins_with: Callable[[], tuple[Path, ...]],
     made_of: Callable[[T], tuple[Path, ...]],
 ) -> Result[T]:
-    """Return a result from the cache as long as its files are unchanged, or else from `load`.
+    """Return a result from the cache while its files are unchanged, or else from `load`.
 
     Args:
         memory: the cache.
-        key: its key.
-        load: reads it.
-        begins_with: files that are known in advance: if one of them changes during reading, the result isn't
+        key: key of the result.
+        load: computes the result.
+        begins_with: files that are known in advance. If one of them changes during reading, the result isn't
             cached.
-        made_of: returns the files of a result.
+        made_of: returns the files from which a result was read.
     """
     if memory is NO_MEMORY:
         return load()
@@ -101,7 +101,7 @@ def _meshes(shapes: Iterable[Shape]) -> list[Path]:
 
 
 def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
-    """Return the files in some folders: a URDF may be any of them."""
+    """Return all files in some folders. A URDF may refer to any of them."""
     found: list[Path] = []
     for folder in folders:
         try:
@@ -116,7 +116,7 @@ _READ = frozenset([".toml", ".urdf", ".xml", ".srdf"])
 
 
 def stamp_of(files: Iterable[Path]) -> Stamp:
-    """Return a value that changes when one of the files does."""
+    """Return a value that changes if one of the files changes."""
     stamps: list[Hashable] = []
     for path in files:
         try:

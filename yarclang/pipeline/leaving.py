@@ -1,5 +1,5 @@
-"""The way on which a robot leaves after a watched input has held a motion: back along its path to where the
-motion began, then the steps of the SUB that its ON calls.
+"""Plan how a robot withdraws after a watched input has held a motion: back along its path to where the motion
+began, then through the steps of the SUB that the ON calls (the way out).
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ BACK = "<back>"
 """Name of the program that leads back along a path."""
 
 _WITHIN = 1e-4
-"""Largest deviation of each joint from the path on the way back [rad or m], as of MOVEJ_TIMED."""
+"""Largest deviation of each joint from the path on the way back [rad or m], as the default of MOVEJ_TIMED."""
 
 _SLOWER = 2.0
-"""Time of the way back, in times of the way there."""
+"""Ratio of the duration of the way back to that of the way forward."""
 
 _SHORTEST = 1.0
 """Shortest time of the way back [s]."""
 
 _TRIES = 4
-"""Most times of the way back that are tried; each is twice the one before."""
+"""Largest number of durations of the way back that are tried. Each is twice the previous one."""
 
 _ROW_EACH = 0.02
 _MOST_ROWS = 2000
@@ -41,18 +41,19 @@ _MOST_ROWS = 2000
 def leaving(
     plan: MotionPlan, name: str, number: int, time: float, here: Array, request: Request
 ) -> tuple[Job, ...] | str:
-    """Return what leads a robot out that stands on the path of a motion: the way back, if it is one, and the way out.
+    """Return the jobs by which a robot withdraws that was stopped on the path of a motion: the way back
+    (unless the robot is at the motion's start), and the way out.
 
     Args:
         plan: the program.
         name: the way out.
-        number: the motion on whose path the robot stands.
-        time: where it stands [s of the plan].
-        here: (n,) where it stands [rad or m].
+        number: the motion on whose path the robot was stopped.
+        time: time of the plan that corresponds to the robot's position [s].
+        here: (n,) position of the robot [rad or m].
         request: the settings with which the program was planned.
 
     Returns:
-        A text with the reason instead, if it can't be done.
+        A text with the reason instead, if this isn't possible.
     """
     way = next((one for one in plan.program.ways_out if one.name == name), None)
     if way is None:
@@ -78,7 +79,7 @@ def _out(plan: MotionPlan, way: WayOut, here: Array, request: Request) -> Compil
 
 
 def _back(plan: MotionPlan, begin: int, time: float, here: Array, request: Request) -> Compiled | str:
-    """Return the way back along the path, from rest to rest; it isn't quicker than the robot came."""
+    """Return the way back along the path, from rest to rest, no faster than the robot came."""
     whole, watches = plan.program, only_holding(plan.program.watches)
     since = float(plan.begins[begin])
     done = max(time - since, 0.0)
@@ -99,10 +100,12 @@ def _back(plan: MotionPlan, begin: int, time: float, here: Array, request: Reque
 
 
 def _table(plan: MotionPlan, since: float, done: float, lasts: float) -> Timetable:
-    """Return the way from `done` [s after `since`] back to `since`, as a timetable of `lasts` [s] from rest to rest."""
+    """Return the way from `done` [s after `since`] back to `since`, as a timetable of `lasts` [s] from
+    rest to rest.
+    """
     count = int(np.clip(np.ceil(lasts / _ROW_EACH), 4, _MOST_ROWS))
     share = np.arange(1, count + 1) / count
-    # Hermite's smoothest step: it and its first two derivatives.
+    # Hermite's smoothest step of degree 5, with its first two derivatives.
     step = share**3 * (10.0 + share * (6.0 * share - 15.0))
     slope = 30.0 * share**2 * (1.0 - share) ** 2 / lasts
     bend = 60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / lasts**2

@@ -1,6 +1,6 @@
-"""From a line of controller text back to its command, by the text's own comments.
+"""Find the command to which a line of controller text belongs, by the text's own comments.
 
-The header's map names every command, its line in the source, and the first and last of its moves. Lines
+The map in the header names every command, its line in the source, and the first and last of its moves. Lines
 between the moves are assigned to a command by the kind of controller that the header's target names
 (`Backend.purposes`). Nothing is proved here, and no robot is needed.
 """
@@ -21,8 +21,12 @@ from yarclang.frozen import frozen
 class LineMap:
     """The purpose of each line of a text.
 
-    `program` is the source's file name, `robot` and `fingerprint` come from the header, and `stretches` cover
-    all lines, in order.
+    Attributes:
+        program: file name of the source.
+        robot: the robot, from the header.
+        fingerprint: fingerprint of the robot, from the header.
+        commands: the commands that the header lists.
+        stretches: groups of consecutive lines with one purpose, in order. They cover all lines.
     """
 
     program: str
@@ -32,7 +36,7 @@ class LineMap:
     stretches: tuple[Stretch, ...]
 
     def at(self, line: int) -> Stretch | None:
-        """Return the stretch of a line (from 1); None if the text has no such line."""
+        """Return the stretch that contains a line (from 1); None if the text has no such line."""
         return next((one for one in self.stretches if one.first <= line <= one.last), None)
 
     def of(self, step: int) -> tuple[Stretch, ...]:
@@ -48,12 +52,14 @@ HEADER = "it lists the command in the header"
 
 
 def is_compiled_text(text: str) -> bool:
-    """Return True if a text begins like those of yarcc."""
+    """Return True if a text begins like a text of yarcc."""
     return text.startswith("; yarcc ")
 
 
 def map_lines(text: str) -> LineMap:
-    """Read the comments of a text of yarcc. All lines of another text are one stretch without a command."""
+    """Read the comments of a text of yarcc. For any other text, all lines are one stretch without a
+    command.
+    """
     lines = text.split("\n")[:-1] if text.endswith("\n") else text.split("\n") if text else []
     preamble = header_of(text)
     if isinstance(preamble, Unreadable):

@@ -1,4 +1,4 @@
-"""Locations of modules: beside the program, or else in the standard library."""
+"""Find modules: beside the program, or else in the standard library."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ SUFFIX = ".yarc"
 
 
 def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callable[[str], Result[Module]]:
-    """Return a function that reads modules of a program in `folder`, by name in any case.
+    """Return a function that reads the modules of a program in `folder`, by names in any case.
 
-    The function takes a name in upper case, and returns the parsed module, or a finding that lists the
-    existing ones. `texts` are open files by their absolute paths: they take precedence over saved ones.
+    The function takes a name in upper case. It returns the parsed module, or a finding that lists the modules
+    that exist. `texts` are open files by their absolute paths: they take precedence over saved files.
     """
 
     @cache  # for one check: files that appear later don't count

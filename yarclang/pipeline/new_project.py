@@ -1,4 +1,4 @@
-"""The files of a new project: those of the standard library's `project` folder, with a name and a robot
+"""Create the files of a new project from the standard library's folder `project`, with a name and a robot
 filled in.
 """
 
@@ -30,7 +30,7 @@ _FILES = {
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
 _STEP = {"deg": 5.0, "mm": 50.0}
-"""Motion of the first joint in the first program."""
+"""Distance that the first joint moves in the first program."""
 
 
 def check_name(name: str) -> tuple[Diagnostic, ...]:
@@ -49,7 +49,7 @@ def check_name(name: str) -> tuple[Diagnostic, ...]:
 
 
 def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
-    """Return a finding if the folder has files that a new project would mix with."""
+    """Return a finding if the folder has files that would get mixed with those of a new project."""
     try:
         if folder.is_dir():
             there = sorted(path.name for path in folder.iterdir())
@@ -76,7 +76,7 @@ def project_files(name: str, robot: Robot, robot_entry: str) -> dict[str, str]:
     """
     joint, unit = 0, robot.axis_unit_names[0]
     up, down = (robot.limits.upper - robot.home)[joint], (robot.home - robot.limits.lower)[joint]
-    # Half of the remaining range, if that is small.
+    # Half of the range that is left, if that is less.
     step = min(_STEP[unit], max(up, down) / 2 / robot.axis_units[joint]) * (1 if up >= down else -1)
     filled = {
         "@NAME@": name,

@@ -1,8 +1,8 @@
-"""Finding the program of a controller text: by its name, and checked by its actions.
+"""Find the program of a controller text by its name, and check it by its actions.
 
 The text's header has the program's file name and a hash of its actions. A file with that name, beside the
-text or in the working folder, is that program if it has the same actions; comments and layout may have
-changed since.
+text or in the working folder, is the program if it has the same actions. Its comments and layout may have
+changed.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ _VALUE = r"(-?\d+(?:\.\d+)?)"
 
 @frozen(eq=False)
 class Origins:
-    """The source of a text's commands: `program`, or, if it is None, `missing`: the reason why it isn't
-    known.
+    """The source of a text's commands: `program`. If it isn't known, `program` is None and `missing` is
+    the reason.
     """
 
     program: Program | None
@@ -38,7 +38,7 @@ class Origins:
         """Return the origin of a command by its place, its name and its line in the text's map; None if
         unknown.
 
-        The line decides only between commands with the same name.
+        The line is used only to choose among commands with the same name.
         """
         if self.program is None:
             return None
@@ -51,7 +51,7 @@ class Origins:
         return next((one for one in found if one.span.line == source_line), found[0] if found else None)
 
     def of_listed(self, listed: Listed) -> Origin | None:
-        """Return the origin of a command of the text's own map."""
+        """Return the origin of a command that the text's own map lists."""
         return self.of(listed.index, listed.name, listed.source_line)
 
 
@@ -96,7 +96,7 @@ def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str
 
 
 def start_values(header: Header, robot: Robot) -> tuple[float, ...] | None:
-    """Return the robot's start according to a header [deg or mm]; None if that isn't a position of this
+    """Return the robot's start according to a header [deg or mm]; None if it isn't a position of this
     robot.
     """
     form = "".join(re.escape(axis) + _VALUE for axis in robot.controller.axes)

@@ -1,4 +1,4 @@
-"""Programs that a run needs besides the written one: a part of it, and the slow motion to a start."""
+"""Plan programs that a run needs besides the written one: a part of it, and the slow motion to its start."""
 
 from __future__ import annotations
 
@@ -64,18 +64,19 @@ _SHORTEST = 0.5
 def approach(
     robot: Robot, here: Array, there: Array, cell: Cell | None = None, watches: tuple[Watch, ...] = ()
 ) -> Result[Compiled]:
-    """Plan a certified motion of all joints at the robot's rapid share of its limits: straight if that is
-    free, else around obstacles.
+    """Plan a certified motion of all joints within the robot's rapid share of its limits.
+
+    The motion is straight if the straight path is free; otherwise it goes around obstacles.
 
     Args:
         robot: the robot.
-        here: (n,) where it stands [rad or m].
-        there: (n,) where it should go [rad or m].
-        cell: its surroundings; their parts are where they are when a program starts.
-        watches: inputs that hold the motion, as those of the program that it leads to.
+        here: (n,) position of the robot [rad or m].
+        there: (n,) goal [rad or m].
+        cell: its surroundings, with the parts where they are when a program starts.
+        watches: inputs that hold the motion, such as those of the program that follows.
 
     Returns:
-        A finding instead, if there is no way.
+        A finding instead, if there is no such motion.
     """
     cell = around_start(cell)
     way = find_way(room_of(robot, cell, tool_frame(robot)), here, there)
@@ -96,12 +97,14 @@ def approach(
         made = compiled_part(program, Request(robot))
         if made.value is None or _fastest(made.value, limits.velocity) <= share * (1.0 + 1e-9):
             return made
-        # ramps of whole segments can make the cruise a little faster than the profile's peak says
+        # ramps consist of whole segments, which can make the cruise a little faster than the profile's peak
         duration += 0.05
 
 
 def _fastest(made: Compiled, allowed: Array) -> float:
-    """Return a bound of the largest share of the allowed speeds (n,) [rad/s or m/s] that a joint reaches."""
+    """Return an upper bound of the share of its allowed speed that any joint reaches; `allowed` is (n,)
+    [rad/s or m/s].
+    """
     shares = [
         np.abs(np.diff(one.curve.points, axis=0)) / one.curve.segment / allowed
         for one in made.plan.motions
@@ -121,12 +124,12 @@ def _round(
     made = compiled_part(
         Program(source, here, (move,), cell=cell, watches=only_holding(watches)), Request(robot)
     )
-    # Notes about its motion matter only for commands that someone has written.
+    # Drop notes: nobody has written this command, so nobody can change it.
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
 
 
 def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[SourceFile, Origin]:
-    """Return the one command of an approach, as text."""
+    """Return the text of an approach, which is a single command."""
     values = "; ".join(" ".join(f"{value:.6g}" for value in q / robot.axis_units) for q in points)
     text = f"P0001 {name} {values} [{time}] (deg,s)"
     source = SourceFile("<approach>", text)
@@ -159,7 +162,7 @@ def part(
     """Return a part of a plan as a program of its own.
 
     Steps between two motions belong to the first of them. Steps before the first motion, such as a WAIT,
-    belong to it, or to none (`with_lead`).
+    belong to the first motion or to no motion (`with_lead`).
 
     Args:
         plan: the plan.
@@ -167,13 +170,13 @@ def part(
         first: number of the first motion.
         last: number after the last motion; None: to the end of the plan.
         with_lead: True if the steps before the first motion belong to the part.
-        since: a motion, a step, and the cell with its parts before that step, at which the robot stands where
-            that motion begins; None: the parts follow from the beginning of the plan.
-        step: the step with which the part begins, at which the robot stands where the first motion begins;
-            None: as `with_lead` says.
+        since: a motion, a step, and the cell with its parts before that step. The robot is at the start of
+            this motion then. None: the places of parts follow from the beginning of the plan.
+        step: the step with which the part begins, while the robot is at the start of the first motion; None:
+            as `with_lead` says.
 
     Returns:
-        A finding instead, if a part would cut motions that flow into each other, or a WHEN.
+        A finding instead, if the part would cut blended motions, or a WHEN.
     """
     motion = plan.motions[first]
     steps = plan.program.steps
@@ -201,7 +204,7 @@ def part(
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
     around = _cells(plan) if since is None else _cells_since(plan, *since)
     if around is not None and plan.program.cell is not None:
-        # The places of parts follow from all earlier steps.
+        # The places of parts depend on all earlier steps.
         cells = {step - begin: cell for step, cell in around.items() if begin <= step < end}
         program = replace(program, cell=without_parts(plan.program.cell), cells=cells)
     return compiled_part(program, request)
@@ -210,8 +213,8 @@ def part(
 def steps_of(
     plan: MotionPlan, first: int, last: int | None = None, *, with_lead: bool = True, step: int | None = None
 ) -> tuple[int, int]:
-    """Return the steps that belong to motions `first` to `last` of a plan, as in `part`: the first step, and
-    the one after the last.
+    """Return the range of steps that belong to motions `first` to `last` of a plan, as in `part`: the first
+    step, and the step after the last.
     """
     steps = plan.program.steps
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
@@ -231,8 +234,9 @@ def parts_before(plan: MotionPlan, step: int) -> Parts | None:
 
 
 def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ...]:
-    """Return the gripper that the motion of a step moves away from its part, if the part is `now` where the
-    plan has it.
+    """Return the gripper that moves away from its part during the motion of a step.
+
+    Empty if there is none, or if the part's current place (in `now`) isn't the one in the plan.
     """
     whole, then = followed_plan(plan), parts_before(plan, step)
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
@@ -248,7 +252,7 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
 
 @lru_cache(maxsize=4)
 def followed_plan(plan: MotionPlan) -> Followed | None:
-    """Follow the parts through a plan; None if the cell has none, and no bodies may touch on a motion."""
+    """Follow the parts through a plan; None if the cell has no parts and no motion allows bodies to touch."""
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
     if not handling.is_needed:
         return None
@@ -261,8 +265,8 @@ def _cells(plan: MotionPlan) -> Mapping[int, Cell | None] | None:
 
 
 def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mapping[int, Cell | None] | None:
-    """Return the cell during each motion from `number` on. Before the step `step`, which precedes it, the
-    parts were as in `cell`.
+    """Return the cell during each motion from `number` on. `cell` has the places of the parts before the step
+    `step`, which is before that motion.
     """
     allowed = {at - step: one for at, one in allowances_of(plan.program).items() if at >= step}
     handling = handling_of(plan.robot, cell, plan.program.steps[step:], allowed)
@@ -274,14 +278,14 @@ def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mappin
 
 
 def ends_of(plan: MotionPlan) -> dict[int, Array]:
-    """Return where each motion of a plan ends (n,) [rad or m], by its step."""
+    """Return the end position of each motion of a plan (n,) [rad or m], by its step."""
     return {
         motion.step: motion.curve.sample(np.array([motion.curve.duration]))[0][0] for motion in plan.motions
     }
 
 
 def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
-    """Return the first part of a WHEN or a loop whose other parts are missing."""
+    """Return the first step that belongs to an incomplete WHEN or loop; None if all are complete."""
     opened: list[Turn] = []
     for step in steps:
         match step:
@@ -311,7 +315,8 @@ def chain_begin(plan: MotionPlan, number: int) -> int:
     """Return the number of the motion with which the robot must start from rest to reach motion `number`
     without a stop; usually `number` itself.
 
-    Where a search ends is known only while the program runs, so the motion after it can't be begun with, either.
+    The end of a search is known only at run time. A program therefore can't begin with the motion after a
+    search.
     """
     searches = {one.step for one in searches_of(plan.program)}
     while number and (plan.motions[number - 1].flows or plan.motions[number - 1].step in searches):
@@ -320,7 +325,7 @@ def chain_begin(plan: MotionPlan, number: int) -> int:
 
 
 def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
-    """Group the motions from `first` on, so that before each group the robot stands, and a program can begin
+    """Group the motions from `first` on. Before each group the robot is at rest, and a program can begin
     there.
 
     The motions of a WHEN, a CASE or a loop belong to one group, with the steps before them.
@@ -331,7 +336,7 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
     flows = [motion.flows for motion in plan.motions]
     inside = _in_ways(plan.program.steps)
     searches = {one.step for one in searches_of(plan.program)}
-    # What follows a search begins where the search has ended.
+    # The motion after a search begins where the search has ended.
     searched = [motion.step in searches for motion in plan.motions]
     begins = [
         number
@@ -343,7 +348,7 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
 
 
 def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
-    """Return, for each step, if it is inside a WHEN or a loop."""
+    """Return True for each step that is inside a WHEN or a loop."""
     depth, found = 0, []
     for step in steps:
         found.append(depth > 0)
@@ -352,15 +357,17 @@ def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
 
 
 def chain_place(plan: MotionPlan, place: str) -> str:
-    """Return the place of the motion from which the robot reaches the motion at `place` without a stop;
-    usually `place` itself.
+    """Return the place of the motion with which the robot must start from rest to reach the motion at `place`
+    without a stop; usually `place` itself.
     """
     number = motion_number(plan, place)
     return place if isinstance(number, Diagnostic) else _origin(plan, chain_begin(plan, number)).label
 
 
 def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
-    """Return why a program can't begin with motion `number`, and that it can with `begin`."""
+    """Return the finding that a program can't begin with motion `number`, but can begin with motion
+    `begin`.
+    """
     origin, first = _origin(plan, number), _origin(plan, begin)
     before = _origin(plan, number - 1)
     if plan.motions[number - 1].flows:
@@ -393,8 +400,9 @@ def _step_origin(plan: MotionPlan, at: int) -> Origin:
 
 
 def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
-    """Return the first motion and the first step of a program that begins at a place: that of a motion, or of
-    a WAIT, SET, HOLD or DWELL, at which the robot stands.
+    """Return the first motion and the first step of a program that begins at a place.
+
+    The place is that of a motion, or of a WAIT, SET, HOLD or DWELL, during which the robot is at rest.
 
     Returns:
         The numbers of the motion and of the step; a finding if a program can't begin there.
@@ -421,7 +429,7 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
 
 
 def can_begin_at(plan: MotionPlan, place: str) -> bool:
-    """Return True if a program can begin at the step with this place, which is no motion."""
+    """Return True if a place is that of a step without motion at which a program can begin."""
     found = beginning(plan, place)
     if isinstance(found, Diagnostic):
         return False
@@ -430,23 +438,23 @@ def can_begin_at(plan: MotionPlan, place: str) -> bool:
 
 
 def stands_for(plan: MotionPlan, first: int, step: int) -> float:
-    """Return how long the robot stands by DWELLs before a motion [s].
+    """Return the total time of the DWELLs before a motion [s].
 
     Args:
         plan: the plan.
         first: number of the motion.
-        step: step from which on DWELLs count.
+        step: number of the first step whose DWELL counts.
     """
     between = plan.program.steps[step : plan.motions[first].step]
     return sum(one.duration for one in between if isinstance(one, Dwell))
 
 
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
-    """Return the number of the motion at a place: an index such as P0010, or a place among loops and calls as
-    a run reports it. Of several, the first.
+    """Return the number of the first motion with a place. The place is an index such as P0010, or a place in
+    loops and calls as a run reports it.
 
     Returns:
-        A finding with the existing places, if there is none.
+        A finding that lists the existing places, if there is no such motion.
     """
     labels = {number: _origin(plan, number).label for number in range(len(plan.motions))}
     if found := matching(labels, place):
@@ -460,7 +468,7 @@ def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
 
 
 def compiled_part(program: Program, request: Request) -> Result[Compiled]:
-    """Plan and certify a program that is a part of another, or leads to one."""
+    """Plan and certify a program that is a part of another program, or that moves to its start."""
     planned = plan_program(program, request)
     if planned.value is None:
         return Result(None, planned.diagnostics)

@@ -1,4 +1,4 @@
-"""Commands by their places: an index, a place among loops and calls, or a part of such a place."""
+"""Find commands by their places: an index, a place in loops and calls, or a part of such a place."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ _PART = re.compile(rf"P([0-9]{{1,{LONGEST_INDEX}}})(?:\(([^()]*)\))?", re.IGNORE
 
 @frozen
 class Part:
-    """One part of a place: `P0020(I=2)` is command 20 in a loop with I at 2."""
+    """One part of a place: `P0020(I=2)` is command 20 in a loop in which I is 2."""
 
     number: int
     loops: tuple[str, ...]
 
     def fits(self, wanted: Part) -> bool:
-        """Return True if this part matches `wanted`: loops that `wanted` omits may have any value."""
+        """Return True if this part matches `wanted`. Loops that `wanted` omits may have any value."""
         return self.number == wanted.number and set(wanted.loops) <= set(self.loops)
 
 
 def parts_of(text: str) -> tuple[Part, ...] | None:
-    """Return the parts of a place, from outside in; None if the text is no place."""
+    """Return the parts of a place, beginning with the outermost; None if the text is no place."""
     parts: list[Part] = []
     for piece in re.sub(r"\s+", "", text).split(">"):
         found = _PART.fullmatch(piece)
@@ -47,9 +47,9 @@ def labels_of(program: Program) -> dict[int, str]:
 def matching(labels: dict[int, str], text: str) -> tuple[int, ...]:
     """Return the numbers of the places that match a text, in order.
 
-    A whole place matches itself. Otherwise the text is the beginning of a place, as in the program's own file
-    (the index of a CALL matches all commands that it leads to), or else its end, as in a SUB; loops that it
-    omits may have any value.
+    A complete place matches only itself. Otherwise the text may be the beginning of a place, as in the
+    program's own file: the index of a CALL matches all commands of the call. If there is no such place, the
+    text may be the end of a place, as in a SUB. Loops that the text omits may have any value.
     """
     wanted = parts_of(text)
     if wanted is None:

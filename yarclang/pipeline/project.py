@@ -1,4 +1,4 @@
-"""yarc.toml: defaults for options that are left out."""
+"""Read yarc.toml: defaults for options that aren't given."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _LEVELS = ("off", "note", "warning", "error")
 class Project:
     """The settings of a yarc.toml.
 
-    They are a robot's name or path (relative to `folder`), the path of a cell.toml for all its programs
-    (likewise), the robot's start [deg, mm for prismatic joints], True if its programs are for teaching at
-    reduced speed, and the severity of findings by their codes (`off`: not reported). `jobs` are programs by
-    their numbers, as paths relative to `folder`.
+    They are a robot's name or its path (relative to `folder`), the path of a cell.toml for all programs
+    (relative to `folder`), the robot's start [deg, mm for prismatic joints], True if the programs are for
+    teaching at reduced speed, and the severity of findings by their codes (`off`: not reported). `jobs` are
+    programs by their numbers, as paths relative to `folder`.
     """
 
     folder: Path
@@ -48,8 +48,8 @@ class Project:
 
 
 def find_project(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Project]:
-    """Return the yarc.toml of a folder, or of the nearest folder above; empty settings if there is none. Open
-    files in `texts` take precedence over saved ones.
+    """Return the yarc.toml of a folder or of the nearest folder above it; empty settings if there is none.
+    Open files in `texts` take precedence over saved files.
     """
     folder = folder.resolve()
     open_ = {path.resolve(): text for path, text in texts.items() if path.name == FILE_NAME}
@@ -165,7 +165,7 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
         say(("findings",), "findings is a table", 'write [findings], and below it Y0611 = "off"')
         return levels
     known = [*everything(), *(one.name for one in everything().values())]
-    # A more specific key takes precedence, in any order.
+    # A more specific key takes precedence, whatever the order is.
     for word, level in sorted(table.items(), key=lambda entry: len(entry[0])):
         path = ("findings", word)
         codes = codes_of(word)

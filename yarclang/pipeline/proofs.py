@@ -1,4 +1,4 @@
-"""From a compiled program to the proof that a small checker verifies."""
+"""Convert a compiled program to the proof that a small checker verifies."""
 
 from __future__ import annotations
 

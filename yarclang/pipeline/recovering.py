@@ -1,5 +1,5 @@
-"""The way from anywhere to a program: to its start, or to the nearest of its places that a proved motion
-leads to.
+"""Find a motion from any position to a program: to its start, or to the nearest of its places that a proved
+motion reaches.
 """
 
 from __future__ import annotations
@@ -22,21 +22,27 @@ from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
 
 MOST_PLACES = 4
-"""Number of places that are tried besides the start: finding out that there is no way takes seconds."""
+"""Number of places that are tried besides the start. It is small because a failed search for a way takes
+seconds.
+"""
 
 _SAME = 1e-6
 """Distance within which places count as the same [rad or m]."""
 
 NOT_RECOVERED = "Y1660"
-"""Code of a robot from which no proved motion leads to the program."""
+"""Code of the finding that no proved motion leads from the robot's position to the program."""
 
 
 @frozen(eq=False)
 class Place:
     """A place at which a program may begin.
 
-    `index` is the place of its command, empty for the start; `title` is for people; `line` of the source is 0
-    if there is no command. The robot stands at `there` (n,) [rad or m], before motion `number` of the plan.
+    Attributes:
+        index: place of its command; empty for the start.
+        title: title for people.
+        line: line of the source; 0 if there is no command.
+        there: (n,) position of the robot at this place [rad or m].
+        number: number of the motion of the plan that begins there.
     """
 
     index: str
@@ -48,12 +54,14 @@ class Place:
 
 @frozen(eq=False)
 class Recovery:
-    """A place of a program, and the proved motion that leads to it; `made` is None if the robot is already
-    there.
+    """A place of a program, and the proved motion to it.
 
-    `cell` is the cell of the proof, with its parts. `assumed` names the parts whose places are unknown: they
-    are assumed to be where the program has them at that place. `refused` is the reason if the place isn't the
-    start.
+    Attributes:
+        made: the motion; None if the robot is already there.
+        cell: the cell of the proof, with its parts.
+        assumed: names of the parts whose places are unknown. They are assumed to be where the program has
+            them at this place.
+        refused: the reason if the place isn't the start.
     """
 
     place: Place
@@ -73,17 +81,17 @@ def recovery(
     is_there: Callable[[Array], bool],
     nearest: bool = True,
 ) -> Result[Recovery]:
-    """Find the place to which the robot can go: the start if a motion there is proved, else the nearest place
+    """Find a place to which the robot can move: the start if a motion to it is proved, else the nearest place
     at which the program may begin.
 
     Args:
         robot: the robot.
-        start: start of the program, or the place that was named.
-        here: where the robot stands (n,) [rad or m].
+        start: start of the program, or the place that the user named.
+        here: position of the robot (n,) [rad or m].
         plan: plan of the program; None: only its start is known.
-        around: returns the cell, with its parts, for the way to a place, and True if the places of these
+        around: returns, for the motion to a place, the cell with its parts, and True if the places of these
             parts are known.
-        is_there: returns True if the robot stands at joint positions (n,) [rad or m].
+        is_there: returns True if the robot is at joint positions (n,) [rad or m].
         nearest: False if only `start` is wanted.
 
     Returns:
@@ -112,7 +120,7 @@ def recovery(
 
 
 def _beyond(robot: Robot, here: Array) -> Diagnostic | None:
-    """Return a finding if a joint is beyond its limit; less than `_SAME` counts as on the limit."""
+    """Return a finding if a joint is beyond its limit. An excess of less than `_SAME` is ignored."""
     excess = np.maximum(robot.limits.lower - here, here - robot.limits.upper)
     joint = int(np.argmax(excess))
     if excess[joint] <= _SAME:
@@ -131,8 +139,8 @@ def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, num
 
     Args:
         plan: plan of the program; None: unknown.
-        there: where the robot stands then (n,) [rad or m].
-        step: first step, if one was named; None: none.
+        there: position of the robot at that place (n,) [rad or m].
+        step: first step, if the user named one; else None.
         number: number of the first motion.
     """
     if plan is None or step is None:
@@ -141,8 +149,8 @@ def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, num
 
 
 def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Parts | None:
-    """Return the places of a program's parts at one of its places; at its start they are as in `first`. None
-    if its cell has none.
+    """Return the places of a program's parts when the program is at one of its places; at its start these are
+    `first`. None if its cell has no parts.
     """
     if plan is None or not place.number or not plan.motions:
         return first
@@ -150,13 +158,13 @@ def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Part
 
 
 def _others(plan: MotionPlan, start: Place, here: Array, robot: Robot) -> Iterator[Place]:
-    """Yield the places at which the program may begin, nearest first, by the time that the slowest joint
-    needs.
+    """Yield the places at which the program may begin. The first is the nearest by the time that the slowest
+    joint needs.
 
     Args:
         plan: plan of the program.
         start: its start.
-        here: (n,) where the robot stands [rad or m].
+        here: (n,) position of the robot [rad or m].
         robot: the robot.
     """
     if not plan.motions:
@@ -195,13 +203,15 @@ def _origin(plan: MotionPlan, number: int) -> Origin:
 def _way(
     robot: Robot, place: Place, here: Array, plan: MotionPlan | None, cell: Cell | None
 ) -> Result[Compiled]:
-    """Return a motion to a place: along the path if the robot was stopped on it beside a part, else straight,
-    else around obstacles.
+    """Return a motion to a place.
+
+    If the robot was stopped beside a part, the motion follows the path on which it was stopped. Otherwise it
+    is straight if this is possible, else around obstacles.
 
     Args:
         robot: the robot.
         place: the place.
-        here: (n,) where the robot stands [rad or m].
+        here: (n,) position of the robot [rad or m].
         plan: plan of the program; None: unknown.
         cell: the cell with its parts; None: there is none.
     """
@@ -220,7 +230,7 @@ def _is_blocked(robot: Robot, here: Array, cell: Cell | None) -> bool:
 
 
 def around_place(cell: Cell | None, assumed: Parts | None) -> Cell | None:
-    """Return a cell with its parts where a program has them at a place."""
+    """Return a cell with its parts where they are when a program is at a place."""
     return cell if cell is None or assumed is None else presently(cell, Present(assumed))
 
 

@@ -1,4 +1,4 @@
-"""The rest of a program after an input has ended a motion, planned and proved from where the robot stands."""
+"""Plan and prove the rest of a program from the robot's position, after an input has ended a motion."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> R
     Args:
         plan: the program.
         number: number of the motion that was ended.
-        here: (n,) where the robot stands [rad or m].
+        here: (n,) position of the robot [rad or m].
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        A text with the reason instead, if it can't be done.
+        A text with the reason instead, if this isn't possible.
     """
     steps = plan.program.steps
     begin = _behind_when(steps, plan.motions[number].step + 1)
@@ -74,7 +74,9 @@ def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> R
 
 
 def _parts(steps: Sequence[Step], begin: int) -> Iterator[list[Step]]:
-    """Yield what is streamed between barriers, from step `begin` to the end of the next motion."""
+    """Yield the parts that are streamed, separated by barriers, from step `begin` to the end of the next
+    motion.
+    """
     part: list[Step] = []
     for step in steps[begin:]:
         if isinstance(step, SetOutput | Dwell | Motion):
@@ -111,12 +113,12 @@ def _job(plan: MotionPlan, begin: int, steps: tuple[Step, ...], here: Array, req
 
 
 def _length(plan: MotionPlan, number: int, here: Array) -> float:
-    """Return how far the frame of a line has moved [m]; 0 for a joint motion.
+    """Return the distance that the moving frame of a linear motion has covered [m]; 0 for a joint motion.
 
     Args:
         plan: the program.
         number: number of the motion.
-        here: (n,) where the robot stands [rad or m].
+        here: (n,) position of the robot [rad or m].
     """
     motion = plan.motions[number]
     step = plan.program.steps[motion.step]

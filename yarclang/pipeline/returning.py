@@ -1,5 +1,6 @@
-"""Motions along the path on which a run was stopped: beside a part that is taken or put down, only this path
-is known to be free.
+"""Plan motions along the path on which a run was stopped.
+
+Beside a part that is taken or put down, only this path is known to be free.
 """
 
 from __future__ import annotations
@@ -31,29 +32,29 @@ from yarclang.semantics.names.commands import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
 
 _ON_PATH = 2e-3
-"""Largest distance from its path of a robot that moves along it [rad or m]. The motion is proved from the
-robot's real position.
+"""Largest distance of the robot from a path along which it may return [rad or m]. The motion is proved from
+the robot's real position.
 """
 
 _STEP = 1e-3
-"""Time between the places of a path that are compared with the robot's position [s]."""
+"""Time between the points of a path that are compared with the robot's position [s]."""
 
 
 def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None = None) -> Compiled | None:
-    """Return a certified motion to the start of motion `number`, from a place on the path of a motion next to
+    """Return a certified motion to the start of motion `number`, from a place on the path of a motion beside
     a gripper's SET.
 
-    The motion leads back on the path of motion `number`, or forward to the end of the one before. The parts
-    are as they are during that motion, and bodies that may touch then may touch.
+    The motion goes back along the path of motion `number`, or forward to the end of the previous motion. The
+    parts are where they are during that motion, and the same bodies may touch.
 
     Args:
         plan: the program that was stopped.
         number: number of the motion to begin with.
-        here: where the robot stands (n,) [rad or m].
+        here: position of the robot (n,) [rad or m].
         now: places of the parts; None: as the program has them there.
 
     Returns:
-        None if the robot doesn't stand on such a path, or if the motion can't be proved.
+        None if the robot isn't on such a path, or if the motion can't be proved.
     """
     there = plan.motions[number].curve.points[0]
     for one in (number, number - 1):
@@ -68,13 +69,13 @@ def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None
 
 
 def can_go_on(plan: MotionPlan, number: int, here: Array) -> bool:
-    """Return True if a robot can reach the start of a motion without hitting parts. Without parts, this isn't
-    checked.
+    """Return True if a robot can reach the start of a motion without hitting parts. If there are no parts,
+    nothing is checked.
 
     Args:
-        plan: the program; the parts are as it has them at the motion.
+        plan: the program. The parts are where it has them at the motion.
         number: number of the motion.
-        here: (n,) where the robot stands [rad or m].
+        here: (n,) position of the robot [rad or m].
     """
     if not plan.motions:
         return True
@@ -95,8 +96,8 @@ def _is_on_path(plan: MotionPlan, number: int, here: Array) -> bool:
 
 
 def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
-    """Yield the cell during a motion that leads to or away from a part, if the parts are as the program has
-    them there.
+    """Yield the cell during a motion to or away from a part, if the parts are where the program has them
+    then.
     """
     whole, cell, step = followed_plan(plan), plan.program.cell, plan.motions[number].step
     runs = handling_of(plan.robot, cell, plan.program.steps).runs

@@ -1,5 +1,5 @@
-"""A robot's verified controller settings, and the items that the runtime checks before anything moves: the
-very ones that were verified.
+"""Write and verify a robot's controller settings, and list the settings that the runtime checks before
+anything moves. Both use the same verified text.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ def settings_of(robot: Robot) -> Result[str]:
     """Write the settings of a robot's controller, and verify them.
 
     Returns:
-        The text; None, with findings, if something in it isn't proved.
+        The text; None, with findings, if a part of it isn't proved.
     """
     settings = backend_of(robot).settings()
     text = settings.text(robot)
@@ -29,10 +29,10 @@ def settings_of(robot: Robot) -> Result[str]:
 
 
 def proved_settings(robot: Robot) -> str:
-    """Return the settings of a robot's controller: the very text that was proved.
+    """Return the settings of a robot's controller: exactly the text that was proved.
 
     Raises:
-        Trouble: something in them isn't proved.
+        Trouble: a part of them isn't proved.
     """
     judged = settings_of(robot)
     if judged.value is None:
@@ -51,7 +51,7 @@ def check_settings(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
         robot: robot whose controller it is for.
 
     Returns:
-        What was proved, in words, with a warning for each difference; None, with the errors, if something
+        Descriptions of what was proved, with a warning for each difference; None, with the errors, if a part
         isn't proved.
     """
     settings = backend_of(robot).settings()
@@ -62,8 +62,8 @@ def check_settings(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
 
 
 def items_of(robot: Robot) -> tuple[Item, ...]:
-    """List the settings that a controller must have for a robot: each lasting line of `yarc settings`, as a
-    question.
+    """List the settings that a controller must have for a robot: for each permanent setting of
+    `yarc settings`, the query and its expected answer.
 
     Raises:
         Trouble: the settings aren't proved.

@@ -1,4 +1,4 @@
-"""The lines of an OFFSET, planned and proved where registers have shifted its frame."""
+"""Plan and prove the lines of an OFFSET after registers have shifted its frame."""
 
 from __future__ import annotations
 
@@ -55,12 +55,12 @@ def shifted(
     Args:
         plan: the program.
         number: number of its first motion.
-        here: (n,) where the robot stands [rad or m].
-        values: for each of `SHIFTS` the value of its register; 0 without one.
+        here: (n,) position of the robot [rad or m].
+        values: value of the register for each of `SHIFTS`; 0 without a register.
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        A text with the reason instead, if it can't be done.
+        A text with the reason instead, if this isn't possible.
     """
     made = shifted_program(plan, number, here, values, request)
     if isinstance(made, str):
@@ -73,7 +73,7 @@ def shifted(
 def shifted_program(
     plan: MotionPlan, number: int, here: Array, values: Sequence[int], request: Request
 ) -> Compiled | str:
-    """Plan and prove the lines of an OFFSET. Arguments and returned texts are those of `shifted`."""
+    """Plan and prove the lines of an OFFSET. Arguments and error texts are those of `shifted`."""
     whole = plan.program
     begin, end = around(whole.steps, plan.motions[number].step)
     when = whole.steps[begin]
@@ -111,16 +111,16 @@ def around(steps: Sequence[Step], inside: int) -> tuple[int, int]:
 
 
 def numbers_of(values: Sequence[int]) -> Array:
-    """Return x y z [m] and roll pitch yaw [rad] (6,) of values of registers."""
+    """Convert values of registers to x y z [m] and roll pitch yaw [rad] (6,)."""
     x, y, z, turn = values
     return constant(np.array([*(one * STEP_MM * MM for one in (x, y, z)), 0.0, 0.0, turn * STEP_DEG * DEG]))
 
 
 def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tuple[Step, ...]:
-    """Return the steps of an OFFSET with their goals where the shifted frame carries them.
+    """Return the steps of an OFFSET with shifted goals.
 
-    The frames in which goals are told get the shift as one more frame, so that the judge computes each goal
-    by itself.
+    The shift is added as one more frame to the frames in which goals were written, so that the judge computes
+    each goal independently.
     """
     if not any(values):
         return tuple(steps)
@@ -129,7 +129,7 @@ def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tup
 
 
 class _Carrying:
-    """Goals that a shifted frame carries along."""
+    """Converter of goals that move with a shifted frame."""
 
     def __init__(self, offset: Offset, numbers: Array) -> None:
         self._offset, self._numbers = offset, numbers
@@ -157,7 +157,7 @@ class _Carrying:
         return replace(goal, base_from_moving=placed, told=told, shifted=False)
 
     def _link(self, link: FrameLink) -> FrameLink:
-        """Return a frame that the shifted frame carries along."""
+        """Return a frame that moves with the shifted frame."""
         known = self._links.get(id(link))
         if known is None:
             known = link, self._moved(link)
@@ -173,17 +173,20 @@ class _Carrying:
 
 
 def _ending(step: Step, leads: Array) -> Step:
-    """Return the last motion, which of several solutions takes the program's."""
+    """Return the last motion with the joint position of the program's own plan as its goal, so that it ends
+    in the same inverse kinematics solution.
+    """
     return replace(step, goal=JointGoal(leads)) if isinstance(step, JointMove | AvoidMove) else step
 
 
 def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
-    """Return the parts with those moved that lie in the frame, where the cell's file has them.
+    """Return the parts; those that are still where the cell's file has them, in the frame, are shifted with
+    it.
 
     Args:
         parts: the parts where the program has them.
         offset: the frame.
-        own: (4, 4) its shift in its own axes.
+        own: (4, 4) shift of the frame in its own axes.
     """
     placed = offset.base_from_frame
     expected = tuple(replace(one, taken=BEFORE) for one in parts.expected)
@@ -192,7 +195,7 @@ def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
 
 
 def _left_elsewhere(plan: MotionPlan, made: Compiled, end: int) -> str:
-    """Return a text if a part is left elsewhere than the program has it after the OFFSET; else an empty one."""
+    """Return a text if a part ends up elsewhere than in the program without the shift; empty if none does."""
     after, meant = followed_plan(made.plan), parts_before(plan, end)
     if after is None or meant is None or are_same(after.end, meant):
         return ""
@@ -207,7 +210,7 @@ def _left_elsewhere(plan: MotionPlan, made: Compiled, end: int) -> str:
 
 
 def _told(one: Diagnostic, steps: Sequence[Step]) -> str:
-    """Return a finding with the command that it is about."""
+    """Return the message of a finding, with the command that it is about."""
     origins = (step.origin for step in steps if isinstance(step, Motion | SetOutput))
     label = next((at.label for at in origins if at.span == one.span and at.source is one.source), "")
     return f"{label}: {one.message}" if label else one.message

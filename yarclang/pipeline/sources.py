@@ -1,4 +1,4 @@
-"""From bytes to source text."""
+"""Read files and decode their bytes to source text."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from yarclang.syntax.characters import NOT_TEXT, character_name
 STANDARD_INPUT = "-"
 
 LARGEST_PROGRAM = 20_000_000
-"""Largest program [bytes]; a larger file is a mistake."""
+"""Largest size of a program [bytes]. A larger file is probably a mistake."""
 
 LARGEST_DATA = 400_000_000
-"""Largest generated file [bytes]: controller texts of hours, recordings."""
+"""Largest size of a generated file [bytes]: controller texts of several hours, recordings."""
 
 NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain dictionary can be sent to another process
-"""No open files: saved files count."""
+"""No open files: all files are read from the disk."""
 
 _REMEDIES = {
     errno.EFBIG: "if this is no program, check which file was given",
@@ -47,7 +47,7 @@ def read_source(path: str, most: int = LARGEST_PROGRAM) -> Result[SourceFile]:
 
     Args:
         path: the file's path, or `-`.
-        most: maximum number of bytes to read.
+        most: largest number of bytes to read.
     """
     content = read_content(path, most)
     if content.value is None:
@@ -61,7 +61,7 @@ def name_of(path: str) -> str:
 
 
 def read_content(path: str, most: int = LARGEST_PROGRAM) -> Result[bytes]:
-    """Read the bytes of a file, or of standard input (`-`): `most` at most."""
+    """Read at most `most` bytes of a file, or of standard input (`-`)."""
     if path == STANDARD_INPUT and sys.stdin is None:
         return Result(None, (Diagnostic("Y0107", "standard input is closed", help="give a file's name"),))
     try:
@@ -100,7 +100,7 @@ def decode_source(name: str, content: bytes) -> Result[SourceFile]:
 
 
 def _first_bad_byte(content: bytes) -> int | None:
-    """Return where the first invalid byte is: a control character, or bytes that aren't UTF-8."""
+    """Return the position of the first invalid byte: a control character, or bytes that aren't UTF-8."""
     end = len(content)
     try:
         content.decode("utf-8")

@@ -1,4 +1,4 @@
-"""From text to certified controller text."""
+"""Compile a program text to certified controller text."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
 CellNow = Callable[[Cell, Array], Cell | None]
-"""Returns a cell with its current parts, for a program that starts at joint positions (n,); None: only the
-cell's file is known.
+"""Function that returns a cell with its current parts, for a program that starts at joint positions (n,). It
+returns None if only the cell's file is known.
 """
 
 
@@ -46,14 +46,22 @@ cell's file is known.
 class Request:
     """Settings for compiling a program.
 
-    `start` (n,) [rad or m] is the robot's position, overriding the program; `fallback_start` is its position
-    if the program has none. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None:
-    the robot's). `target` is the kind of text (empty: the first that the robot's controller has). `load`
-    reads the program's modules, `load_cell` its cell, `load_table` its timetables; `cell` is used even
-    without a CELL line. `index_needed` is True if every command must have an index. `memory` caches results
-    of the stages. `enough` is the number of lines in loops and SUBs after which a quick check stops.
-    `present` returns the program's cell with its parts where they are when it starts (None: as in the cell's
-    file). `avoid_effort` is the number of ways round obstacles to search, of which the quickest is taken.
+    Attributes:
+        start: (n,) [rad or m] position of the robot, which overrides the program's START; None: none.
+        fallback_start: (n,) [rad or m] position of the robot if the program has no START.
+        tm: longest segment time to use [ms].
+        tolerance: tolerance of the path; None: the robot's.
+        target: kind of text; empty: the first kind that the robot's controller has.
+        load: reads the program's modules.
+        load_cell: reads its cell.
+        load_table: reads its timetables.
+        cell: cell that is used even if the program has no CELL line.
+        index_needed: True if every command must have an index.
+        memory: cache for results of the stages.
+        enough: number of lines in loops and SUBs after which a quick check stops.
+        present: returns the program's cell with its parts where they are when it starts; None: as in the
+            cell's file.
+        avoid_effort: number of ways round obstacles to search, of which the fastest is taken.
     """
 
     robot: Robot
@@ -111,7 +119,7 @@ def context_of(request: Request) -> Context:
 
 
 def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
-    """Plan a checked program, in segment times that the controller accepts."""
+    """Plan a checked program. All segment times are such that the controller accepts them."""
     settings = _settings(request)
     if settings.value is None:
         return Result(None, settings.diagnostics)
@@ -138,7 +146,7 @@ def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
 
 
 def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPlan]:
-    """Plan the result of a check; returns the findings of both."""
+    """Plan the program that a check returned, and return the findings of both."""
     assert checked.value is not None  # a check always gives a program
     program = checked.value
     if has_errors(checked.diagnostics):
@@ -154,8 +162,8 @@ ENOUGH_MOTIONS = 300
 
 
 def _shortened(program: Program) -> Program:
-    """Return the part of a program with errors that is planned: repeated lines in loops and SUBs only up to a
-    number of motions.
+    """Return the part of a program with errors that is planned. Repeated lines in loops and SUBs are included
+    only up to a number of motions.
     """
     left, steps = ENOUGH_MOTIONS, list[Step]()
     for step in program.steps:
@@ -171,7 +179,7 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
     """Compile a syntax tree to certified controller text.
 
     Returns:
-        None if a stage finds an error; a text that the certificate refuses is never returned.
+        None if a stage finds an error. A text whose proof fails is never returned.
     """
     planned = plan_module(module, request)
     if planned.value is None:
@@ -181,7 +189,9 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 
 
 def certified_whole(planned: MotionPlan, request: Request) -> Result[Compiled]:
-    """Certify a program as a whole: its text, and the ways out of its ONs from wherever they may begin."""
+    """Certify a complete program: its text, and the ways out of its ONs from all places at which they may
+    begin.
+    """
     made = certified(planned, request)
     if made.value is None:
         return made
@@ -214,22 +224,22 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     header = _header(made.value, planned, request)
     tell("certifying: reading the text", 0)
     text = made.value.text(header.lines())
-    # For a long text, it is as large as everything that is proved of it.
+    # For a long text, this takes as much memory as all data of the proof.
     del made
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
-    # Only two comments differ from the text that was verified.
+    # The final text differs from the verified text in only two comments.
     final = sealed(text, judged.value.summary())
     return Result(Compiled(final, planned.program, planned, judged.value), judged.diagnostics)
 
 
 def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
-    """Verify a controller text against the program, by the judge's own reading of both.
+    """Verify a controller text against the program. The judge reads both by itself.
 
     Args:
         text: the controller text.
-        planned: plan of the program; it only gives claims, which are checked.
+        planned: plan of the program. It only gives claims, which are checked.
         request: tolerance and other settings of the compilation.
     """
     tolerance = request.tolerance or request.robot.tolerance
@@ -238,7 +248,9 @@ def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certifica
 
 @cache
 def _made_with(searches: bool) -> str:
-    """Return the packages that affect the result, and their versions, which don't change during a run."""
+    """Return the packages that affect the result, with their versions. These don't change while the
+    process runs.
+    """
     import pinocchio
     import scipy
 
@@ -252,7 +264,7 @@ def _no_target(backend: Backend, target: str) -> Diagnostic:
 
 
 def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
-    """Return the header, for a person who finds the text; certificate and seal are added later."""
+    """Return the header, which describes the text to a reader. Certificate and seal are added later."""
     robot = planned.robot
     searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
     return Header(
@@ -274,7 +286,7 @@ def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
 
 
 def _printable(name: str) -> str:
-    """Return a file's name in ASCII, on one line."""
+    """Return a file's name in ASCII on one line."""
     return (
         "".join(one if one.isprintable() else "?" for one in name)
         .encode("ascii", "backslashreplace")
@@ -288,7 +300,7 @@ def claims_of(planned: MotionPlan) -> Claims:
     return Claims(
         witnesses={motion.step: np.asarray(motion.waypoints) for motion in planned.motions},
         laws={
-            # Laws of lines and arcs of a frame aren't needed.
+            # Lines and arcs of a frame need no laws.
             motion.step: motion.law
             for motion in planned.motions
             if not isinstance(steps[motion.step], LineMove | ArcMove)

@@ -1,4 +1,4 @@
-"""Places at which the way out of an ON may begin: where the robot stands before its motions."""
+"""Find the places at which the way out of an ON may begin: where the robot is at rest before its motions."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from yarclang.motion.plan import MotionPlan
 
 
 def stand_before(plan: MotionPlan, number: int) -> int:
-    """Return the motion at whose start the robot has last stood before it reached motion `number`."""
+    """Return the motion at whose start the robot was last at rest before motion `number`."""
     while number and plan.motions[number - 1].flows:
         number -= 1
     return number
 
 
 def start_of(plan: MotionPlan, number: int) -> Array:
-    """Return where a motion begins (n,) [rad or m]."""
+    """Return the position at which a motion begins (n,) [rad or m]."""
     begin: Array = plan.motions[number].curve.points[0]
     return begin
 
@@ -30,9 +30,9 @@ def title_of(plan: MotionPlan, number: int) -> str:
 
 
 def way_out_from(plan: MotionPlan, way: WayOut, here: Array) -> Program:
-    """Return a way out as a program of its own, from where the robot stands (n,) [rad or m].
+    """Return a way out as a program of its own, from the robot's position (n,) [rad or m].
 
-    On it, the watched inputs hold the motion, and lead nowhere.
+    During a way out, the watched inputs only hold the motion; they start no other way out.
     """
     whole = plan.program
     return Program(
@@ -63,9 +63,9 @@ def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) ->
 
 
 def _stands(plan: MotionPlan) -> Iterator[int]:
-    """Yield the first motion that begins from rest at each place, without those after a search.
+    """Yield the first motion that begins from rest at each place, except motions after a search.
 
-    After a search the inputs only hold: where the next motion begins isn't known.
+    After a search the inputs only hold, because the place at which the next motion begins isn't known.
     """
     searched = {one.step for one in searches_of(plan.program)}
     known: set[bytes] = set()

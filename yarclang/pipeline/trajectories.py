@@ -1,4 +1,4 @@
-"""Locations of timed trajectories' files: in the folder of the program or module that names them."""
+"""Find the files of timed trajectories: in the folder of the program or module that names them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from yarclang.source import SourceFile
 
 
 class TrajectoryLoader:
-    """Reads the trajectory files of a program; a file that has changed is read again.
+    """Reads the trajectory files of a program. A file that has changed is read again.
 
     Args:
         folder: folder of the program.
@@ -32,7 +32,7 @@ class TrajectoryLoader:
         self._known: dict[Path, tuple[Stamp, Result[TrajectoryFile]]] = {}
 
     def __call__(self, path: str, module: SourceFile | None) -> Result[TrajectoryFile]:
-        """Read the file of a line.
+        """Read the file that a line names.
 
         Args:
             path: path in the line.

@@ -43,7 +43,7 @@ class TurboPmac:
 
     @property
     def smallest_segment(self) -> float:
-        """Return the shortest segment that the controller can calculate in time [s].
+        """Return the shortest segment that the controller can calculate fast enough [s].
 
         This is the duration of three real-time interrupts, which occur every I8 + 1 servo periods.
         """
@@ -60,7 +60,7 @@ class TurboPmac:
         return f"I8={self.i8} and I10={self.i10}"
 
     def signal(self, text: str) -> SignalVariable:
-        """Return the variable that a text in upper case names for an input or output."""
+        """Return the variable of an input or output; `text` names it in upper case."""
         return signal_variable(text, self.feedback)
 
 

@@ -1,7 +1,7 @@
 """Default values of the relevant I-variables, as after `$$$***` (TSRM 37-46, 95-98, 177-193).
 
-Variables that are not listed here default to 0. Values marked as assumed come from memory or from similar
-controllers.
+Variables that are not listed here default to 0. Values marked as assumed aren't from the manuals, but from
+memory or similar controllers.
 """
 
 MOTORS = 32

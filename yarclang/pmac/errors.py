@@ -1,6 +1,6 @@
 """Error numbers of the controller.
 
-Sources: PSRM 25 and the tables of public clients for 1 to 19; one client for 20 to 22.
+Sources: for 1 to 19, PSRM 25 and the tables of public clients; for 20 to 22, one client.
 """
 
 BUSY_PROGRAM = 1

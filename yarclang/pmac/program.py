@@ -34,7 +34,7 @@ class SegmentTime:
 
 @frozen
 class Assignment:
-    """Assignment of a value to a variable when execution gets there; the motion is not affected.
+    """Assignment of a value to a variable when the execution reaches it. It does not affect the motion.
 
     With `in_step`, the assignment takes effect when the next move line begins to move the robot, not when
     that line is calculated (TUM, synchronous assignments).
@@ -56,8 +56,8 @@ class Rest:
 
 @frozen(eq=False)
 class Stand:
-    """Stop at `point` (axes,) [axis units]: a slow RAPID to it, which moves nothing if the robot is already
-    there, then SPLINE1.
+    """Stop at `point` (axes,) [axis units]. A slow RAPID leads to the point, and moves nothing if the robot
+    is already there; SPLINE1 follows.
     """
 
     point: NDArray[np.float64]
@@ -70,10 +70,10 @@ BarrierKind = Literal[
 
 @frozen
 class Barrier:
-    """A place that the program cannot pass by itself.
+    """A place that the program cannot pass without the runtime or the controller's own evaluation.
 
-    At a barrier the program waits for an input or the operator; or its branches part or meet; or a loop
-    begins, repeats, is left or ends; or a register changes; or the program ends.
+    At a barrier the program waits for an input or the operator; branches divide or join; a loop begins,
+    repeats, is left or ends; a register changes; or the program ends.
 
     `wait` compares `variable` with `value`. `name` is the input's name, the text for the operator, or the
     reason why the program ends. `timeout` is in s (None: no limit). `condition` is the condition of a `when`,
@@ -103,7 +103,7 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 
 @frozen
 class Command:
-    """Description of one command of the program in the map in the header.
+    """One command of the program, as the map in the header lists it.
 
     `overlap` is the number of segments in which the command flows into the next one, half of them after the
     end of its own lines; None if it ends at rest. `any_jerk` is True if its motion law has no jerk limit.

@@ -11,7 +11,7 @@ ARMED = "P8100"
 """1 while a rotary program needs its buffer guarded, 2 after the guard has held the motion, else 0."""
 
 ASTRAY = "P8101"
-"""1 while the robot is away from the program's start, else 0."""
+"""1 while the robot isn't at the program's start, else 0."""
 
 WAITING = "P8102"
 """1 while a program waits for an input."""
@@ -20,16 +20,16 @@ HEARTBEAT = "P8103"
 """Counter of the guard PLC's scans."""
 
 WATCHED = "P8104"
-"""1 while the controller expects messages from the streaming computer, 2 after it has held the motion because
-none came, else 0.
+"""1 while the controller expects messages from the streaming computer, 2 after the guard has held the motion
+because no message came, else 0.
 """
 
 ECHO = "P8105"
 """The heartbeat as last seen by the feedback PLC."""
 
 HOMING = "P8106"
-"""1 while a motor searches its home and the controller expects messages from this computer, 2 after it has
-stopped the search because none came, else 0.
+"""1 while a motor searches its home and the controller expects messages from this computer, 2 after the
+search was stopped because no message came, else 0.
 """
 
 FEEDBACK_PLC = 0
@@ -73,8 +73,8 @@ def watchdog(system: int) -> str:
 
 
 def commanded_position(motor: int) -> tuple[str, str]:
-    """Return the M-variable of a motor's commanded position and its address; the unit is 1/(Ixx08
-    32) count.
+    """Return the M-variable of a motor's commanded position and its address; the unit is 1/(Ixx08 32)
+    count.
     """
     return f"M{motor}61", f"D:${0x88 + 0x80 * (motor - 1):06X}"
 
@@ -93,7 +93,7 @@ LARGEST = 8191
 """Largest number of a variable."""
 
 _SHOWN = 3
-"""Number of ranges of free variables that a remedy names."""
+"""Number of ranges of free variables that the remedy of a finding names."""
 
 _VARIABLE = re.compile(r"([MPQ])([0-9]{1,4})")
 _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")

@@ -1,4 +1,4 @@
-"""The interpreter's answers as text."""
+"""Format the interpreter's answers as text."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from yarclang.report.pose_text import pose_text
 from yarclang.robot.model import Array, Robot
 
 _TIGHT = 0.005
-"""Shares of a limit with a smaller difference count as equal."""
+"""Shares of a limit that differ by less count as equal."""
 
 
 _SAME_TIME = 5e-3
-"""Times with a smaller difference are printed as equal [s]."""
+"""Times that differ by less count as equal in the output [s]."""
 
 
 def offer_text(offer: OfferDescribed) -> str:
     """Return the plan of an offer: a line for each motion and, unless it is a single motion, the total."""
     lines = [_motion_text(one) for one in offer.motions]
-    # times at rest or waiting besides the single motion need the total as well
+    # a single motion needs the total too if there is also time at rest or a wait
     if len(lines) != 1 or offer.takes.waits or offer.takes.duration_s > offer.motions[0].seconds + _SAME_TIME:
         time = lasting_of(offer.takes).text(hundredths)
         lines.append(f"{time} in all" if lines else f"{time}, nothing moves")
@@ -43,17 +43,17 @@ def _motion_text(one: MotionOffered) -> str:
 
 
 def hundredths(seconds: float) -> str:
-    """Return a time in the form of the prompt."""
+    """Return a time in the format of the prompt."""
     return f"{seconds:.2f} s"
 
 
 def _peak_text(peaks: Peaks) -> str:
-    """Return the limit that is used most."""
+    """Return the limit that the motion uses most."""
     used = {"its velocity": peaks.velocity, "its acceleration": peaks.acceleration}
     if peaks.jerk is not None:
         used["its jerk"] = peaks.jerk
     used["its motor's speed"] = peaks.motor_velocity
-    # Of limits that are used equally, choose the most familiar one, which comes first.
+    # If several limits are used equally, choose the most familiar one, which comes first.
     name, peak = max(used.items(), key=lambda item: round(item[1].share / _TIGHT))
     return f"{peak.name} at {percent(peak.share)} % of {name}" if peak.name else ""
 
@@ -65,7 +65,7 @@ def _clearance_text(clearance: ClearanceBound) -> str:
 
 
 def ended_text(ended: Ended | Finished, robot: Robot) -> str:
-    """Return how an order has ended; also the robot's position if it isn't at its target."""
+    """Return how an order has ended. If the robot isn't at its target, add its position."""
     if ended.well:
         return "done"
     lines = [ended.what or "it didn't come to its end"]

@@ -18,13 +18,15 @@ from yarclang.source import SourceFile
 
 
 async def cell_file(session: Session) -> Path | None:
-    """Return the cell.toml of the program that was run last, else that of the session; None without one."""
+    """Return the cell.toml of the program that was run last, or else that of the session; None without
+    one.
+    """
     around = await session.attached.ask(orders.AskSurroundings())
     return None if around.cell is None else Path(around.cell)
 
 
 def cell_of(session: Session, path: Path) -> Cell:
-    """Return the cell of a file as it is now.
+    """Return the cell in a file, read from the disk now.
 
     Raises:
         Trouble: the file can't be read.
@@ -38,10 +40,10 @@ def cell_of(session: Session, path: Path) -> Cell:
 async def write_into_cell(
     session: Session, path: Path, name: str, base_from_frame: Array, parent: str
 ) -> bool:
-    """Write the pose of a frame into a cell.toml, after showing the changed lines and asking the person.
+    """Write the pose of a frame into a cell.toml, after showing the changed lines and asking the user.
 
     Args:
-        session: the person's session.
+        session: the user's session.
         path: the cell.toml.
         name: name of the frame, in upper case without braces.
         base_from_frame: (4, 4) its pose in {B} [m].
@@ -51,7 +53,7 @@ async def write_into_cell(
         True if the file was written.
 
     Raises:
-        Trouble: the file can't be read, written or hold the frame.
+        Trouble: the file can't be read or written, or the frame can't be added to it.
     """
     old = read_exactly(path)
     try:

@@ -1,4 +1,4 @@
-"""Completion of dot commands and their arguments, and of the language as in the editor."""
+"""Completion of dot commands and their arguments, and of the language in the same way as in an editor."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Completion(Completer):
                 yield Choice(choice, -len(rest))
 
     def _spoken(self, document: Document) -> Iterable[Choice]:
-        """Yield words of the language, known after all declarations of the session."""
+        """Yield candidates of the language, as if they were typed after all declarations of the session."""
         interpreter = self._interpreter
         typed = interpreter.lines.behind(document.text)
         line = typed.before + document.cursor_position_row + 1

@@ -29,7 +29,7 @@ _REDRAWN_EACH = 0.1
 """Time between two updates of the prompt and the bottom line [s]."""
 
 _LOOKED_EACH = 0.01
-"""Time between two checks if the next line of standard input may run [s]."""
+"""Time after which it is checked again whether the next line of standard input may run [s]."""
 
 _NAMES = {
     "c-m": "enter",
@@ -41,19 +41,19 @@ _NAMES = {
     "left": "left",
     "right": "right",
 }
-"""Keys of a jog besides characters: prompt_toolkit's names and those of the jog."""
+"""Keys of a jog besides characters: prompt_toolkit's names, and the names that the jog uses."""
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 
 
 def history_file() -> Path:
-    """Return the file of typed lines (XDG base directories)."""
+    """Return the file of previously typed lines (XDG base directories)."""
     home = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return Path(home) / "yarc" / "history"
 
 
 async def converse(interpreter: Interpreter, *, terminal: bool) -> None:
-    """Take what a person types until the person leaves, or standard input up to its end.
+    """Read what the user types until the user leaves, or standard input up to its end.
 
     Args:
         interpreter: the session.
@@ -106,7 +106,7 @@ async def _prompted(interpreter: Interpreter, toolbar: Toolbar, served: asyncio.
 def prompt_session(
     interpreter: Interpreter, toolbar: Toolbar, source: Input | None = None, output: Output | None = None
 ) -> PromptSession[str]:
-    """Return the prompt on the given input and output, by default those of the terminal."""
+    """Return the prompt for the given input and output, which are by default those of the terminal."""
     from prompt_toolkit import PromptSession
     from prompt_toolkit.history import FileHistory, InMemoryHistory
 
@@ -180,7 +180,7 @@ def _keys(interpreter: Interpreter) -> KeyBindings:
 
 
 async def _read(interpreter: Interpreter, served: asyncio.Task[None]) -> None:
-    """Read lines of standard input. Each line waits until the one before has finished."""
+    """Read lines from standard input. Each line waits until the previous line has finished."""
     loop = asyncio.get_running_loop()
     loop.add_signal_handler(signal.SIGINT, _interrupted(interpreter))
     try:

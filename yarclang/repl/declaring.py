@@ -1,4 +1,6 @@
-"""Declare a value of the robot: in the session, replacing the old declaration, and in the loaded file."""
+"""Declare a value taken from the robot, in the session and in the loaded file. It replaces an older
+declaration.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +20,10 @@ if TYPE_CHECKING:
 async def declare(session: Session, name: str, line: str, *, is_frame: bool) -> bool:
     """Declare a name or change its meaning.
 
-    If the loaded file declares the name, its line is changed as well, after asking the person.
+    If the loaded file declares the name, its line is changed as well, after asking the user.
 
     Args:
-        session: the person's session.
+        session: the user's session.
         name: name in upper case, for a frame without braces.
         line: the whole declaration.
         is_frame: True for the name of a frame.
@@ -55,7 +57,7 @@ async def adopt(session: Session, declarations: tuple[str, ...]) -> bool:
 
 
 def _in_file(session: Session, name: str, is_frame: bool, line: str) -> None:
-    """Change the declaration in the loaded file, if the file contains it."""
+    """Change the declaration in the loaded file, if the file contains the name."""
     file = session.file
     if file is None:
         return

@@ -1,4 +1,4 @@
-"""Dot commands: orders to the interpreter itself. Each module of `dots/` defines some."""
+"""Dot commands: orders to the interpreter itself. Each module of `dots/` defines several."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from yarclang.named import by_name
 from yarclang.repl.session import Session
 
 Run = Callable[[Session, str], Awaitable[None] | None]
-"""Carries out a command, called with the session and the text after the command's name."""
+"""Function that carries out a command. Its arguments are the session and the text after the command's
+name.
+"""
 
 Complete = Callable[[Session, str], Iterable[str]]
-"""Returns completions of the text after the command's name."""
+"""Function that returns completions of the text after the command's name."""
 
 
 class Misused(Exception):  # noqa: N818 - something a person did, and no failure
-    """The text after a dot command isn't allowed; the message says why."""
+    """The text after a dot command isn't allowed. The message has the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +32,10 @@ class DotCommand:
     Attributes:
         name: name with its dot.
         usage: arguments after the name.
-        summary: one line.
+        summary: description in one line.
         group: its group in the list of `.help`.
-        run: carries it out.
-        overtakes: True if it is carried out at once, even during a motion and before waiting texts.
+        run: carries out the command.
+        overtakes: True if it is carried out at once, even during a motion and before texts that wait.
         complete: returns completions of its arguments; None for none.
         doc: further text for `.help NAME`.
     """
@@ -49,7 +51,7 @@ class DotCommand:
 
     @property
     def line(self) -> str:
-        """Return the command as it is typed."""
+        """Return the command as users type it."""
         return f"{self.name} {self.usage}".rstrip()
 
 

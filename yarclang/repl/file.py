@@ -14,7 +14,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.syntax.ast import Module
 
 _OF_FILES = ("ROBOT", "START")
-"""Declarations that a session ignores: its robot is connected, and stands at its position."""
+"""Declarations that a session ignores, since its robot is connected and has a position already."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,8 +39,8 @@ def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Resu
 
     Args:
         path: the file.
-        robot: the robot that the program must be for.
-        stands: (n,) start without a START line [rad or m].
+        robot: the robot for which the program must be written.
+        stands: (n,) start of a program without a START line [rad or m].
         cell: path of the cell.toml of session and program.
 
     Returns:

@@ -1,4 +1,6 @@
-"""Typed texts in their order: YARC goes to the coordinator as an offer, dot commands go to `dots/`."""
+"""Carry out typed texts in their order: YARC becomes an offer of the coordinator, and dot commands are in
+`dots/`.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,13 @@ class Interpreter(Session):
     """A session that carries out typed texts.
 
     Texts are carried out one after the other, in the order in which they were typed. Orders (`.stop`,
-    `.hold`, ...) overtake all others.
+    `.hold`, ...) are carried out before all others.
     """
 
     def typed(self, text: str) -> None:
-        """Take one text: a line, or a block with its END.
+        """Process one typed text: a line, or a block with its END.
 
-        Orders are carried out at once, other texts when all before them are done.
+        Orders are carried out at once. Other texts wait until all previous texts are done.
         """
         name = text.split(maxsplit=1)[0] if text.split() else ""
         command = dot_commands().get(name.lower())
@@ -40,12 +42,12 @@ class Interpreter(Session):
             self._arrived.set()
 
     def _go_on(self) -> None:
-        """Continue after a hold, or with the next step, on an empty line; do nothing if nothing waits."""
+        """Handle an empty line: continue after a hold, or with the next step. Do nothing if nothing waits."""
         if (self.picture.under_way or self.picture.paused) and self.owns:
             self.order(orders.Resume())
 
     async def serve(self) -> None:
-        """Carry out typed texts until the person leaves."""
+        """Carry out typed texts until the user leaves."""
         await self.renew()
         while not self.ended:
             while self._waiting and not self.ended:
@@ -68,7 +70,7 @@ class Interpreter(Session):
         except Trouble as trouble:
             self.refuse(trouble_text(trouble))
         except Exception as error:
-            # After a bug of ours, a person at a robot still needs the prompt with its stop key.
+            # Catch bugs too: a user at a robot still needs the prompt with its stop key.
             self.refuse(bug_text(error))
 
     async def _dot(self, text: str) -> None:
@@ -107,11 +109,11 @@ class Interpreter(Session):
         except Misused as misused:
             self.refuse(f"{misused}\n  it is written: {command.line}")
 
-    # For the dot commands.
+    # Functions for the dot commands.
 
 
 def bug_text(error: Exception) -> str:
-    """Return the text about a bug of ours, with the address for reports."""
+    """Return the text about a bug in this software, with the address for reports."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return (
         f"a bug of yarclang has ended this: {error!r}\n  help: report it, with this place: "

@@ -1,8 +1,9 @@
-"""Jogging by held keys: axis, direction and speed. Independent of the terminal and of the moving robot.
+"""Compute jogs from held keys: axis, direction and speed. This depends neither on the terminal nor on the
+robot.
 
 A terminal reports that a key is pressed, and pressed again, but never that it is released. Therefore each
-press moves the robot for `HELD`, and a repeating keyboard keeps it moving. Between two presses the live
-motion stays open with rest as its target.
+press moves the robot for `HELD`, and the repetition of a held key keeps the robot moving. Between two presses
+the live motion stays open, with rest as its target.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ _SLOWEST = 0.01
 """Slowest speed, as a share of the fastest."""
 
 AXES = "xyzabc"
-"""Axes of a tool: along x, y, z, and about them a, b, c."""
+"""Axes of a tool: x, y, z are translations, and a, b, c are rotations about these axes."""
 
 _FAST_TURN = 30.0 * DEG
-"""Largest rate of a jog about an axis [rad/s]."""
+"""Largest angular speed of a jog about an axis [rad/s]."""
 
 _START = 0.1
 """Speed at the beginning, as a share of the fastest."""
@@ -51,7 +52,7 @@ class Axis:
 
 
 class Jogging:
-    """The present jog: the last key, and the motion it asks for.
+    """The current jog: the last key, and the motion that it requests.
 
     Args:
         robot: the robot.
@@ -60,9 +61,9 @@ class Jogging:
         moving: the moving frame, in braces.
 
     Attributes:
-        axis: the present axis.
+        axis: the current axis.
         share: speed as a share of the fastest.
-        ended: True if the person wants to end the jog.
+        ended: True if the user wants to end the jog.
     """
 
     def __init__(self, robot: Robot, axis: Axis, sign: int = 1, moving: str = "{TCP}") -> None:
@@ -139,7 +140,7 @@ class Jogging:
 
 
 def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:
-    """Return axis, sign and moving frame of words such as `J3 +`, `{TCP} +x` or `{TCP} -b tool`.
+    """Return axis, sign and moving frame from words such as `J3 +`, `{TCP} +x` or `{TCP} -b tool`.
 
     Raises:
         Trouble: the words have another form.

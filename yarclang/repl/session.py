@@ -1,4 +1,4 @@
-"""The session of one person: its declarations, questions and orders, and the robot's messages. Needs no
+"""The session of one user: its declarations, questions and orders, and the robot's messages. This needs no
 terminal.
 """
 
@@ -51,13 +51,13 @@ _KEPT = 200
 
 
 class Session:
-    """The session of one person, as dot commands use it.
+    """The session of one user, for dot commands.
 
     Args:
-        attached: this person's connection to the coordinator that owns the robot.
+        attached: this user's connection to the coordinator that owns the robot.
         robot: the robot.
-        say: shows lines to the person.
-        folder: folder to read and write files in.
+        say: shows lines to the user.
+        folder: folder in which files are read and written.
         asks: True to ask before motions.
         tm: longest segment time for planning [ms]; None for that of the robot.
 
@@ -68,11 +68,11 @@ class Session:
         file: the loaded program.
         touching: the calibration that is running.
         jogging: the jog that is running and receives the keys.
-        has_keys: True if there are keys to hold.
+        has_keys: True if the terminal can report held keys.
         ended_live: result of the last live motion, if it ended since this attribute was last reset.
         messages: messages of the robot, the newest last.
         failed: True if a typed text couldn't be carried out.
-        ended: True if the person wants to leave.
+        ended: True if the user wants to leave.
     """
 
     def __init__(
@@ -114,14 +114,14 @@ class Session:
 
     @property
     def prompt(self) -> str:
-        """Return the prompt: the open question, if there is one."""
+        """Return the prompt; if a question is open, this is the question."""
         if self.jogging is not None:
             return f"{self.jogging.text} "
         return self._asked if self._question is not None else PROMPT
 
     @property
     def asked(self) -> bool:
-        """Return True if a question is open: the next typed text answers it."""
+        """Return True if a question is open, so that the next typed text is its answer."""
         return self._question is not None
 
     @property
@@ -131,7 +131,7 @@ class Session:
 
     @property
     def owns(self) -> bool:
-        """Return True if this person may move the robot."""
+        """Return True if this user may move the robot."""
         return self.picture.owner == self.attached.welcome.name
 
     def order(self, order: orders.Order[Any]) -> None:
@@ -139,9 +139,10 @@ class Session:
         self.attached.send(order, lambda trouble: self.refuse(trouble_text(trouble)))
 
     def interrupt(self) -> None:
-        """Handle Ctrl-C: stop the robot on its path; the second time, stop each motor at once.
+        """Handle Ctrl-C. The first time, stop the robot on its path; the second time, stop each motor at
+        once.
 
-        Waiting texts and an open question are dropped.
+        Texts that wait and an open question are dropped.
         """
         self.drop()
         if not self.picture.under_way:
@@ -155,7 +156,7 @@ class Session:
             self.say("stopping on the path; Ctrl-C again aborts")
 
     def leave(self) -> None:
-        """Leave: stop this person's motions on their path, and carry out nothing more."""
+        """Leave: stop this user's motions on their path, and carry out nothing more."""
         self.drop()
         if self.picture.under_way and self.owns:
             self.order(orders.Stop())
@@ -163,13 +164,13 @@ class Session:
         self._arrived.set()
 
     def answer_nothing(self) -> None:
-        """Drop an open question, because nobody is there to answer."""
+        """Drop an open question, because no user is there to answer."""
         question, self._question = self._question, None
         if question is not None and not question.done():
             question.set_result("")
 
     def drop(self) -> None:
-        """Drop waiting texts, an open question and a jog."""
+        """Drop texts that wait, an open question and a jog."""
         if self.jogging is not None:
             self.jogging.ended = True
         if self._waiting:
@@ -178,28 +179,28 @@ class Session:
         self.answer_nothing()
 
     async def ask(self, question: str) -> str:
-        """Ask the person, and return the answer; empty if it was interrupted."""
+        """Ask the user, and return the answer; empty if the question was dropped."""
         self._question = asyncio.get_running_loop().create_future()
         self._asked = f"{question} "
         return await self._question
 
     async def agrees(self, question: str) -> bool:
-        """Return True if the person answers yes."""
+        """Return True if the user answers yes."""
         return (await self.ask(f"{question} [y/N]")).strip().lower() in ("y", "yes")
 
     def refuse(self, text: str) -> None:
-        """Report that something can't be carried out."""
+        """Report that a text can't be carried out."""
         self.failed = True
         self.say(text)
 
     def show(self, findings: tuple[Diagnostic, ...]) -> None:
-        """Show findings in the form of the editor and yarcc."""
+        """Show findings in the same form as in the editor and in yarcc."""
         for one in findings:
             self.failed = self.failed or one.is_error
             self.say(finding_text(one))
 
     async def stands(self) -> Array:
-        """Request the commanded joint positions (n,) [rad or m].
+        """Return the commanded joint positions (n,) [rad or m], which are requested from the robot.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -210,14 +211,14 @@ class Session:
         """Become the robot's owner.
 
         Raises:
-            Trouble: somebody else owns it.
+            Trouble: another client owns it.
         """
         if not self.owns:
             await self.attached.ask(orders.Own(shared=True))
             self.picture.owner = self.attached.welcome.name
 
     async def renew(self) -> None:
-        """Request the declarations of the session."""
+        """Request the session's declarations from the coordinator."""
         told = await self.attached.ask(orders.AskDeclarations())
         if tuple(self.lines.declarations) != told.declarations:
             self.lines.adopt(told.declarations)
@@ -232,11 +233,11 @@ class Session:
         return await self.go(await self.offered(text))
 
     async def carry_out_back(self) -> bool:
-        """Do the same as `carry_out` for the last motion backwards."""
+        """Plan the last motion backwards, show it, ask, and carry it out, like `carry_out`."""
         return await self.go(self._told(await self.attached.ask(orders.OfferBack())))
 
     async def go(self, offer: OfferDescribed | None) -> bool:
-        """Carry out an offer if the person agrees. Return True if it was carried out."""
+        """Carry out an offer if the user agrees. Return True if it was carried out."""
         if offer is None:
             return False
         if offer.moves and self.asks and not await self.agrees("go?"):
@@ -270,7 +271,7 @@ class Session:
     def _plan_of(self, offer: OfferDescribed) -> Callable[[], MotionPlan | None]:
         """Return a function that returns an offer's plan.
 
-        The plan of this process is used if there is one; otherwise it is made again.
+        If the coordinator is in this process, the plan is the coordinator's. Otherwise it is planned again.
         """
         if isinstance(self.attached, Here):
             made = self.attached.desk.offer_of(offer.number)
@@ -294,7 +295,7 @@ class Session:
 
     @property
     def plan(self) -> MotionPlan | None:
-        """Return the last plan; None without one, or if only another process has it."""
+        """Return the last plan; None if there is none, or if only another process has it."""
         return None if self._planned is None else self._planned()
 
     @property
@@ -309,7 +310,7 @@ class Session:
     # Events.
 
     def hear(self, event: BaseEvent) -> None:
-        """Store an event, and show the person what is urgent."""
+        """Store an event, and show urgent ones to the user."""
         self.picture.hear(event)
         if isinstance(event, Told):
             self._keep(event.text, tell=True)
@@ -335,5 +336,5 @@ class Session:
 
 
 def trouble_text(trouble: Trouble) -> str:
-    """Return the text of a trouble with its remedy."""
+    """Return the text of an error with its remedy."""
     return f"{trouble.what}\n  help: {trouble.remedy}" if trouble.remedy else trouble.what

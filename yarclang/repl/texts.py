@@ -1,4 +1,4 @@
-"""Files that are changed in place: all other bytes stay, including line ends."""
+"""Change files in place: all other bytes stay unchanged, including line ends."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def read_exactly(path: Path) -> str:
     """Return the text of a file with its line ends unchanged.
 
     Raises:
-        Trouble: the file can't be read; the message says why.
+        Trouble: the file can't be read. The message has the reason.
     """
     try:
         return path.read_bytes().decode("utf-8")
@@ -26,7 +26,7 @@ def write_exactly(path: Path, text: str) -> None:
     """Write a file's text completely or not at all.
 
     Raises:
-        Trouble: the file can't be written; the message says why.
+        Trouble: the file can't be written. The message has the reason.
     """
     try:
         replace_file(path, text.encode("utf-8"))

@@ -14,7 +14,7 @@ _NOT_READY = (State.DISCONNECTED, State.FAULT)
 
 
 class Toolbar:
-    """The bottom line, rebuilt whenever it is drawn.
+    """The bottom line, which is computed each time it is drawn.
 
     Args:
         robot: the robot.
@@ -34,7 +34,7 @@ class Toolbar:
         return f"{_fitting(self._states(), width)}\n{_fitting(self._places(), width)}"
 
     def _states(self) -> list[list[str]]:
-        """Return the parts of the first line, in full and in shorter and shorter forms."""
+        """Return the parts of the first line, first in full and then in shorter and shorter forms."""
         picture = self._picture
         state, progress = picture.state, picture.progress
         ready = "not ready" if state in _NOT_READY else "homed, enabled"
@@ -53,7 +53,7 @@ class Toolbar:
         ]
 
     def _places(self) -> list[list[str]]:
-        """Return the parts of the second line, in full and in shorter and shorter forms."""
+        """Return the parts of the second line, first in full and then in shorter and shorter forms."""
         robot = self._robot
         if self._picture.joints is None:
             return [[]]
@@ -80,8 +80,8 @@ def _number(value: float, digits: int) -> str:
 def _fitting(choices: list[list[str]], width: int) -> str:
     """Return the first choice that fits completely.
 
-    Without one, return as many parts of the last one as fit. Numbers aren't cut, since half a number is
-    another one.
+    If there is none, return as many parts of the last choice as fit. Numbers aren't cut, since half a number
+    would be a wrong number.
     """
     for parts in choices:
         line = f" {' | '.join(parts)}" if parts else ""

@@ -1,4 +1,6 @@
-"""Check that a typed text is complete: blocks with their END, lists of way-points with their last one."""
+"""Check that a typed text is complete: each block has its END, and each list of way-points its last
+way-point.
+"""
 
 from __future__ import annotations
 

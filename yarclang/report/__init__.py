@@ -1,1 +1,1 @@
-"""Output for people: texts on robots, programs and runs, and pictures of motions."""
+"""Output for people: texts about robots, programs and runs, and pictures of motions."""

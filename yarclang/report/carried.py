@@ -1,5 +1,5 @@
-"""Parts of a cell through a program, for people: their positions from each step on, and the effect of each
-SET on them.
+"""Follow the parts of a cell through a program, for display: their positions from each step on, and the
+effect of each SET on them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class State:
 
     Attributes:
         step: number of the step; -1 before the program.
-        parts: of the cell.
+        parts: parts of the cell.
         is_motion: True if the step moves the robot.
         touches: pairs of bodies that may touch where a part is taken or put down.
         allowed: names of the pairs of bodies that may touch because the program or the cell allows it.
@@ -59,11 +59,11 @@ class Carried:
     names: Mapping[int, tuple[str, ...]]
 
     def cell_of(self, state: State) -> Cell | None:
-        """Return the cell with its parts as in a state."""
+        """Return the cell with its parts where they are in a state."""
         return surroundings(self.handling.cell, state.parts, state.touches, state.allowed)
 
     def deeds(self, step: int) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """Return the effects of a SET on parts: verb and names, such as ("takes", ("BOX 3",))."""
+        """Return the effects of a SET on parts: verbs with names, such as ("takes", ("BOX 3",))."""
         if step in self.removed:
             return (("removes", self.removed[step]),)
         grasp = self.grasps.get(step)
@@ -78,15 +78,15 @@ def carried_parts(
     """Follow the parts through a program.
 
     Args:
-        robot: whose flange carries them.
+        robot: robot whose flange carries them.
         program: its steps, and its cell.
         start: (n,) joint positions at the start [rad or m].
         ends: (n,) end of each motion [rad or m], by its step; motions that can't be planned are missing.
-        left_out: steps that aren't executed. With a WHEN, its ELSE and END must be left out too; the
-            remaining steps are then executed one after the other.
+        left_out: steps that aren't executed. A WHEN can only be left out together with its ELSE and END. The
+            remaining steps are executed one after the other.
 
     Returns:
-        None if the cell has no parts, and no bodies may touch on any motion.
+        None if the cell has no parts, and no bodies may touch during any motion.
     """
     handling = handling_of(robot, program.cell, program.steps)
     if not handling.is_needed:
@@ -100,8 +100,8 @@ def carried_parts(
 
 
 def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
-    """Return the states with the pairs that may touch: during motions as in the certificate, and at rest as
-    in the motion beside, up to the SET that moves a gripper.
+    """Return the states with the pairs that may touch. For motions, these are the pairs in the certificate.
+    For states at rest, they are those of a neighbouring motion with no SET of a gripper in between.
     """
     motions = {step: _may_touch(cell) for step, cell in followed.cells.items()}
     found: list[State] = []
@@ -126,8 +126,8 @@ def _may_touch(cell: Cell | None) -> _MayTouch:
 def _beside(
     states: list[State], at: int, motions: Mapping[int, _MayTouch], grasps: Mapping[int, Grasp]
 ) -> _MayTouch:
-    """Return the pairs that may touch while the robot rests in a state: those of the previous motion or,
-    after a gripper has moved, those of the next one.
+    """Return the pairs that may touch while the robot rests in a state: those of the previous motion. If a
+    gripper has moved since that motion, they are those of the next motion.
     """
     for here in range(at, -1, -1):
         if states[here].is_motion:
@@ -143,8 +143,8 @@ def _beside(
 
 
 def carried_in_plan(plan: MotionPlan) -> Carried | None:
-    """Follow the parts through a planned program. Return None if the cell has no parts and the program lets no
-    bodies touch.
+    """Follow the parts through a planned program. Return None if the cell has no parts and the program allows
+    no bodies to touch.
     """
     if not _is_needed(plan.program):
         return None
@@ -169,7 +169,7 @@ def carried_in_text(
 
     Args:
         does: execution of the text.
-        program: from which the text was made; None if unknown.
+        program: program from which the text was compiled; None if unknown.
         left_out: steps of the program that aren't executed, as for `carried_parts`.
 
     Returns:
@@ -183,7 +183,7 @@ def carried_in_text(
 
 def begins_in_text(does: Executed, steps: int, *, counts_dwells: bool = True) -> tuple[float, ...]:
     """Return the time in a text at which each step of a program begins [s], with the branches of a WHEN one
-    after the other. A step without lines in the text begins with the next one.
+    after the other. A step without lines in the text begins with the next step that has lines.
 
     Args:
         does: execution of the text.

@@ -1,4 +1,4 @@
-"""A cell as text."""
+"""Describe a cell as text."""
 
 from __future__ import annotations
 

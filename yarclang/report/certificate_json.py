@@ -1,5 +1,6 @@
-"""Certificates as JSON, written command by command: a certificate of 100,000 commands has 170 MB as JSON, and
-ten times as much as plain data.
+"""Write certificates as JSON, command by command.
+
+A certificate of 100,000 commands has 170 MB as JSON, and ten times as much as plain data in memory.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ def certificate_pieces(certificate: Certificate, *, ascii_only: bool = True) -> 
     """Yield the text of `json.dumps(certificate.to_json(), indent=2)` in pieces.
 
     Args:
-        certificate: to write.
+        certificate: certificate to write.
         ascii_only: True to escape all other characters.
     """
     whole = json.dumps({**certificate.whole_to_json(), "commands": []}, indent=2, ensure_ascii=ascii_only)
@@ -39,7 +40,7 @@ def report_pieces(report: dict[str, Any], certificate: Certificate | None) -> It
 
     Args:
         report: plain data.
-        certificate: written last, as `certificate`.
+        certificate: certificate that is written last, with the key `certificate`.
     """
     text = json.dumps({**report, "certificate": None}, indent=2, ensure_ascii=False)
     if certificate is None:
@@ -64,5 +65,5 @@ def reports_pieces(reports: list[tuple[dict[str, Any], Certificate | None]]) -> 
 
 
 def _indented(text: str, spaces: int) -> str:
-    """Return lines of JSON, whose strings have no line breaks, with more indentation."""
+    """Return lines of JSON with more indentation. Strings in them must not have line breaks."""
     return text.replace("\n", f"\n{' ' * spaces}")

@@ -1,4 +1,6 @@
-"""Distances of bodies at joint positions, for display: samples, no proof. The certificate has the proofs."""
+"""Compute distances of bodies at joint positions, for display. They are samples; only the certificate proves
+distances.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +53,7 @@ def _near(scene: Scene, q: Array) -> Near:
     seen = relative(placed, at, pair)
     bound = box_gaps(scene, pair, seen).reshape(count, size)
     if size:
-        # The most promising pair of each position comes first: its distance rules out most of the others.
+        # First compute the most promising pair of each position: its distance rules out most of the others.
         first = np.arange(count) * size + bound.argmin(axis=1)
         rows = first[bound.ravel()[first] < SEEN]
         gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
@@ -72,7 +74,7 @@ def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
 
 
 def touching(scene: Scene, q: Array) -> frozenset[str]:
-    """Return the bodies that are nearer to another one than their margin at the joint position `q` (n,)."""
+    """Return the bodies that are nearer to another body than their margin at the joint position `q` (n,)."""
     size = len(scene.pairs.first)
     if not size:
         return frozenset()

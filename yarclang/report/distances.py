@@ -1,4 +1,4 @@
-"""Proved distances in words."""
+"""Describe proved distances."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from yarclang.units import MM
 
 
 def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
-    """Return the proved distances of a command, and its speeds in slow zones: name and text of each."""
+    """Return the proved distances of a command, and its speeds in slow zones: the name and the text of
+    each.
+    """
     distances = [
         (name, distance_text(clearance))
         for name, clearance in (
@@ -36,8 +38,8 @@ def when_text(clearance: Clearance, word: str = "") -> str:
 
 
 def whole_tenths(distance: float) -> str:
-    """Return a distance [m] in mm with one decimal, rounded down so that the printed number is proved as
-    well.
+    """Return a distance [m] in mm with one decimal. It is rounded down, so that the printed number is proved
+    as well.
     """
     return down(least(distance, MM), 1)
 

@@ -1,4 +1,4 @@
-"""Findings as text and as JSON."""
+"""Format findings as text and as JSON."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.diagnostics import Diagnostic, Fix, Within
 
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 _WIDEST = 150
-"""Most characters of a source line that are shown."""
+"""Largest number of characters of a source line that are shown."""
 
 
 def finding_text(diagnostic: Diagnostic) -> str:
@@ -37,8 +37,8 @@ def finding_text(diagnostic: Diagnostic) -> str:
 
 
 def _excerpt(diagnostic: Diagnostic) -> list[str]:
-    """Return the source line with carets below the span. Of a very long line, only the part around the span
-    is shown.
+    """Return the source line with carets below the span. If the line is very long, only the part around the
+    span is shown.
     """
     if diagnostic.source is None or diagnostic.span is None:
         return []
@@ -63,8 +63,8 @@ def _excerpt(diagnostic: Diagnostic) -> list[str]:
 
 
 def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
-    """Return a finding as plain data. Lines and columns count from 1, and `end_column` is after the last
-    character.
+    """Return a finding as plain data. Lines and columns count from 1, and `end_column` is the column after
+    the last character.
     """
     span = diagnostic.shown_at
     return {
@@ -83,8 +83,8 @@ def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
 
 
 def _within_json(within: Within) -> dict[str, Any]:
-    """Return the place of a finding's cause in a module. An installed module has no file, because it isn't
-    edited.
+    """Return the place of a finding's cause in a module. For an installed module there is no file, because
+    users don't edit it.
     """
     span, source = within.span, within.source
     return {
@@ -125,9 +125,7 @@ def told_text(diagnostic: Diagnostic) -> str:
 
 
 def count_text(diagnostics: Iterable[Diagnostic], *, notes: bool = False) -> str:
-    """Return the numbers of errors and warnings, and with `notes` that of notes, in words; empty if there are
-    none.
-    """
+    """Return the numbers of errors, warnings and (with `notes`) notes, in words; empty if there are none."""
     counts = {"error": 0, "warning": 0, **({"note": 0} if notes else {})}
     for diagnostic in diagnostics:
         if diagnostic.severity in counts:

@@ -1,4 +1,4 @@
-"""docs/findings.md: the meaning of every finding, and its remedy."""
+"""Write docs/findings.md: the meaning of every finding, and its remedy."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _READS = {
     "Certificate": "the certificate",
 }
 _FILES = {"11": "text", "13": "toml", "14": "text", "15": "text", "16": "text"}
-"""Families whose examples aren't programs."""
+"""Languages of the examples in families whose examples aren't programs."""
 
 
 def findings_page(introduction: str) -> str:

@@ -1,9 +1,8 @@
-"""Reference of a module from its comments.
+"""Build the reference of a module from its comments.
 
 The comment at the top of the file describes the module. The comment directly above a SUB describes the SUB.
-Indented lines in it describe one parameter each, by its name and unit as in the SUB's head and two blanks, or
-give a call as an
-example:
+Indented lines in this comment describe one parameter each. They begin with the parameter's name and unit as
+in the SUB's head, followed by two blanks. An indented line that begins with CALL is an example:
 
     ! Retracts straight along the tool's z axis.
     !   {TOOL}  tool that is moved
@@ -22,7 +21,7 @@ from yarclang.frozen import frozen
 from yarclang.syntax.ast import FrameName, Module, Parameter, Statement, Value
 
 WIDTH = 96
-"""Columns of the text."""
+"""Width of the text in columns."""
 
 
 @frozen
@@ -30,8 +29,8 @@ class ParameterText:
     """A parameter of a SUB.
 
     Attributes:
-        name: as in the head, `{AT}` or `T (s)`.
-        meaning: from the comment.
+        name: name as in the head, such as `{AT}` or `T (s)`.
+        meaning: meaning from the comment.
         default: its value if a CALL gives none; empty without a default.
     """
 
@@ -41,12 +40,12 @@ class ParameterText:
 
     @property
     def word(self) -> str:
-        """Return the name without braces and unit, as it stands in front of an argument."""
+        """Return the name without braces and unit, as it is written before an argument."""
         return self.name.partition(" (")[0].strip("{}")
 
     @property
     def written(self) -> str:
-        """Return the parameter as in the head, with its default."""
+        """Return the parameter as it is written in the head, with its default."""
         word, bracket, unit = self.name.partition(" (")
         return f"{word}={self.default}{bracket}{unit}" if self.default else self.name
 
@@ -56,9 +55,9 @@ class SubText:
     """A SUB.
 
     Attributes:
-        name: of the SUB.
+        name: name of the SUB.
         purpose: description.
-        parameters: of its head, in order.
+        parameters: parameters of its head, in order.
         strangers: parameters that only the comment has.
         example: a call.
     """
@@ -80,9 +79,9 @@ class FunctionText:
     """A FUNC.
 
     Attributes:
-        name: of the FUNC.
+        name: name of the FUNC.
         purpose: description.
-        parameters: as in its head, `A` or `H (mm)`.
+        parameters: parameters as in its head, such as `A` or `H (mm)`.
     """
 
     name: str
@@ -91,7 +90,7 @@ class FunctionText:
 
     @property
     def head(self) -> str:
-        """Name and parameters as in a use."""
+        """Name and parameters as they are written in a use."""
         return f"{self.name}({', '.join(self.parameters)})"
 
 
@@ -100,7 +99,7 @@ class ModuleText:
     """A module.
 
     Attributes:
-        name: of the module.
+        name: name of the module.
         paragraphs: description.
         subs: its SUBs.
         functions: its FUNCs.
@@ -134,7 +133,7 @@ def describe_module(module: Module) -> ModuleText:
     top: list[str] = []
     if first and first < above_all:
         top = _downwards(comments, first)
-        # a comment directly above the first SUB or FUNC describes that one
+        # a comment directly above the first SUB or FUNC describes this SUB or FUNC, not the module
         if first + len(top) in {statement.line for statement in (*subs, *functions)}:
             top = []
     return ModuleText(
@@ -204,7 +203,7 @@ def _sub(statement: Statement, comments: dict[int, str], module: str) -> SubText
     )
     known = {_plain(one) for one in wanted}
     strangers = tuple(one for one in meanings if one not in known)
-    # without a call in the comment, the parameters' names are its arguments
+    # if the comment has no example of a call, use the parameters' names as arguments
     example = example or " ".join(("CALL", f"{module}.{name}", *(one.split(" (")[0] for one in wanted)))
     return SubText(name, purpose, parameters, strangers, example)
 
@@ -217,7 +216,7 @@ def _function(statement: Statement, comments: dict[int, str]) -> FunctionText:
 
 
 def _head_name(value: Value) -> str:
-    """Return a word of the head in its usual form: names in upper case, units in lower case."""
+    """Return a word of the head in standard form: names in upper case, units in lower case."""
     if isinstance(value, FrameName):
         return f"{{{value.name}}}"
     if isinstance(value, Parameter):
@@ -255,7 +254,7 @@ def _parts(lines: list[str]) -> tuple[str, dict[str, str], str]:
 
 
 def _plain(parameter: str) -> str:
-    """Return a parameter for comparison: `t(S)` and `T (s)` are equal."""
+    """Return a parameter in the form in which parameters are compared: `t(S)` and `T (s)` are equal."""
     word, bracket, unit = parameter.partition("(")
     return f"{word.strip().upper()} ({unit.rstrip(') ').lower()})" if bracket else word.strip().upper()
 

@@ -1,4 +1,4 @@
-"""The places of a program that come nearest to a limit, a tolerance, a margin or a border."""
+"""Find the places of a program that come nearest to a limit, a tolerance, a margin or a border."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from yarclang.robot.model import Robot, Tolerance
 from yarclang.units import DEG, MM
 
 MOST = 10
-"""Most places that are shown."""
+"""Largest number of places that are shown."""
 
 _MORE, _LESS = 1.0 + 1e-15, 1.0 - 1e-15
-"""Bounds of the rounding in products of shares and limits, which are rounded three times."""
+"""Bounds of the relative error in products of shares and limits, which are rounded three times."""
 
 
 @frozen
@@ -37,10 +37,10 @@ class Nearest:
     """A place.
 
     Attributes:
-        command: of the program.
+        command: command of the program.
         what: the measured quantity.
         figure: the value in words.
-        share: of the allowed value; None for a distance without a margin.
+        share: share of the allowed value; None for a distance without a margin.
         rank: sort key: the share or, without a margin, 1 mm divided by the distance.
     """
 
@@ -52,7 +52,7 @@ class Nearest:
 
     @property
     def is_judged(self) -> bool:
-        """True if the program has to respect a limit of the quantity."""
+        """True if the quantity has a limit that the program must not exceed."""
         return self.share is not None
 
 
@@ -62,15 +62,15 @@ def source_command(command: CommandCertificate) -> tuple[str, int, str]:
 
 
 def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) -> tuple[Nearest, ...]:
-    """Return the places nearest to their limits: first the nearest of each quantity, then the next of all,
-    sorted.
+    """Return the places nearest to their limits: the nearest place of each quantity and, if there is room,
+    the nearest places of all others. The result is sorted.
 
-    A line of the source that is executed several times is listed once for a quantity, at its worst.
+    A line of the source that is executed several times is listed once for a quantity, with its worst value.
 
     Args:
         certificate: the proved commands.
-        robot: for the limits of joints and motors.
-        cell: for the margins of obstacles and zones.
+        robot: robot with the limits of joints and motors.
+        cell: cell with the margins of obstacles and zones.
     """
     worst: dict[tuple[str, int, str, str], _Found] = {}
     measure = _Measure(certificate.tolerance, robot, cell)
@@ -95,11 +95,11 @@ def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) ->
 
 
 _MANY = 4_096
-"""Number of places after which those are dropped that can't be among the nearest."""
+"""Number of places after which those that can't be among the nearest are dropped."""
 
 
 def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str, int, str, str], _Found]:
-    """Return the nearest places of each quantity, as many as can be listed, in the order in which they were
+    """Return the nearest places of each quantity, as many as could be listed, in the order in which they were
     found.
     """
     by_quantity: dict[str, list[tuple[str, int, str, str]]] = {}
@@ -114,8 +114,8 @@ def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str,
 
 
 class _Found(NamedTuple):
-    """A candidate for the nearest places, with the attributes of `Nearest`. Its figure is formatted only on
-    demand, by `words` from `values`.
+    """A candidate for the nearest places, with the attributes of `Nearest`. Its figure is formatted only when
+    it is needed, by `words` from `values`.
     """
 
     command: CommandCertificate
@@ -210,7 +210,7 @@ def _of_tolerance(value: float, limit: float, unit: float, called: str) -> str:
 
 
 def _in_zone(speed: ZoneSpeed) -> str:
-    """Format `FINGERS 90 of 100 mm/s in WORKER`. A motion's own ceiling has no zone."""
+    """Format `FINGERS 90 of 100 mm/s in WORKER`. For the motion's own ceiling, no zone is named."""
     where = "" if speed.of_motion else f" in {speed.zone}"
     return f"{speed.part} {up_to(most(speed.largest, MM), 4)} of {speed.limit / MM:.4g} mm/s{where}"
 

@@ -1,4 +1,4 @@
-"""Poses for people: x y z [mm] and roll pitch yaw [deg]."""
+"""Format poses for people: x y z [mm] and roll pitch yaw [deg]."""
 
 from __future__ import annotations
 

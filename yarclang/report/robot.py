@@ -1,4 +1,4 @@
-"""A robot as text."""
+"""Describe a robot as text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.units import MS
 
 
 def robot_text(robot: Robot) -> str:
-    """Return joints with their limits, frames, positions and controller, for people."""
+    """Return a text for people with joints and their limits, frames, positions and controller."""
     limits, units = robot.limits, robot.axis_units
     names = joint_labels(robot.joint_names)
     wide = max(8, *(len(name) + 2 for name in names))

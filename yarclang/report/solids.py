@@ -1,4 +1,4 @@
-"""Shapes as triangles."""
+"""Convert shapes to triangles."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from yarclang.collision.geometry import UnreadableError, load_mesh
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 
 AROUND = 32
-"""Corners of a circle."""
+"""Number of corners of a circle."""
 _RINGS = 8
-"""Rings of a half sphere."""
+"""Number of rings of a half sphere."""
 _MOST_TRIANGLES = 40_000
-"""Largest number of triangles of a mesh. A picture needs no more, and browsers manage no more at 30 pictures
-a second.
+"""Largest number of triangles of a mesh. A picture needs no more, and a browser can't draw more 30 times a
+second.
 """
 
 
@@ -42,7 +42,7 @@ def solid_of(shape: Shape) -> Solid | None:
             return _turned(*_arc(radius, 0.0))
         case Cylinder(radius=radius, length=length):
             half = length / 2.0
-            # each edge twice, for a crease in the shading
+            # each edge twice, so that the shading has a crease there
             profile = np.array([[0.0, -half], [radius, -half], [radius, -half], [radius, half]])
             return _turned(*np.vstack([profile, [[radius, half], [0.0, half]]]).T)
         case Capsule(radius=radius, length=length):
@@ -78,7 +78,7 @@ def _arc(radius: float, half: float) -> tuple[Array, Array]:
 
 
 def _turned(radius: Array, height: Array) -> Solid:
-    """Return the solid of a profile that is turned about z.
+    """Return the solid that results from rotating a profile about z.
 
     Args:
         radius: (K,) radii of the profile, from its lower end to its upper one [m].
@@ -107,7 +107,7 @@ def _mesh(shape: Mesh) -> Solid | None:
     if not 0 < count <= _MOST_TRIANGLES or not np.isfinite(vertices).all():
         return None
     faces = np.array([[face[side] for side in range(3)] for face in map(model.tri_indices, range(count))])
-    # A negative scale turns the triangles inside out.
+    # A negative scale reverses the orientation of the triangles.
     if np.prod(shape.scale) < 0.0:
         faces = faces[:, ::-1]
     return Solid(vertices, faces.astype(np.int64))

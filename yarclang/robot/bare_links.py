@@ -1,5 +1,5 @@
-"""Find links that the collision check can't see. The warnings are shown when a robot is made and when it is
-checked, not for each program.
+"""Find joints that move no link with a collision shape: the collision check can't see these links. The
+warnings are shown when a robot is made and when it is checked, not for each program.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from yarclang.source import SourceFile
 
 
 def bare_links(robot: Robot) -> tuple[Diagnostic, ...]:
-    """Return a warning for each joint that moves no link with a collision shape; none for a robot that was
-    made without files.
+    """Return a warning for each joint that moves no link with a collision shape. The result is empty for a
+    robot that wasn't read from files.
     """
     if robot.written is None:
         return ()

@@ -15,8 +15,8 @@ from yarclang.toml.file import did_you_mean
 
 
 def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | None:
-    """Return all joints from link `base` to link `flange`, fixed ones included, or None if they aren't
-    connected.
+    """Return all joints from link `base` to link `flange`, including fixed joints, or None if the links
+    aren't connected.
 
     The URDF must be a sound tree that has both links.
     """
@@ -32,12 +32,12 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
 
 
 def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = ()) -> bool:
-    """Report joints of the chain that no motor can move, and moving joints elsewhere that robot.toml doesn't
-    list as ignored.
+    """Report joints of the chain that no motor can move. Also report moving joints outside of the chain that
+    robot.toml doesn't list as ignored.
 
     Args:
         urdf: findings go to it.
-        joints: the joints of the chain, fixed ones included.
+        joints: the joints of the chain, including fixed joints.
         ignored: names of the moving joints that robot.toml ignores.
 
     Returns:
@@ -92,8 +92,11 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
 
 
 def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, Name]]:
-    """Return a finding for each link that robot.toml names (by key) and the URDF doesn't have: key, message,
-    help and subject.
+    """Return a finding (key, message, help, subject) for each link that robot.toml names and the URDF lacks.
+
+    Args:
+        urdf: the URDF.
+        names: link names, by the keys of robot.toml that hold them.
     """
     return [
         (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", *did_you_mean(link, urdf.links))
@@ -115,7 +118,7 @@ def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain
 
     try:
         model = pin.buildModelFromXML(urdf.text)
-    except Exception as error:  # boost throws several kinds, which all mean the same
+    except Exception as error:  # Boost's exceptions have several types
         root = urdf.root or Element("", {}, 0, 0)
         message = f"Pinocchio can't read the URDF: {str(error)[:200].rstrip('.')}."
         urdf.say("Y1360", message, "What it prints on the terminal names the element.", root)

@@ -1,4 +1,6 @@
-"""Check the values of a robot.toml against each other and the URDF, beyond the form of each (schema.py)."""
+"""Check the values of a robot.toml against each other and against the URDF. The form of each value is checked
+in schema.py.
+"""
 
 from __future__ import annotations
 
@@ -197,7 +199,9 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:
-    """Report limits of the URDF that are narrower than those of robot.toml, which take precedence."""
+    """Report limits of the URDF that are narrower than those of robot.toml. The limits of robot.toml take
+    precedence.
+    """
     for joint in chain:
         table, limit = (draft.table.joints or {}).get(joint.name), joint.element.first("limit")
         if table is None or limit is None:

@@ -1,4 +1,6 @@
-"""Collect the pairs of links that may touch each other: from robot.toml, and those that an SRDF disables."""
+"""Collect the pairs of links that may touch each other: pairs that robot.toml allows, and pairs that an
+SRDF disables.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,7 @@ def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -
 
 
 def check_pieces(file: TomlFile, table: RobotTable, urdf: Urdf) -> None:
-    """Check that the links whose meshes are to be divided are there, and have meshes.
+    """Check that the links with meshes to be divided exist in the URDF, and have meshes.
 
     Args:
         file: findings go to it.

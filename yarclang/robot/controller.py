@@ -1,4 +1,4 @@
-"""Declare what all kinds of controllers have in common, as far as a robot.toml describes them.
+"""Define the interface of all kinds of controllers: the part that a robot.toml describes.
 
 A kind is a package `yarclang/backend_NAME`. Its `kind.py` has a `KIND` with all that is needed to read a
 robot; its `backend.py` has everything else (`yarclang/backend.py`).
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @frozen
 class SignalVariable:
-    """The controller's variable of an input or output.
+    """The controller's variable of an input or output, as found in a text.
 
-    `name` is its usual form, or None if the text names no variable; then `fault` is the reason and `remedy`
-    the correction. `is_taken` is True if yarclang itself uses the variable.
+    `name` is the usual form of its name. It is None if the text names no variable; `fault` is then the reason
+    and `remedy` the correction. `is_taken` is True if yarclang itself uses the variable.
     """
 
     name: str | None
@@ -31,7 +31,7 @@ class SignalVariable:
 
 
 NO_SIGNAL = SignalVariable(None, "is no variable: this controller has none", "leave it out")
-"""The answer of a kind without inputs and outputs."""
+"""Result for a kind of controller that has no inputs and outputs."""
 
 
 class Controller(Protocol):
@@ -54,7 +54,7 @@ class Controller(Protocol):
 
     @property
     def smallest_segment(self) -> float:
-        """The shortest segment that the controller can calculate in time [s]."""
+        """The shortest segment that the controller can calculate fast enough [s]."""
 
     @property
     def largest_segment(self) -> float:
@@ -77,12 +77,12 @@ class Controller(Protocol):
         """The reason for the length of the shortest segment, for people."""
 
     def signal(self, text: str) -> SignalVariable:
-        """Return the variable of an input or output that a text in upper case names."""
+        """Return the variable of an input or output; `text` names it in upper case."""
 
 
 @frozen(eq=False)
 class Kind:
-    """A kind of controller, as far as a robot.toml describes it.
+    """A kind of controller: the functions that are needed to read and write robot.toml files for it.
 
     Attributes:
         name: as in robot.toml.
@@ -93,10 +93,10 @@ class Kind:
         restored: makes a controller from the result of `dataclasses.asdict`.
         lines: returns the lines of `[controller]` for a new robot with that number of joints.
         check: reports mistakes in a table of that form, for a robot with that number of joints.
-        not_coupled: returns the remedy if the axes of joints with coupled motors can't be coupled; empty if
-            they can, or if they are no axes.
-        signal: returns the variable of an input or output that a text in upper case names, if the robot isn't
-            known.
+        not_coupled: for axes whose joints have coupled motors, returns the remedy if the controller can't
+            couple these axes; empty if it can, or if a name isn't that of an axis.
+        signal: returns the variable of an input or output that a text in upper case names. Used if the robot
+            isn't known.
     """
 
     name: str

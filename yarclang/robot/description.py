@@ -57,7 +57,7 @@ T = TypeVar("T")
 
 
 def load_robot(name_or_path: str) -> Result[Robot]:
-    """Read a robot; one of the standard library only once, as long as none of its files changes.
+    """Read a robot. A robot of the standard library is cached until one of its files changes.
 
     Args:
         name_or_path: the name of a robot of the standard library in any case (INDUSTRIAL6), or the path of a
@@ -80,8 +80,8 @@ def load_robot(name_or_path: str) -> Result[Robot]:
 
 @lru_cache(maxsize=16)
 def _of_library(path: Path, _: Hashable) -> Result[Robot]:
-    """Read a robot of the library; the second argument changes with its files and is part of the cache's
-    key.
+    """Read a robot of the library, or return it from the cache. The second argument is part of the cache's
+    key; it changes with the robot's files.
     """
     return _read(path)
 
@@ -111,7 +111,7 @@ def read_robot(source: SourceFile, folder: Path) -> Result[Robot]:
         folder: the folder in which the file belongs.
 
     Returns:
-        As for `load_robot`.
+        The same as `load_robot`.
     """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
@@ -286,7 +286,7 @@ def _fingerprint(
 ) -> str:
     """Return the SHA-256 of everything in the files that affects programs.
 
-    That is values, joints, collision shapes (meshes by their bytes), tools, and masses if torques are
+    This covers values, joints, collision shapes (meshes by their bytes), tools, and masses if torques are
     checked. Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
     """
     joints = {

@@ -1,4 +1,4 @@
-"""Read the tables of a robot.toml, as many as can be read."""
+"""Read the tables of a robot.toml that may have mistakes, so that all correct values can be checked."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def read_draft(data: dict[str, Any]) -> RobotDraft:
 
 
 def _ramped(draft: RobotDraft) -> RobotDraft:
-    """Return the draft with accelerations and jerks from [ramps] for the joints that have none of their own;
-    such keys aren't missing.
+    """Return the draft with accelerations and jerks computed from [ramps] for joints that set none. These
+    keys are then no longer reported as missing.
     """
     ramps, joints = draft.table.ramps, draft.table.joints
     if ramps is None or joints is None:
@@ -44,7 +44,9 @@ def _ramped(draft: RobotDraft) -> RobotDraft:
 
 
 def _with_ramps(joint: JointTable, ramps: RampsTable) -> JointTable:
-    """Return a joint with an acceleration and a jerk, as far as its velocity and the ramps are known."""
+    """Return a joint with its missing acceleration and jerk computed, if its velocity and the ramps are
+    known.
+    """
     acceleration, jerk = joint.acceleration, joint.jerk
     if acceleration is None and joint.velocity is not None and ramps.rise is not None:
         acceleration = joint.velocity / (ramps.rise * MS)

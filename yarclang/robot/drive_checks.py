@@ -131,8 +131,8 @@ def check_twice(file: TomlFile, code: str, path: Path, what: str, names: Sequenc
         file: findings go to it.
         code: the code of the finding.
         path: the list in the file.
-        what: the names' kind, for the message.
-        names: one for each joint.
+        what: kind of the names, for the message.
+        names: one name for each joint.
     """
     first: dict[str, int] = {}
     for at, name in enumerate(names):

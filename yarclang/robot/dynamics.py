@@ -2,8 +2,8 @@
 Dynamics Algorithms, ch. 5).
 
 The model consists of rigid bodies only: no friction, rotors or springs. Each link has a frame whose z is its
-joint's axis, so that a joint rotates two rows and all that lies between two joints is a constant matrix. The
-last index counts the instants: a step is a few operations on whole rows.
+joint's axis. A joint therefore rotates two rows, and the transform between two joints is a constant matrix.
+The last index counts the instants, so that a step is a few operations on whole rows.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ def torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> A
         chain: the arm, n joints.
         dynamics: its masses.
         q: (P, n) joint positions [rad or m].
-        v: (P, n) joint velocities.
-        a: (P, n) joint accelerations.
+        v: (P, n) joint velocities [rad/s or m/s].
+        a: (P, n) joint accelerations [rad/s^2 or m/s^2].
 
     Returns:
-        (P, n) torques of turning joints [N m], forces of sliding ones [N].
+        (P, n) torques of turning joints [N m], and forces of sliding joints [N].
     """
     found = np.empty(q.shape)
     for start in range(0, len(q), BLOCK):
@@ -45,7 +45,7 @@ def holding_torques(chain: Chain, dynamics: Dynamics, q: Array) -> Array:
 
 
 def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
-    """Compute `torques` with the instants last, (n, P)."""
+    """Compute `torques` with arrays of shape (n, P), the instants last."""
     links = _links(chain, dynamics)
     size, count = q.shape
     angle = q * links.turn[:, None]
@@ -99,9 +99,10 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
 class _Links:
     """The constants of an arm.
 
-    For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the one before, and `shift` (n,
-    3) its origin there. For the body that it moves, `mass` (n,), `center` (n, 3) and `inertia` (n, 3, 3) are
-    in the joint's frame. `turn` and `slide` (n,) are the motion about and along z per unit of joint position.
+    For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the frame before, and `shift`
+    (n, 3) is its origin in the frame before. For the body that the joint moves, `mass` (n,), `center` (n, 3)
+    and `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the motion about and along z
+    per unit of joint position.
     """
 
     step: Array
@@ -141,13 +142,13 @@ def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
 
 
 def _into(step: Array, sin: Array, cos: Array, one: Array) -> Array:
-    """Return vectors (3, P) in the axes of a link, given in those of the link before."""
+    """Transform vectors (3, P) from the axes of the link before to the axes of a link."""
     x, y, z = step.T @ one
     return np.stack([cos * x + sin * y, cos * y - sin * x, z])
 
 
 def _out_of(step: Array, sin: Array, cos: Array, one: Array) -> Array:
-    """Return vectors (3, P) in the axes of the link before, given in those of a link."""
+    """Transform vectors (3, P) from the axes of a link to the axes of the link before."""
     x, y, z = one
     back: Array = step @ np.stack([cos * x - sin * y, sin * x + cos * y, z])
     return back

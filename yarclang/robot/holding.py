@@ -1,4 +1,6 @@
-"""Show where an arm can hold its flange, and in how many orientations, so that a wrong robot is noticed."""
+"""Compute where an arm can hold its flange, and in how many orientations. The picture reveals mistakes in a
+robot's description.
+"""
 
 from __future__ import annotations
 
@@ -13,18 +15,18 @@ CELLS = 32
 """Cells along each side of a section."""
 
 TRIED = 300_000
-"""Number of joint positions within limits, spread evenly. It takes the same time for any arm, unlike a search
-for solutions.
+"""Number of joint positions within limits, spread evenly. Sampling takes the same time for any arm; solving
+poses doesn't.
 """
 
 
 @frozen(eq=False)
 class Held:
-    """The cells that the flange reaches, and in how many orientations.
+    """The share of orientations in which the flange can be held, for each cell of a section.
 
     `share` (CELLS, CELLS), from 0 to 1, is the share of the 24 orientations of a cube near which the flange
-    was held in each cell, NaN where it never was. Its rows run along `up`, its columns along `across`; both
-    are the edges (CELLS + 1,) of the cells [m] in {B}.
+    was held in each cell, NaN for cells that it never reached. Its rows run along `up`, its columns along
+    `across`; both are the edges (CELLS + 1,) of the cells [m] in {B}.
     """
 
     axes: tuple[str, str]
@@ -34,12 +36,12 @@ class Held:
 
 
 def sections(robot: Robot) -> tuple[Held, Held]:
-    """Return the sections seen from the side, by the distance from the z axis of {B}, and from above, by x
-    and y.
+    """Return two sections: the side view (distance from the z axis of {B}, and z), and the top view (x and
+    y).
 
-    Orientations in the view from the side are relative to a frame that turns about z with the flange's place;
-    from above they are relative to {B}. The view from the side thus loses nothing for an arm whose first
-    joint turns about z.
+    In the side view, orientations are relative to a frame that turns about z with the flange's place; in the
+    top view they are relative to {B}. For an arm whose first joint turns about z, all positions of that joint
+    therefore give the same side view, and nothing is lost in it.
     """
     poses = flange_poses(robot.chain, within(robot.chain, robot.limits, TRIED))
     x, y, z = poses[:, :3, 3].T

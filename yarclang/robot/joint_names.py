@@ -1,4 +1,4 @@
-"""Names of joints: those of the URDF, and the short ones J1, J2 and so on in the robot's order."""
+"""Names of joints: the names in the URDF, and the short names J1, J2 and so on in the robot's order."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ _NUMBERED = re.compile(r"J[0-9]+", re.IGNORECASE)
 def has_short_names(names: Sequence[str]) -> bool:
     """Return True if J1, J2 and so on name these joints by their number.
 
-    They don't if a joint has such a name of its own: J1 of an arm with joints J0 to J5 would be two joints.
+    They don't if one of the joints is itself called so: in an arm with joints J0 to J5, J1 would be
+    ambiguous.
     """
     return not any(_NUMBERED.fullmatch(name) for name in names)
 
 
 def numbers_by_name(names: Sequence[str]) -> Mapping[str, int]:
-    """Return the number of each joint, from 0, by all of its names in upper case."""
+    """Return the number of each joint, from 0, under each of its names in upper case."""
     found = (
         {f"J{number}": number - 1 for number in range(1, len(names) + 1)} if has_short_names(names) else {}
     )
@@ -25,7 +26,7 @@ def numbers_by_name(names: Sequence[str]) -> Mapping[str, int]:
 
 
 def joint_number(names: Sequence[str], name: str) -> int | None:
-    """Return the number of the joint with a name, from 0, in any case; None without one.
+    """Return the number of the joint with this name, from 0, or None if no joint has it. Case is ignored.
 
     Args:
         names: the robot's joint names.
@@ -35,7 +36,9 @@ def joint_number(names: Sequence[str], name: str) -> int | None:
 
 
 def joint_labels(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names for people: `J2 shoulder_lift_joint`, or the robot's own if it has no short ones."""
+    """Return the names for people, such as `J2 shoulder_lift_joint`; the URDF's names if there are no
+    short names.
+    """
     if not has_short_names(names):
         return tuple(names)
     return tuple(f"J{number} {name}" for number, name in enumerate(names, 1))

@@ -1,4 +1,4 @@
-"""Find all kinds of controllers: each package `yarclang/backend_*`, and those of other packages."""
+"""Find all kinds of controllers: the packages `yarclang/backend_*`, and entry points of other packages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from yarclang.named import by_name
 from yarclang.robot.controller import Kind, SignalVariable
 
 DEFAULT = "turbo-pmac"
-"""The kind of a robot.toml that names none."""
+"""Kind of controller of a robot.toml that sets none."""
 
 GROUP = "yarclang.backends"
 """Entry point group for other packages: the kind's name, and a module that has its `KIND` and its
@@ -34,8 +34,9 @@ def kind_of(name: str) -> Kind | None:
 
 
 def known_signal(text: str) -> SignalVariable:
-    """Return the variable of an input or output that a text in upper case names, for any kind of controller,
-    if the robot isn't known.
+    """Return the variable of an input or output that a text in upper case names.
+
+    All kinds of controllers are tried; used if the robot isn't known.
     """
     found = [kind.signal(text) for name in kind_names() if (kind := kind_of(name)) is not None]
     return next((one for one in found if one.name is not None), found[0])
@@ -68,7 +69,7 @@ def module_of(name: str) -> str:
 
 @contextmanager
 def plugged(name: str, module: str) -> Iterator[None]:
-    """Register another kind as long as the context lasts.
+    """Register another kind for the duration of the context.
 
     Args:
         name: the kind's name.

@@ -33,8 +33,8 @@ def stdlib_folder() -> Path:
 
 
 def list_robots() -> tuple[RobotSummary, ...]:
-    """Return the robots of the standard library by name. Only their robot.toml is read, and nothing else is
-    checked.
+    """Return the robots of the standard library by name. Only the robot.toml of each robot is read, and
+    nothing else is checked.
 
     Raises:
         NamedTwice: two folders have a robot of the same name.
@@ -45,7 +45,8 @@ def list_robots() -> tuple[RobotSummary, ...]:
 
 
 def find_robot(name_or_path: str) -> tuple[Path | None, str]:
-    """Return the robot.toml of a name (in any case) or path; or None and the name that may be meant.
+    """Return the robot.toml of a robot given by name (in any case) or path; or None and the most similar
+    name.
 
     A name of the standard library takes precedence over a folder of that name.
     """

@@ -52,8 +52,8 @@ def link_shapes(
 
 
 def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
-    """Return for each link root_from_link (4, 4) with all joints at zero, and how many of the moving joints
-    are above it.
+    """Return, for each link, root_from_link (4, 4) with all joints at zero, and the number of moving joints
+    between the root and the link.
     """
     below: dict[str, list[Joint]] = {}
     for joint in urdf.joints.values():
@@ -74,7 +74,7 @@ def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, i
 
 
 def placed_at(urdf: Urdf, origin: Element | None) -> Array:
-    """Return link_from_it (4, 4) of an <origin> that was checked; the identity without one."""
+    """Return link_from_it (4, 4) of an <origin> that was checked; the identity for None."""
     placed = np.eye(4)
     rpy = urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
     placed[:3, :3] = rpy_rotation(np.array(_given(rpy)))

@@ -19,8 +19,9 @@ GRAVITY = 9.81
 
 @frozen(eq=False)
 class _Lump:
-    """A body on the link that joint number `joint` (from 1) moves: `mass` [kg], `center` (3,) in {B} [m],
-    `inertia` (3, 3) about it [kg m^2].
+    """A body on the link that joint number `joint` (from 1) moves.
+
+    `mass` is in kg, `center` (3,) is in {B} [m], and `inertia` (3, 3) is about the center [kg m^2].
     """
 
     joint: int
@@ -41,8 +42,8 @@ def dynamics_of(
     Args:
         urdf: a URDF without errors.
         ends: the link that is {B}, and the arm's moving joints.
-        chain: the same arm.
-        tools: all tools; those that are mounted count.
+        chain: the same arm as a chain.
+        tools: all tools; only the mounted ones count.
         said: values of robot.toml: the effort of each joint (None: that of the URDF), gravity in {B} [m/s^2]
             (None: downwards), and True if torques are checked.
     """
@@ -96,21 +97,21 @@ def _tools(tools: Sequence[Tool], chain: Chain) -> Iterator[_Lump]:
 
 
 def _together(lumps: Sequence[_Lump]) -> _Lump:
-    """Combine bodies that never move relative to each other."""
+    """Combine bodies that never move relative to each other into one body."""
     mass = sum(one.mass for one in lumps)
     if mass == 0.0:
         return _Lump(0, 0.0, np.zeros(3), sum((one.inertia for one in lumps), np.zeros((3, 3))))
     center = sum((one.mass * one.center for one in lumps), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for one in lumps:
-        # parallel axis theorem; a body without mass contributes its inertia wherever it is
+        # parallel axis theorem; the inertia of a body without mass doesn't depend on the body's place
         away = one.center - center
         inertia += one.inertia + one.mass * (away @ away * np.eye(3) - np.outer(away, away))
     return _Lump(lumps[0].joint, mass, center, inertia)
 
 
 def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
-    """Return a joint's effort, infinite if it isn't known: CAD exports write 0 then."""
+    """Return a joint's effort, infinite if it isn't known. CAD exports write 0 for an unknown effort."""
     if said is not None:
         return said
     limit = joint.element.first("limit")
@@ -119,13 +120,13 @@ def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
 
 
 def with_load(dynamics: Dynamics, mass: float, center: Array, inertia: Array) -> Dynamics:
-    """Add a body that the last joint moves.
+    """Return the masses of an arm with an additional body that the last joint moves.
 
     Args:
-        dynamics: without the body.
-        mass: of the body [kg].
-        center: (3,) its center in {B} with all joints at zero [m].
-        inertia: (3, 3) about its center, along the axes of {B} [kg m^2].
+        dynamics: the masses without the body.
+        mass: mass of the body [kg].
+        center: (3,) center of the body in {B} with all joints at zero [m].
+        inertia: (3, 3) about that center, along the axes of {B} [kg m^2].
     """
     size = len(dynamics.mass)
     last = _Lump(size, float(dynamics.mass[-1]), dynamics.center[-1], dynamics.inertia[-1])

@@ -1,9 +1,9 @@
-"""Describe joints that follow another by <mimic>: their factor and offset, and how a robot.toml expresses
-them.
+"""Describe joints that follow another joint by <mimic>: their factor and offset, and how a robot.toml
+expresses them.
 
-Each joint of the chain has a motor of its own. A joint that follows another while its own motor is at rest is
-coupled in J of robot.toml: in counts = K J q + a0 its row is (..., -k, ..., 1, ...), and its a0 is -K b, so
-that the count 0 means q = k q' + b.
+Each joint of the chain has a motor of its own. If a joint moves with another one while its own motor is at
+rest, the two are coupled in J of robot.toml: in counts = K J q + a0 the row of the joint is (..., -k, ..., 1,
+...), and its a0 is -K b, so that the count 0 means q = k q' + b.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from yarclang.units import DEG, MM
 class Mimic:
     """A joint of the chain that follows a leader: `joint` = `factor` * `leader` + `offset`, in deg and mm.
 
-    `raw` are multiplier and offset as in the URDF, in rad and m. `leader_kind` is None if the URDF doesn't
-    have the leader.
+    `raw` has the multiplier and the offset of the URDF, in rad and m. `leader_kind` is None if the URDF
+    doesn't have the leader.
     """
 
     joint: Joint
@@ -44,8 +44,8 @@ class Mimic:
         )
 
     def remedy(self, chain: Sequence[Joint]) -> str:
-        """Return a sentence that describes how robot.toml expresses the coupling, or that it can't because
-        the leader isn't in the chain.
+        """Return a sentence that explains how robot.toml expresses the coupling, or that it can't because the
+        leader isn't in the chain.
         """
         name = self.joint.name
         if self.leader not in (joint.name for joint in chain) or self.leader == name:
@@ -59,10 +59,10 @@ class Mimic:
 
 
 def mimic_of(joint: Joint, joints: Sequence[Joint]) -> Mimic | None:
-    """Return the <mimic> of a joint, or None without one.
+    """Return the <mimic> of a joint, or None if it has none.
 
     Args:
-        joint: of a URDF without errors.
+        joint: a joint of a URDF without errors.
         joints: all joints of the URDF, for the leader's kind.
     """
     element = joint.element.first("mimic")

@@ -1,7 +1,7 @@
 """Define a robot as the later stages see it: plain data in SI units, already checked.
 
-`yarclang.robot.description` makes it from a robot.toml and a URDF. Arrays are float64 and read-only, with one
-entry for each joint, from the base to the flange.
+`yarclang.robot.description` creates it from a robot.toml and a URDF. Arrays are float64 and read-only, with
+one entry for each joint, from the base to the flange.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Lines:
 
 
 class Kinematics(Protocol):
-    """Forward kinematics for `yarclang.collision` and `yarclang.handling`, which a chain brings along."""
+    """Forward kinematics for `yarclang.collision` and `yarclang.handling`. A chain may bring its own."""
 
     def placements(self, chain: Chain, q: Array) -> Array:
         """Return (n + 1, 3, 4, P) for joint positions (P, n): see `yarclang.robot.placements`."""
@@ -69,8 +69,8 @@ class Chain:
 
     `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then angular part (a
     revolute axis w through point c is (-w x c, w); a prismatic one is (v, 0)). `base_from_flange` (4, 4) is
-    the flange with all joints at zero. `kinematics` moves the chain; None for the planner's kinematics. The
-    judge brings its own.
+    the flange with all joints at zero. `kinematics` computes the chain's motion; None for the planner's
+    kinematics. The judge brings its own.
     """
 
     screws: Array
@@ -92,8 +92,8 @@ class Chain:
 class Limits:
     """Joint limits, (n,) each.
 
-    Positions are from `lower` to `upper` [rad or m], infinite without a limit. The others are the largest
-    velocity, acceleration, jerk, and acceleration of an emergency stop.
+    Positions range from `lower` to `upper` [rad or m], which are infinite without a limit. The other fields
+    are the largest velocity, acceleration and jerk, and the acceleration of an emergency stop.
     """
 
     lower: Array
@@ -133,7 +133,7 @@ class Tolerance:
 
         Args:
             told: the distance that the motion allows [m], or None if it sets none.
-            leads_frame: True if the motion leads the moving frame along a path: the frame may then also turn,
+            leads_frame: True if the motion moves the moving frame along a path. The frame may then also turn,
                 by one degree for each millimetre of `told`.
         """
         if told is None:
@@ -145,7 +145,7 @@ class Tolerance:
 class LinkShape:
     """A collision shape of a link: `base_from_shape` (4, 4) [m] is its place with all joints at zero.
 
-    `joint` is the number of the arm's joints that move it, counted from the base: 0 for a link at rest.
+    `joint` is the number of the arm's joints between the base and the link: 0 for a link at rest.
     """
 
     link: str
@@ -183,10 +183,10 @@ class Tool:
 class Dynamics:
     """The masses that the joints move, in {B} with all joints at zero.
 
-    For the body that joint k moves and joint k + 1 doesn't, mounted tools included: `mass` (n,) [kg],
-    `center` (n, 3) [m], and `inertia` (n, 3, 3) about it [kg m^2]. `gravity` (3,) is in m/s^2. `effort` (n,)
-    is the largest torque or force of each joint [N m or N], infinite if it isn't known. `wanted` is True if
-    robot.toml asks for efforts to be checked.
+    The arrays have one entry for each joint k: the body that joint k moves and joint k + 1 doesn't, including
+    mounted tools. `mass` (n,) is in kg, `center` (n, 3) in m, and `inertia` (n, 3, 3) is about the center [kg
+    m^2]. `gravity` (3,) is in m/s^2. `effort` (n,) is the largest torque or force of each joint [N m or N],
+    infinite if it isn't known. `wanted` is True if robot.toml asks for efforts to be checked.
     """
 
     mass: Array
@@ -198,14 +198,16 @@ class Dynamics:
 
     @property
     def is_checked(self) -> bool:
-        """True if motions are checked against efforts: all masses and at least one effort are known."""
+        """True if motions are checked against efforts. For this, robot.toml must ask for it, and all masses
+        and at least one effort must be known.
+        """
         return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
 
 
 @frozen
 class Written:
-    """The texts of the files from which a robot was read, for readers that trust no other source: robot.toml
-    and URDF.
+    """The texts of the files from which a robot was read, robot.toml and URDF, for readers that trust no
+    other source.
     """
 
     toml: str
@@ -220,9 +222,9 @@ class Robot:
     is the identity. `positions` are the named joint positions, including HOME. `fingerprint` is the SHA-256
     of everything that programs depend on. `shapes` are the links' collision shapes; `allowed` are the pairs
     of links and tools that may touch each other, each pair in alphabetical order. `dynamics` is None for a
-    robot that was made without files. `jog_speed` is the largest speed of the tool's origin in live motions
-    [m/s]: ISO 10218-1's reduced speed, unless its file sets another. `written` are the texts of its files;
-    None for a robot that was made without files, or changed after it was read.
+    robot that wasn't read from files. `jog_speed` is the largest speed of the tool's origin in live motions
+    [m/s]: ISO 10218-1's reduced speed, unless robot.toml sets another. `written` are the texts of the robot's
+    files; None for a robot that wasn't read from files, or was changed after it was read.
     """
 
     name: str

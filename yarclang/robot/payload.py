@@ -1,8 +1,8 @@
 """Compute the largest torques with which an arm holds itself at rest, over all joint positions within its
 limits.
 
-Links and zones don't count here: the worst position may be one that the arm can't reach without touching
-something. The result is therefore an upper bound.
+Collisions and zones are ignored: at the worst position the arm may touch something. The result is therefore
+an upper bound.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Worst:
 
 
 def worst_of(torque: Array, q: Array) -> Worst:
-    """Return the largest of P torques of each joint.
+    """Return the largest of P torques of each joint, by magnitude.
 
     Args:
         torque: (P, n) [N m, or N].
@@ -48,22 +48,23 @@ def worst_of(torque: Array, q: Array) -> Worst:
 def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) -> Worst:
     """Find the joint positions at which gravity loads each joint most.
 
-    Positions are spread evenly and divided into groups. The worst one of each group is then improved along
-    one joint after the other: as a function of one joint, a holding torque is a sine or a line, whose
-    extremes follow from three of its values.
+    Positions are spread evenly and divided into groups. The worst position of each group is then improved
+    along one joint after the other. As a function of one joint, a holding torque is a sine or a line; three
+    of its values determine its extremes.
 
     Args:
         chain: the arm, n joints.
         dynamics: its masses.
-        lower: (n,) lower limits of position [rad or m]; -pi replaces infinite ones.
-        upper: (n,) upper limits of position [rad or m]; pi replaces infinite ones.
+        lower: (n,) lower limits of position [rad or m]; -pi replaces infinite limits.
+        upper: (n,) upper limits of position [rad or m]; pi replaces infinite limits.
     """
     low = np.where(np.isfinite(lower), lower, -_WIDE)
     high = np.where(np.isfinite(upper), upper, _WIDE)
     size = chain.size
     spread = low + _spread(_STARTS * _EACH, size) * (high - low)
     torque = np.abs(holding_torques(chain, dynamics, spread)).reshape(_STARTS, _EACH, size)
-    # (_STARTS, n): in each group, the position at which each joint's torque is largest
+    # (_STARTS, n): for each group and each joint, the position of the group at which the joint's torque is
+    # largest
     at = torque.argmax(axis=1)
     q = spread.reshape(_STARTS, _EACH, size)[np.arange(_STARTS)[:, None], at].reshape(-1, size)
     own = np.tile(np.arange(size), _STARTS)  # the joint whose torque a row maximizes
@@ -79,13 +80,13 @@ def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) 
 def _worst_along(
     chain: Chain, dynamics: Dynamics, q: Array, own: NDArray[np.intp], moved: int, limits: tuple[float, float]
 ) -> Array:
-    """Return the position (R,) of one joint at which each row's torque is largest.
+    """Return, for each row of joint positions, the position (R,) of one joint at which a torque is largest.
 
     Args:
         chain: the arm, n joints.
         dynamics: its masses.
         q: (R, n) joint positions [rad or m].
-        own: (R,) the joint whose torque counts.
+        own: (R,) for each row, the joint whose torque is maximized.
         moved: the joint that moves.
         limits: its lower and upper limit.
     """

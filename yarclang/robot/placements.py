@@ -1,5 +1,5 @@
-"""Compute the placements of all that a chain moves, for the planner: a product of exponentials on whole
-arrays.
+"""Compute the placements of everything that a chain moves, for the planner, by a product of exponentials on
+whole arrays.
 """
 
 from __future__ import annotations

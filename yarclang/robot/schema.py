@@ -69,7 +69,7 @@ class MotorsTable(Table):
 
 
 class ControllerTable(Table):
-    """`[controller]` with the keys that all kinds have: times in ms. Each kind has a form of its own
+    """`[controller]`: the keys that all kinds share, with times in ms. Each kind extends this table
     (`Kind.table`).
     """
 
@@ -95,8 +95,8 @@ class JogTable(Table):
 
 
 class CollisionTable(Table):
-    """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more of them; links whose
-    meshes are divided into convex pieces, with the largest number of these.
+    """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more pairs; and for
+    links whose meshes are divided into convex pieces, the largest number of pieces.
     """
 
     allowed: list[list[str]] = Field(default=[])

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from yarclang.robot.schema import BodyTable, RobotTable, ToolTable
 
 SLACK = 1e-6
-"""Share of an inertia by which its components may be inconsistent, since they are written with few digits."""
+"""Tolerance for inconsistent components of an inertia, as a share of the inertia. Files have few digits, and
+rounding makes the components inconsistent.
+"""
 
 
 def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
@@ -120,7 +122,7 @@ def _check_tool(
         path: the tool's table.
         tool: its values.
         names: the frames of the file, and the frames that couldn't be read.
-        weighed: True if a missing mass isn't already another mistake.
+        weighed: False if a missing mass was already reported.
     """
     frames, lost = names
     if tool.frame.upper() not in frames | lost:
@@ -162,7 +164,7 @@ def _sized(file: TomlFile, path: Path, values: Sequence[float] | None, size: int
 def _shape(file: TomlFile, body: BodyTable, path: Path, folder: FilePath) -> Shape:
     if body.shape == "mesh":
         made = named_mesh(str(body.file), MM, (file, (*path, "file")), folder, body.pieces or 0)
-        assert made is not None  # it was there a moment ago
+        assert made is not None  # the file existed when the form was checked
         return made
     return simple_shape(str(body.shape), body, MM)
 

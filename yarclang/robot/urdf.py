@@ -1,6 +1,6 @@
 """Read a URDF with the lines of its elements, and check its tree of links and joints.
 
-Pinocchio turns a URDF into a model, but of a bad file it reports only that it is bad, and it ignores some
+Pinocchio builds a model from a URDF. For a bad file it reports only that the file is bad, and it ignores some
 mistakes silently (an axis without xyz is the zero vector, a second origin is ignored). All such mistakes are
 therefore found here first.
 """
@@ -19,14 +19,14 @@ from yarclang.source import SourceFile
 from yarclang.toml.file import did_you_mean
 
 MOVING = ("revolute", "continuous", "prismatic")
-"""The joint types of a robot arm; `fixed` joins two links to one body."""
+"""The joint types of a robot arm; in addition, `fixed` joins two links to one body."""
 UNARMED = ("planar", "floating")
 """Joint types that an arm's chain can't have; elsewhere in the file they are allowed."""
 
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _ROOT = "universe"
-"""Pinocchio's own joint above the root. A joint of this name in the file would be mistaken for it and get its
-limits and place.
+"""Name of Pinocchio's own joint above the root. A joint of this name in the file would be mistaken for it,
+and get its limits and place.
 """
 MOST_LINKS = 1000
 """The largest number of links of a file, and of joints."""
@@ -61,8 +61,8 @@ class Urdf(UrdfText):
 
 
 def read_urdf(source: SourceFile) -> Urdf:
-    """Read the links and joints of a URDF, and report all findings about its tree; its shapes are checked
-    elsewhere.
+    """Read the links and joints of a URDF, and report all findings about its tree. Shapes are checked in
+    urdf_shapes.py.
     """
     urdf = Urdf(source)
     parse_xml(urdf)
@@ -89,7 +89,9 @@ def _read_header(urdf: Urdf, root: Element) -> None:
 
 
 def _is_small(urdf: Urdf, root: Element) -> bool:
-    """Return True if there are few enough links and joints to read; otherwise nothing else is reported."""
+    """Return True if there are few enough links and joints to read. Otherwise report this, and nothing
+    else.
+    """
     for tag in ("link", "joint"):
         elements = root.all(tag)
         if len(elements) > MOST_LINKS:
@@ -154,7 +156,7 @@ def _register(
 
 
 def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
-    """Return a joint with its numbers; None, with findings, if it has mistakes."""
+    """Return a joint with its numbers; None, with findings, if the joint has mistakes."""
     name, kind = joint.attributes.get("name", ""), joint.attributes.get("type", "")
     urdf.once(joint, ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics"))
     before = len(urdf.findings)
@@ -198,8 +200,8 @@ _ATTRIBUTES = {
     "dynamics": ((), ("damping", "friction")),
     "calibration": ((), ("rising", "falling", "reference_position")),
 }
-"""Parts of a joint that have no effect here, but make a URDF unreadable if they are wrong: required and
-optional attributes.
+"""Elements of a joint that have no effect here, with their required and optional attributes. Pinocchio
+rejects a URDF in which they are wrong.
 """
 
 

@@ -1,7 +1,7 @@
-"""Check the shapes of a URDF's links, so that none gets lost on the way to the collision check.
+"""Check the shapes of a URDF's links, so that the collision check sees all of them.
 
-Pinocchio drops a shape that it can't read and continues, so that the arm would move through things with the
-link that lost it. Here each such shape is an error.
+Pinocchio drops a shape that it can't read and continues. The arm could then collide with this link without
+any warning. Each such shape is therefore an error here.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
         folder: the folder of the URDF; mesh names are relative to it.
 
     Returns:
-        For each link its collision shapes, as texts that are equal for equal shapes.
+        The collision shapes of each link, as texts that are equal for equal shapes.
     """
     shapes: dict[str, list[str]] = {}
     if urdf.root is None or urdf.root.tag != "robot":
@@ -69,8 +69,8 @@ def mesh_path(filename: str, folder: Path) -> Path | None:
 def mesh_places(filename: str, folder: Path) -> list[Path]:
     """Return the paths that a mesh name may refer to, in the order of preference.
 
-    A plain name is relative to the URDF's folder. `package://` is searched for there and in the folders
-    above, as Pinocchio does when it gets these as package folders.
+    A plain name is relative to the URDF's folder. A `package://` name is searched for in the URDF's folder
+    and in the folders above, as Pinocchio does if these are its package folders.
     """
     url = urlparse(filename)
     if url.scheme == "file":
@@ -105,7 +105,7 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
         urdf.say("Y1361", message, f"Put <{extra.tag}> into a <{body.tag}> of its own.", extra)
     shape = geometry.children[0]
     if shape.tag == "mesh":
-        # a missing picture does no harm, a missing collision shape does
+        # a missing visual mesh does no harm, a missing collision mesh does
         return (
             f"mesh {_check_mesh(urdf, where, shape, folder if body.tag == 'collision' else None)} at {place}"
         )
@@ -133,7 +133,7 @@ def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> t
 
 
 def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> str:
-    """Check a mesh, and return its scale and the SHA-256 of its file as a text; without a folder, the file
+    """Check a mesh, and return its scale and the SHA-256 of its file as a text. Without a folder, the file
     isn't searched for.
     """
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))

@@ -20,7 +20,7 @@ _LARGEST, _LARGEST_LIMIT = 1e6, 1e30
 """Bounds against overflow; files write large numbers for limits that don't exist."""
 _DEEPEST = 16
 _MOST_ELEMENTS = 100_000
-"""The largest number of elements of a file: a hundred for each of a thousand links."""
+"""The largest number of elements of a file, which allows a hundred for each of a thousand links."""
 
 
 @dataclass(slots=True)
@@ -38,13 +38,14 @@ class Element:
         return [child for child in self.children if child.tag == tag]
 
     def first(self, tag: str) -> Element | None:
-        """Return the first child with a tag, which is the one that counts."""
+        """Return the first child with a tag. Repeated ones are ignored."""
         return next(iter(self.all(tag)), None)
 
 
 class UrdfText:
-    """The text of a URDF, its root element, and the findings about it; `kind` is the file's name in
-    findings.
+    """The text of a URDF, its root element, and the findings about it.
+
+    `kind` is the word for the file in findings.
     """
 
     def __init__(self, source: SourceFile, kind: str = "a URDF") -> None:
@@ -131,7 +132,7 @@ class UrdfText:
         return tuple(float(part) for part in parts)
 
     def once(self, place: Element, tags: Iterable[str]) -> None:
-        """Report each child that repeats one of these tags: readers of URDF ignore it silently."""
+        """Report each child that repeats one of these tags. Readers of URDF silently ignore such a child."""
         for tag in tags:
             for extra in place.all(tag)[1:]:
                 self.say(
@@ -148,7 +149,9 @@ class _EnoughError(Exception):
 
 
 def parse_xml(urdf: UrdfText) -> None:
-    """Build the tree of elements under `urdf.root`; a text that isn't XML, or no URDF, is a finding."""
+    """Build the tree of elements under `urdf.root`. A text that isn't XML, or isn't a URDF, is reported as
+    a finding.
+    """
     parser = expat.ParserCreate("utf-8")
     stack: list[Element] = []
     count = 0

@@ -1,7 +1,7 @@
 """Read the appearance of a robot's links for pictures: the visual shapes of its URDF.
 
-No check depends on these shapes. A shape that can't be read is therefore left out here, and the caller shows
-the collision shapes instead.
+No check depends on these shapes. A shape that can't be read is therefore left out, and the caller shows the
+collision shapes instead.
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ Colour = tuple[float, float, float]
 
 @frozen(eq=False)
 class Visual:
-    """A visual shape of a link: `base_from_shape` (4, 4) [m] is its place with all joints at zero, `joint`
-    the number of joints that move it.
+    """A visual shape of a link.
 
-    `colour` is red, green and blue from 0 to 1, or None if the URDF names none.
+    `base_from_shape` (4, 4) [m] is its place with all joints at zero. `joint` is the number of the arm's
+    joints between the base and the link. `colour` is red, green and blue from 0 to 1, or None if the URDF
+    names none.
     """
 
     link: str
@@ -40,7 +41,7 @@ class Visual:
 
 
 def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
-    """Return all visual shapes of a robot that was read from files; none if the files have changed and can't
+    """Return all visual shapes of a robot that was read from files; empty if the files have changed and can't
     be read any more.
     """
     table, source = read_text(robot.folder / "robot.toml", ""), read_text(robot.folder / robot.urdf, "")

@@ -1,5 +1,5 @@
-"""Execution of the motion link's actions: goals are planned, proved and run by the coordinator, and stops
-overtake everything.
+"""Execution of the motion link's actions: the coordinator plans, proves and runs the goals. Stops overtake
+everything else.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ Send = Callable[[Message], object]
 _ENDED = "Y1624"
 
 _AT_ONCE = 500
-"""Points up to which a goal is converted to text directly, within 1 ms. Longer goals are converted in a
-thread.
+"""Number of points up to which a goal is converted to text directly, within 1 ms. Longer goals are converted
+in a thread.
 """
 
 
 class Carrying:
     """Connection between the motion link and the coordinator.
 
-    The robot is owned from when a goal is planned until no goal waits any more. Between goals others may move
-    it.
+    The link's client owns the robot from the planning of a goal until no goal waits any more. Between goals,
+    other clients may move the robot.
 
     Args:
         robot: the robot.
@@ -58,8 +58,8 @@ class Carrying:
         """Carry out actions in order.
 
         Args:
-            actions: of the motion link.
-            send: sends answers to the client.
+            actions: actions of the motion link.
+            send: sends replies to the client.
         """
         for action in actions:
             match action:
@@ -83,7 +83,7 @@ class Carrying:
         self._set_timer()
 
     async def close(self) -> None:
-        """End the running motion, on its path."""
+        """End the running motion on its path."""
         if self._timer is not None:
             self._timer.cancel()
         if not self._link.is_idle:
@@ -126,14 +126,14 @@ class Carrying:
                     f"goal {goal.number}: {len(goal.points)} points, {planned.duration_s:.3f} s, proved "
                     f"after {took:.3f} s; it begins"
                 )
-                # no await between the last check for stops and this order
+                # There must be no await between the last check for stops and this order.
                 failed = await self._run(planned, seat, goal)
             self.do(self._link.ended(goal.number, failed))
         await self._released(seat)
 
     async def _planned(self, goal: Goal, seat: Attached | None) -> replies.ProgramDescribed | Refusal | None:
-        """Return the program of a goal, planned and proved from the robot's position; None if the robot is at
-        its end.
+        """Return the program of a goal, planned and proved from the robot's position; None if the robot is
+        already at its end.
         """
         if seat is None:
             return Refusal(
@@ -169,7 +169,7 @@ class Carrying:
         )
 
     async def _released(self, seat: Attached | None) -> None:
-        """Release the robot, if no goal waits."""
+        """Release the robot if no goal waits."""
         if seat is None or not self._link.is_idle:
             return
         try:

@@ -1,5 +1,5 @@
-"""Conversion of a goal to a program with one timed motion, which the coordinator plans and proves like any
-other. No I/O.
+"""Conversion of a goal to a program with one timed motion. The coordinator plans and proves it like any other
+program. No I/O.
 """
 
 from __future__ import annotations
@@ -10,41 +10,41 @@ from yarclang.robot.model import Array, Robot
 from yarclang.ros.motion import Goal
 
 START_WITHIN = 0.01
-"""Distance from the robot within which a first way-point counts as the start itself [rad or m], as in
+"""Largest distance from the robot at which a first way-point counts as the start itself [rad or m], as in
 MoveIt's check.
 """
 
 LEAD_SHARE = 0.5
-"""Largest share of the velocity and acceleration limits on the way to a first way-point that isn't the
+"""Largest share of the velocity and acceleration limits for the motion to a first way-point that isn't the
 start.
 """
 
 _SHORTEST_LEAD = 0.1
-"""Least duration of the way to the first way-point [s]."""
+"""Shortest duration of the motion to the first way-point [s]."""
 
 _SINGLE = 1e-6
-"""Excess over a limit that counts as rounding to single precision, relative to the limit (at least 1 rad or 1
-m).
+"""Largest excess over a limit that counts as rounding to single precision, relative to the limit (at least 1
+rad or 1 m).
 """
 
 _NEXT = ";\n      "
-"""Separator of way-points. Each has a line of its own, because lines have a largest length."""
+"""Separator of way-points. Each way-point is on a line of its own, because the length of lines is limited."""
 
 _SAME = 1e-6
-"""Distance from the robot within which a single way-point needs no motion [rad or m]."""
+"""Largest distance from the robot at which a single way-point needs no motion [rad or m]."""
 
 
 def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
     """Return the way-points of a goal and their times since its start.
 
-    The duration of the first way-point isn't used, because the stock client derives it from the previous
-    trajectory. If the robot is at the first way-point, this is the start. Otherwise its time follows from the
+    The duration of the first way-point isn't used, because the stock client computes it from the previous
+    trajectory. If the robot is at the first way-point, its time is 0. Otherwise its time is computed from the
     distance and the limits. Velocity ratios aren't used either, because different motions have the same
     ratios.
 
     Args:
-        robot: whose joints are meant, in the order of robot.toml.
-        goal: as it was received.
+        robot: robot whose joints the goal names, in the order of robot.toml.
+        goal: goal as received.
         stands: (n,) commanded position of the robot [rad or m].
 
     Returns:
@@ -66,9 +66,9 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
     """Return the program of a timetable.
 
     Args:
-        robot: that runs the program.
-        positions: (k, n) with k >= 1 [rad or m].
-        times: (k,) since the start [s], increasing.
+        robot: robot that runs the program.
+        positions: (k, n) positions with k >= 1 [rad or m].
+        times: (k,) times since the start [s], increasing.
     """
     rows = (positions / robot.axis_units).tolist()
     points = (
@@ -79,8 +79,8 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
 
 
 def _within(robot: Robot, positions: Array) -> Array:
-    """Return positions (k, n) with those clamped to their limits that exceed them by rounding to single
-    precision only.
+    """Return positions (k, n) in which those that exceed their limits only by rounding to single precision
+    are clamped to the limits.
     """
     limits = robot.limits
     lower = limits.lower - _SINGLE * np.maximum(np.abs(limits.lower), 1.0)
@@ -91,8 +91,8 @@ def _within(robot: Robot, positions: Array) -> Array:
 
 
 def _lead(robot: Robot, away: Array) -> float:
-    """Return the duration of the way to the first way-point [s]: a rest-to-rest polynomial of degree five,
-    with peaks 1.875 d/T and 5.774 d/T².
+    """Return the duration of the motion to the first way-point [s]. It is a polynomial of degree five from
+    rest to rest, whose peak velocity is 1.875 d/T and whose peak acceleration is 5.774 d/T².
     """
     limits = robot.limits
     by_velocity = 1.875 * away / (LEAD_SHARE * limits.velocity)

@@ -1,8 +1,8 @@
-"""The motion link as a state machine: its inputs are messages and times, its outputs answers and orders. No
-I/O, no clock.
+"""The motion link as a state machine. Its inputs are messages and times, its outputs are replies and orders.
+No I/O, no clock.
 
-Each point is answered at once, because the stock client holds its lock while it waits for an answer, and a
-stop waits for that lock. The client ignores the answer's content and never marks the end of a streamed
+Each point is answered at once, because the stock client holds its lock while it waits for a reply, and a stop
+waits for that lock. The client ignores the content of the reply, and never marks the end of a streamed
 trajectory: a goal is complete after a pause without another point.
 """
 
@@ -29,8 +29,8 @@ every 6 to 8 ms.
 """
 
 PATIENCE = 10.0
-"""Time for which an incomplete goal waits for its client to reconnect, and a download for its next point
-[s].
+"""Time for which an incomplete goal waits until its client reconnects, and for which a download waits for its
+next point [s].
 """
 
 MOST_POINTS = 20_000
@@ -46,9 +46,9 @@ class Goal:
     """A trajectory that was received.
 
     Attributes:
-        number: of the goal on its link, from 1.
-        points: its way-points in order. The duration of the first one has no meaning.
-        downloaded: True if its end was marked; False if it was streamed.
+        number: number of the goal on its link, from 1.
+        points: its way-points in order. The duration of the first way-point has no meaning.
+        downloaded: True if the client marked the end of the goal; False if the goal was streamed.
     """
 
     number: int
@@ -84,7 +84,7 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Come to rest on the path, ready to resume."""
+    """Come to rest on the path, ready to continue."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +109,12 @@ class _Incoming:
     """A goal whose points are being received.
 
     Attributes:
-        number: of the goal.
+        number: number of the goal.
         downloaded: True for a download, False for a stream.
-        points: received so far.
-        due: time at which it is complete, or is given up [s]; None if no more points are expected.
+        points: points received so far.
+        due: time at which the goal is complete, or is given up [s]; None if no more points are expected.
         complete: True if all points were received.
-        cut: True if its client disconnected before it was complete.
+        cut: True if its client disconnected before the goal was complete.
     """
 
     number: int
@@ -132,15 +132,15 @@ class MotionLink:
     """The motion link of one robot. At most one client is connected at a time.
 
     Args:
-        joints: number of the robot's joints; further slots of a message are 0.
+        joints: number of the robot's joints; further joint slots of a message are 0.
         pause: time without another point after which a streamed goal is complete [s].
         patience: time for which an incomplete goal waits [s].
         hold_on_disconnect: True to hold the robot if its client disconnects during a motion; False to finish
             the goal.
 
     Attributes:
-        refusal: why the last goal, or its execution, has failed; None if it hasn't. Kept until the next goal
-            begins.
+        refusal: reason why the last goal or its execution has failed; None if it hasn't. It is kept until the
+            next goal begins.
     """
 
     def __init__(
@@ -169,7 +169,7 @@ class MotionLink:
 
     @property
     def due(self) -> float | None:
-        """Time at which `passed` has to be called next [s]; None if nothing is pending."""
+        """Time at which `passed` must be called next [s]; None if nothing is pending."""
         return None if self._incoming is None else self._incoming.due
 
     @property
@@ -196,8 +196,8 @@ class MotionLink:
     def disconnected(self, now: float) -> list[Action]:
         """Handle the disconnection of the client.
 
-        An incomplete goal waits for the client to reconnect, because it repeats the point that wasn't
-        answered. A running motion continues.
+        An incomplete goal waits until the client reconnects and repeats the point that wasn't answered. A
+        running motion continues.
         """
         incoming = self._incoming
         if incoming is not None and not incoming.complete:
@@ -218,10 +218,10 @@ class MotionLink:
     # messages
 
     def heard(self, message: Message, now: float) -> list[Action]:
-        """Handle a message of the client, and answer requests.
+        """Handle a message of the client, and reply to requests.
 
         Args:
-            message: as it was decoded.
+            message: message as decoded.
             now: the time of any monotonic clock [s].
         """
         if message.comm is Comm.REPLY:
@@ -245,12 +245,12 @@ class MotionLink:
                     [Told(f"the motion client sends messages of kind {other.kind}: they are ignored")],
                 )
         if message.comm is Comm.REQUEST:
-            # orders before the answer, so that a stop is sent before anything else
+            # The orders are before the reply, so that a stop is sent before anything else.
             actions = [*actions, Answer(reply_to(message, success=taken))]
         return actions
 
     def passed(self, now: float) -> list[Action]:
-        """Handle the passage of time: a goal may be complete, or be given up."""
+        """Handle the passage of time: a goal may be complete, or may be given up."""
         incoming = self._incoming
         if incoming is None or incoming.due is None or now < incoming.due:
             return []
@@ -275,11 +275,11 @@ class MotionLink:
         """Handle the end of planning.
 
         Args:
-            goal: of `Plan`. A goal that has got another point since is a different one.
-            refusal: why the goal can't be run; None if it can.
+            goal: the planned goal. It counts as another goal if further points have arrived since.
+            refusal: reason why the goal can't be run; None if it can.
 
         Returns:
-            `Move`, unless the goal was refused, stopped or replaced meanwhile.
+            A `Move`, unless the goal was refused, stopped or replaced meanwhile.
         """
         if goal is not self._planning:
             return []
@@ -293,11 +293,11 @@ class MotionLink:
         """Handle the end of a motion that `Move` has begun, with the robot at rest.
 
         Args:
-            number: of the goal.
-            refusal: why the robot isn't at the goal's end; None if it is.
+            number: number of the goal.
+            refusal: reason why the robot isn't at the goal's end; None if it is.
 
         Returns:
-            `Plan`, if another goal was received meanwhile.
+            A `Plan`, if another goal was received meanwhile.
         """
         goal = self._moving
         if goal is None or goal.number != number:
@@ -338,10 +338,12 @@ class MotionLink:
         return self._goes_on(point, now)
 
     def _is_repeated(self, point: TrajectoryPoint) -> bool:
-        """Return True if a point repeats the last one, because its answer was lost with the connection."""
+        """Return True if a point repeats the last one. The client repeats a point if its reply was lost
+        with the connection.
+        """
         if not self._is_new or self._last != point:
             return False
-        # a repeated single point of a finished goal is a new goal: the robot may have moved since
+        # A single point that repeats a finished goal is a new goal, because the robot may have moved since.
         return not (self.is_idle and point.sequence <= 0)
 
     def _begins(self, point: TrajectoryPoint, now: float, *, downloaded: bool) -> tuple[bool, list[Action]]:
@@ -358,7 +360,7 @@ class MotionLink:
     def _goes_on(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
         incoming = self._incoming
         if incoming is None and self._planning is not None and not self._planning.downloaded:
-            # the client was slow, and its goal wasn't complete yet
+            # The client was slow: the goal was taken for complete, but another point has come.
             incoming = _Incoming(self._planning.number, downloaded=False, points=list(self._planning.points))
             if point.sequence == len(incoming.points):
                 self._planning, self._incoming = None, incoming
@@ -407,7 +409,7 @@ class MotionLink:
         return True, []
 
     def _fault(self, point: TrajectoryPoint, *, first: bool) -> tuple[str, str] | None:
-        """Return the fault of a point and its remedy; None if it has none."""
+        """Return the fault of a point and its remedy; None if the point has no fault."""
         names = "look at controller_joint_names: it names the joints of robot.toml in their order"
         for slot, value in enumerate(point.joints):
             if not math.isfinite(value):
@@ -438,8 +440,8 @@ class MotionLink:
         return [Plan(self._planning)]
 
     def _stopped(self) -> list[Action]:
-        """Drop all pending goals, and come to rest. A motion of another owner is stopped as well: a stop is
-        for everybody.
+        """Drop all pending goals, and come to rest. The motion of another owner is stopped as well, because
+        everybody may stop the robot.
         """
         forgotten = self._planning is not None or self._incoming is not None
         self._planning = self._incoming = None
@@ -457,7 +459,7 @@ class MotionLink:
         return self._refused(Refusal(code, what, help_))
 
     def _refused(self, refusal: Refusal) -> list[Action]:
-        """Drop the goal that is received or planned, and all points until the next goal begins."""
+        """Drop the goal that is being received or planned, and all points until the next goal begins."""
         self._incoming = self._planning = None
         self._rejects = True
         self.refusal = refusal

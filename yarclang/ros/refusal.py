@@ -1,4 +1,4 @@
-"""Reasons for which a goal isn't run, for the terminal and for robot_status."""
+"""Reasons why a goal isn't run, for the terminal and for robot_status."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from yarclang.findings import number_of
 from yarclang.runtime.actions import Trouble
 
 UNNAMED = 9999
-"""Error code of a reason without a finding's code. All numbers of findings are below it."""
+"""Error code of a reason that has no finding's code. All numbers of findings are smaller."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """A reason.
+    """Reason why a goal isn't run.
 
     Attributes:
-        code: of a finding; empty if there is none.
+        code: code of the finding; empty if there is none.
         what: the reason, in one sentence.
-        help: what to do; may be empty.
+        help: the remedy; may be empty.
     """
 
     code: str

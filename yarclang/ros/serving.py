@@ -1,5 +1,5 @@
-"""The sockets of the ROS door, in one event loop with the coordinator's task: one client moves the robot on
-the motion link, and many listen on the state link.
+"""The sockets of the ROS door, in the event loop of the coordinator's task. One client moves the robot on the
+motion link, and many clients can listen on the state link.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from yarclang.ros.state import Feedback
 from yarclang.runtime.actions import Trouble
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Function that makes a client of the coordinator from its name for others."""
+"""Function that attaches a new client to the coordinator. Its argument is the name that other clients see."""
 
 EACH = 0.025
 """Time between two messages of each kind on the state link [s]."""
@@ -51,23 +51,25 @@ _SILENT = 5.0
 """Time without a message of the coordinator after which positions aren't sent any more [s]."""
 
 _PIECE = 4096
-"""Bytes that are read from one client at a time."""
+"""Most bytes that are read from one client at a time."""
 
 _MOST_UNREAD = 1 << 16
-"""Bytes that may wait for a client that doesn't read. Beyond it, its connection is closed."""
+"""Most bytes that may wait for a client that doesn't read. If there are more, its connection is closed."""
 
 _SENT = 1 << 14
-"""Size of the system's send buffer for a client [bytes]. It is small, so that positions aren't old."""
+"""Size of the system's send buffer for a client [bytes]. It is small, so that clients don't receive old
+positions.
+"""
 
 _MOST_LISTENERS = 16
 _MOST_WAITING = 4
 """Most clients on the motion link, including the one that may move the robot."""
 
 _SAME_TEXT = 5.0
-"""Least time until a line is printed again [s], because a rejected client reconnects repeatedly."""
+"""Shortest time until the same line is printed again [s], because a rejected client reconnects repeatedly."""
 
 _GONE = ((socket.TCP_KEEPIDLE, 2), (socket.TCP_KEEPINTVL, 1), (socket.TCP_KEEPCNT, 3))
-"""Socket options that detect a client's dead computer within some 5 s."""
+"""Socket options by which the failure of a client's computer is noticed within about 5 s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +144,7 @@ class _Client(asyncio.BufferedProtocol):
 
     @property
     def has_gone(self) -> bool:
-        """True if the other side has closed the connection, even if that wasn't handled yet."""
+        """True if the other side has closed the connection, even if this wasn't handled yet."""
         if self._transport is None or self._transport.is_closing():
             return True
         with socket.socket(fileno=os.dup(self._transport.get_extra_info("socket").fileno())) as wire:
@@ -206,7 +208,7 @@ class _Door:
         self._movers: list[_Mover] = []
 
     def say(self, text: str) -> None:
-        """Print a line, unless it was printed lately."""
+        """Print a line, unless the same line was printed recently."""
         now = asyncio.get_running_loop().time()
         self._said = {one: at for one, at in self._said.items() if now - at < _SAME_TEXT}
         if text not in self._said:
@@ -216,7 +218,7 @@ class _Door:
     # the motion link
 
     def mover_came(self, client: _Mover) -> None:
-        """Let a client move the robot. A second client waits until the first has disconnected."""
+        """Let a client move the robot. A second client waits until the first one has disconnected."""
         if len(self._movers) >= _MOST_WAITING:
             client.close()
             return
@@ -229,7 +231,7 @@ class _Door:
             )
 
     def mover_left(self, client: _Mover) -> None:
-        """Handle the disconnection of a client. The next one may move the robot."""
+        """Handle the disconnection of a client. The next client may move the robot then."""
         if client not in self._movers:
             return
         was_first = self._movers[0] is client
@@ -307,7 +309,7 @@ class _Door:
         self._carrying.seat = seat
 
     async def listen(self) -> None:
-        """Listen to the coordinator until cancelled, and reconnect after it was lost."""
+        """Listen to the coordinator until cancelled. Reconnect if the connection is lost."""
         while True:
             with contextlib.suppress(Trouble):
                 if self._carrying.seat is None:
@@ -366,15 +368,15 @@ async def served(
     order: ByteOrder = ByteOrder.LITTLE,
     hold_on_disconnect: bool = False,
 ) -> AsyncIterator[tuple[int, int]]:
-    """Serve a ROS door as long as the context lasts.
+    """Serve a ROS door until the context ends.
 
     Args:
         robot: the robot.
-        attach: makes clients of its coordinator.
-        place: address to listen on.
+        attach: attaches new clients to its coordinator.
+        place: address on which to listen.
         say: prints a line on the terminal.
-        order: of the bytes in all messages.
-        hold_on_disconnect: True to hold the robot if the motion client disconnects.
+        order: order of the bytes in all messages.
+        hold_on_disconnect: True to hold the robot if the client on the motion link disconnects.
 
     Yields:
         The ports of the motion link and of the state link.

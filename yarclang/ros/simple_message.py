@@ -1,7 +1,7 @@
 """The wire format of simple_message: encoding of messages, and decoding of a stream of bytes. No I/O.
 
-A frame is a length, a header of three words, and a body. All words have 4 bytes, and joints always have 10
-slots. The length doesn't count its own word.
+A frame consists of a length, a header of three words, and a body. All words have 4 bytes, and there are
+always 10 slots for joints. The length doesn't include its own word.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from enum import Enum, IntEnum
 from typing import ClassVar
 
 SLOTS = 10
-"""Joint slots of a message; those beyond the robot's joints are 0."""
+"""Joint slots of a message. Slots beyond the robot's joints are 0."""
 
 MOST = 1020
 """Largest length of a frame [bytes]: the stock nodes receive at most 1024 bytes at a time, including the
@@ -25,7 +25,7 @@ _NONE = (0.0,) * SLOTS
 
 
 class ByteOrder(Enum):
-    """Order of the bytes in a word. The value is the notation of `struct`."""
+    """Order of the bytes in a word. The values are those of the module `struct`."""
 
     LITTLE = "<"
     """Order of the stock nodes on usual computers."""
@@ -34,7 +34,7 @@ class ByteOrder(Enum):
 
     @property
     def other(self) -> ByteOrder:
-        """The opposite order."""
+        """The opposite byte order."""
         return ByteOrder.BIG if self is ByteOrder.LITTLE else ByteOrder.LITTLE
 
 
@@ -47,7 +47,7 @@ class Comm(IntEnum):
 
 
 class Code(IntEnum):
-    """Code of a reply; other messages have NONE."""
+    """Code of a reply. Other messages have NONE."""
 
     NONE = 0
     SUCCESS = 1
@@ -80,8 +80,8 @@ class JointPosition:
     """Positions of the joints.
 
     Attributes:
-        joints: (10,) [rad or m].
-        sequence: not used by the stock nodes.
+        joints: (10,) positions [rad or m].
+        sequence: a number that the stock nodes don't use.
     """
 
     joints: tuple[float, ...]
@@ -95,9 +95,9 @@ class TrajectoryPoint:
 
     Attributes:
         sequence: index in the trajectory from 0, or one of `Sequence`.
-        joints: (10,) [rad or m].
+        joints: (10,) positions [rad or m].
         velocity: share of the velocity limit for the fastest joint; 0.1 if the trajectory has no velocities.
-        duration: since the previous way-point [s]; has no meaning for the first one.
+        duration: time since the previous way-point [s]; without meaning for the first way-point.
     """
 
     sequence: int
@@ -137,12 +137,12 @@ class FullPoint:
 
     Attributes:
         robot: number of a group of joints.
-        sequence: as in `TrajectoryPoint`.
+        sequence: index in the trajectory from 0, or one of `Sequence`.
         valid: flags of the valid fields: 1 time, 2 positions, 4 velocities, 8 accelerations.
-        time: since the start of the trajectory [s].
-        positions: (10,) [rad or m].
-        velocities: (10,) [rad/s or m/s].
-        accelerations: (10,) [rad/s² or m/s²].
+        time: time since the start of the trajectory [s].
+        positions: (10,) positions [rad or m].
+        velocities: (10,) velocities [rad/s or m/s].
+        accelerations: (10,) accelerations [rad/s² or m/s²].
     """
 
     robot: int
@@ -157,8 +157,8 @@ class FullPoint:
 
 @dataclass(frozen=True, slots=True)
 class JointFeedback:
-    """Positions of the joints with their derivatives. The stock nodes don't understand it. Attributes as in
-    `FullPoint`.
+    """Positions of the joints with their derivatives. The stock nodes don't understand it. The attributes are
+    those of `FullPoint`.
     """
 
     robot: int
@@ -188,7 +188,7 @@ class Message:
     Attributes:
         comm: its communication type.
         body: its content.
-        code: of a reply.
+        code: code of a reply.
     """
 
     comm: Comm
@@ -197,7 +197,7 @@ class Message:
 
 
 def reply_to(message: Message, *, success: bool) -> Message:
-    """Return the reply to a request, with the request's own body, like the reference controllers."""
+    """Return the reply to a request. It repeats the body of the request, as the reference controllers do."""
     return Message(Comm.REPLY, message.body, Code.SUCCESS if success else Code.FAILURE)
 
 
@@ -221,15 +221,15 @@ _LONG_REALS = {_HEADER + 4 * 4 + 8 * 12: TrajectoryPoint.kind, _HEADER + 4 + 8 *
     _HEADER + 4 + 8 * 12: TrajectoryPoint.kind,
     _HEADER + 3 * 4 + 8 * 31: FullPoint.kind,
 }
-"""Lengths of frames with real numbers of 8 bytes, by kind."""
+"""Lengths of frames with 8-byte real numbers, by kind of message."""
 
 
 def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
     """Return the frame of a message.
 
     Args:
-        message: its real numbers are rounded to single precision.
-        order: of the bytes.
+        message: the message. Its real numbers are rounded to single precision.
+        order: order of the bytes.
 
     Raises:
         OverflowError: a real number is too large for single precision.
@@ -242,10 +242,11 @@ def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
 
 
 class Decoder:
-    """Decoder of a stream of bytes, however it is split. Keeps less than one frame and the last input.
+    """Decoder of a stream of bytes, which may be split anywhere. It keeps less than one frame and the last
+    input.
 
     Args:
-        order: of the bytes.
+        order: order of the bytes.
     """
 
     def __init__(self, order: ByteOrder = ByteOrder.LITTLE) -> None:
@@ -253,11 +254,11 @@ class Decoder:
         self._waiting = bytearray()
 
     def feed(self, data: bytes) -> Iterator[Message]:
-        """Take received bytes, and yield the messages that are complete.
+        """Add received bytes, and yield the messages that are complete.
 
         Raises:
-            FrameError: the bytes aren't simple_message. The beginning of the next frame is unknown: close the
-                connection.
+            FrameError: the bytes aren't simple_message. Close the connection, because the beginning of the
+                next frame is unknown.
         """
         self._waiting += data
         while (message := self._next()) is not None:
@@ -342,7 +343,7 @@ def _numbers(body: Body) -> tuple[float, ...]:
 
 
 def _body(kind: int, found: tuple[float, ...]) -> Body:
-    """Return the body of a known kind from its words, integers first."""
+    """Return the body of a known kind of message from its words. Integers come before real numbers."""
     if kind == JointPosition.kind:
         return JointPosition(found[1:], int(found[0]))
     if kind == TrajectoryPoint.kind:

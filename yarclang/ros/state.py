@@ -1,4 +1,4 @@
-"""Messages of the state link, from the coordinator's reports on the controller. No I/O, no clock."""
+"""Messages of the state link, derived from the coordinator's reports on the controller. No I/O, no clock."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from yarclang.ros.simple_message import SLOTS, Comm, JointPosition, Message, Rob
 from yarclang.runtime.state import State
 
 STANDS = 0.002
-"""Share of the velocity limit below which a joint counts as at rest, so that a position that flickers between
-two counts isn't a motion.
+"""Share of the velocity limit below which a joint counts as resting. A position that flickers between two
+counts isn't a motion.
 """
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
@@ -25,8 +25,8 @@ class Feedback:
 
     Args:
         robot: the robot.
-        name: of the client that runs goals.
-        status: the first one from the coordinator.
+        name: name of the client that runs goals.
+        status: first status from the coordinator.
     """
 
     def __init__(self, robot: Robot, name: str, status: replies.Status) -> None:
@@ -48,11 +48,11 @@ class Feedback:
 
     @property
     def positions(self) -> int:
-        """Number of positions received. A link whose number hasn't changed has nothing new to send."""
+        """Number of positions received so far. If it hasn't changed, there is nothing new to send."""
         return self._count
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take an event of the coordinator."""
+        """Update the state from an event of the coordinator."""
         match event:
             case events.StateChanged():
                 self._state, self._code, self._why = event.state, event.code or "", event.why
@@ -62,11 +62,11 @@ class Feedback:
                 self._place(joints_of(self._robot, event.joints), event.time_s)
 
     def health(self, health: replies.Health) -> None:
-        """Take a report on the motors."""
+        """Update the state from a report on the motors."""
         self._health = health
 
     def trouble(self) -> Refusal | None:
-        """Return what prevents the robot from moving, regardless of goals; None if nothing does."""
+        """Return the reason why the robot can't move, regardless of goals; None if it can."""
         if self._state is State.FAULT:
             return Refusal(self._code or "Y1612", self._why)
         if self._state is State.DISCONNECTED:
@@ -84,7 +84,7 @@ class Feedback:
         """Return the status of the robot.
 
         Args:
-            refusal: why the last goal has failed; None if it hasn't.
+            refusal: reason why the last goal has failed; None if it hasn't.
         """
         wrong = self.trouble() or refusal
         body = RobotStatus(
@@ -99,8 +99,8 @@ class Feedback:
         return Message(Comm.TOPIC, body)
 
     def _place(self, joints: Array, time: float) -> None:
-        """Take the joints (n,) [rad or m] at a time of the session [s]. Their motion follows from the
-        previous position.
+        """Store the joint positions (n,) [rad or m] at a time of the session [s]. The velocities follow from
+        the previous positions.
         """
         before, passed = self._joints, time - self._heard
         if before is not None and passed > 0.0:
@@ -116,8 +116,8 @@ class Feedback:
         return _YES if all(one.closed_loop for one in health.motors) else _NO
 
     def _in_motion(self) -> int:
-        """Return 1 while the controller runs a program or a joint moves, as while the robot comes to rest in
-        a hold.
+        """Return 1 while the controller runs a program or a joint moves: a joint also moves while the robot
+        comes to rest in a hold.
         """
         if self._state is State.MOVE:
             return _YES

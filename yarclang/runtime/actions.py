@@ -1,4 +1,4 @@
-"""Actions that a script of the runtime yields, and the outcomes that are sent back to it. No I/O."""
+"""Actions that a script of the runtime yields, and the outcomes that the script receives. No I/O."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.runtime.job import Job
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """Do nothing until `until` [s]; an order from outside ends the wait at once. Answered by `None`."""
+    """Do nothing until `until` [s]. An order from outside ends the wait at once. Answered by `None`."""
 
     until: float
 
@@ -43,7 +43,9 @@ class Late:
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """The received bytes can't be a reply to `request` (None: nothing was asked). The connection is lost."""
+    """The received bytes can't be a reply to `request` (None if no request was in flight). The connection
+    is lost.
+    """
 
     request: object
     reason: str
@@ -58,9 +60,9 @@ class Closed:
 
 @dataclass(frozen=True, slots=True)
 class Keep:
-    """Keep the value of a register from run to run.
+    """Store the value of a register, so that later runs begin with it.
 
-    Answered by None once the value is on the disk, or by the reason why it can't be kept (str).
+    Answered by None once the value is on the disk, or by the reason why it can't be stored (str).
     """
 
     register: str
@@ -69,9 +71,9 @@ class Keep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Teach:
-    """Keep a place from run to run: where the robot stands, `joints` (n,) [rad or m].
+    """Store the robot's place for later runs: its joint positions `joints` (n,) [rad or m].
 
-    Answered by `Told` once the place is on the disk, or by the reason why it can't be kept (str).
+    Answered by `Told` once the place is on the disk, or by the reason why it can't be stored (str).
     """
 
     teaches: Literal["joints", "pose"]
@@ -81,7 +83,7 @@ class Teach:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """The line of a program that declares a place which was kept."""
+    """The line of a program that declares a stored place."""
 
     line: str
 
@@ -91,9 +93,9 @@ class Replan:
     """Replan and prove the rest of the program after an input has ended a motion, or the lines of an OFFSET.
 
     Answered by `Replanned`, by the reason why it can't be done (str), or by None if the text runs without its
-    program. `begins` is when the motion begins, or the first motion of the OFFSET [s of the program], and
-    `joints` (n,) is where the robot stands [rad or m]. `values` are those of the OFFSET's registers, one for
-    each of `SHIFTS`; None after a search.
+    program. `begins` is when the searching motion, or the first motion of the OFFSET, begins [s of the
+    program]. `joints` (n,) is the robot's position [rad or m]. `values` are the values of the OFFSET's
+    registers, one for each of `SHIFTS`; None after a search.
     """
 
     begins: float
@@ -102,13 +104,15 @@ class Replan:
 
 
 PROGRAM_UNKNOWN = "only the program says what follows, and the text was run without it"
-"""Reason to refuse what has to be planned, if there is no program to plan from."""
+"""Reason to refuse an action that needs planning, if the program isn't known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replanned:
-    """The lines that are streamed instead of the next legs, up to the point where the ends of legs are known
-    again, and how far the frame of a line has moved [m].
+    """The replanned lines, streamed instead of the next legs, and their displacement.
+
+    `jobs` replace the next legs up to the first leg whose end doesn't depend on the search or the shift.
+    `length` is the distance that the frame of the searching line has moved [m].
     """
 
     jobs: tuple[Job, ...]
@@ -128,22 +132,22 @@ Script: TypeAlias = Generator[Action, Outcome, T]
 
 
 class Lost(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The connection is no longer usable: it is late or closed, or it delivered something that can't be a
-    reply.
+    """The connection is no longer usable: a reply is late, the connection was closed, or it has delivered
+    something that can't be a reply.
     """
 
 
 class TooLate(Lost):
-    """The connection is lost because no complete reply came in time: the other end is slow, or
-    has stopped.
+    """The connection is lost because no complete reply came in time: the other end is slow, or has
+    stopped.
     """
 
 
 class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
     """The run can't continue.
 
-    Holds what is wrong and what to do about it, the code of the finding, and the line of the job (from 0)
-    that is concerned, if it isn't the line that is being executed.
+    `what` is wrong, and `remedy` is what to do about it. `code` is the code of the finding. `line` is the
+    number of the job's line (from 0) that the fault concerns, if it isn't the line that is being executed.
     """
 
     def __init__(self, what: str, remedy: str = "", code: str = "Y1601", line: int | None = None) -> None:
@@ -155,11 +159,13 @@ class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
 
 
 class Found(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The input that ends a motion early has the value that is searched for; the motion is held."""
+    """The input that ends a motion early has the wanted value, and the motion is held."""
 
 
 class Left(Exception):  # noqa: N818 - an event that scripts unwind for
-    """A person lets the robot leave after an input has held the motion: `way` is the program's way out."""
+    """After an input has held the motion, a person has ordered the robot to leave: `way` names the program's
+    way out.
+    """
 
     def __init__(self, way: str) -> None:
         super().__init__(way)
@@ -167,7 +173,7 @@ class Left(Exception):  # noqa: N818 - an event that scripts unwind for
 
 
 class Stopped(Exception):  # noqa: N818 - an event that scripts unwind for
-    """A person ends the run; with `abort`, without regard to the path."""
+    """A person has ended the run. If `abort` is True, the motors stop without regard to the path."""
 
     def __init__(self, abort: bool) -> None:
         super().__init__("aborted" if abort else "stopped")

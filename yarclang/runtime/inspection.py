@@ -1,5 +1,5 @@
-"""Results of the checks of a controller before anything moves: found and required values, and the remedy if
-these differ.
+"""Results of the checks of a controller before anything moves: found and required values, and the remedy for
+each difference.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ Verdict = Literal["ok", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One thing that must be set on the controller.
+    """A setting that the controller must have.
 
     `question` is sent to the controller. `wanted` is the expected answer, which is compared according to
     `kind`: as a number, by its bits (all wanted bits are set), as an axis definition, as the address of an

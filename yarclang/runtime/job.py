@@ -1,6 +1,4 @@
-"""A job for streaming: a program's lines, when each of them is executed, and to which command
-each belongs.
-"""
+"""A job for streaming: the lines of a program, their times, and the command to which each line belongs."""
 
 from __future__ import annotations
 
@@ -49,15 +47,16 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """The barrier between two legs of a program: it waits for an input or the operator, or branches part or
-    meet there.
+    """The barrier between two legs of a program. There the robot waits for an input or the operator, or
+    branches divide or join.
 
     `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
     `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
     `source_line` are those of the command. `timeout` is in s. `decided` is the condition of a `when`, or of a
-    wait without `variable`; with `again`, it is evaluated with the values that the last `when` has read. For
-    a `set`, `decided` is the number that `register` or `output` gets. `word` is the command's name: for a
-    `when`, OF inside a CASE. `offset` is the frame that is shifted in the first branch of a `when`.
+    wait without `variable`; if `again` is True, the condition is evaluated with the values that the last
+    `when` has read. For a `set`, `decided` is the number that `register` or `output` gets. `word` is the
+    command's name; for a `when` inside a CASE, it is OF. `offset` is the frame that is shifted in the first
+    branch of a `when`.
     """
 
     kind: str
@@ -78,7 +77,7 @@ class Barrier:
 @dataclass(frozen=True, slots=True)
 class Part:
     """The position of a leg in the program: `begun` is True if earlier legs were started; `leads_to`
-    is the title of the barrier at its end (empty: the program's end).
+    is the title of the barrier at its end (empty if the leg ends the program).
     """
 
     begun: bool
@@ -89,8 +88,8 @@ class Part:
 class Leg:
     """The lines that are streamed up to a barrier, and the barrier at their end (None: the program's end).
 
-    The job is None if only outputs and dwells could be there and none are. `ends` is when the leg ends [s of
-    the job], and `clock` the latest known time of that.
+    `job` is None if the leg has no lines. `ends` is when the leg ends [s of the job], and `clock` the latest
+    known time at which it ends.
     """
 
     job: Job | None
@@ -107,9 +106,9 @@ class Job:
         name: name of the program, for people.
         robot: the robot that the program is for.
         lines: lines of the motion that are sent to the controller, in order.
-        times: (len(lines),) program time [s] at which the motion towards a line's point begins, or at which
-            the dwell of the line begins; for a line that takes no time, that of the next line that does.
-            Motions and dwells count, with the branches of a WHEN in sequence.
+        times: (len(lines),) program time of each line [s]: the time at which the motion towards the line's
+            point begins, or at which its dwell begins. A line that takes no time has the time of the next
+            line that takes some. Motions and dwells count, with the branches of a WHEN in sequence.
         commands: the motions, in order.
         start: (n,) position where the program starts [rad or m].
         end: (n,) position where the program ends [rad or m].
@@ -117,24 +116,24 @@ class Job:
         segment: shortest segment time [s].
         duration: program time at which the last line has been executed [s].
         capacity: number of lines that surely fit into the controller's buffer.
-        guarded: True if the controller holds by itself when this computer falls silent in the middle.
+        guarded: True if the controller itself holds the motion when this computer falls silent.
         text: the whole controller text.
         source: the program's own text, or empty.
         certificate: what was proved, as plain JSON text.
-        offset: start of this job in the program that it is a part of [s].
+        offset: program time at which this job begins, if it is a part of a program [s].
         clock: latest known time at which this job begins, with both branches of a WHEN in parallel [s].
         behind: known time [s] from the end of this leg to the end of the job, along the longest branches.
         lasting: duration of the program, including the number of its waits.
         outputs: variables of outputs, and their values at any stop, hold or fault.
         sets: lines that set a variable: row in `lines`, variable, value.
-        dwells: lines that stand still: row in `lines`, duration [s].
+        dwells: lines with a dwell: row in `lines`, duration [s].
         legs: for a program with barriers, the parts that are streamed in sequence; else empty.
-        part: for a leg that is being carried out; else None.
+        part: position in the program of a leg that is being performed; else None.
         registers: for a program with barriers, the integers that the program keeps while it runs.
         watches: inputs that hold the motion while they have a value.
         searches: for a program, the motions that inputs end.
         search: for a leg, the motion that an input ends.
-        own: anything else that the rooms of the controller's kind need.
+        own: additional data for the controller's kind.
     """
 
     name: str

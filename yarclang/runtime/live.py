@@ -1,4 +1,4 @@
-"""A motion whose lines are computed while it is running."""
+"""A motion whose lines are computed while the robot moves."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ MADE_ON_THE_WAY = "live motion: its lines were made on the way"
 
 
 class Source(Protocol):
-    """Generator of the lines of a live motion; each line was proved."""
+    """Generator of the lines of a live motion. Each line is proved before it is returned."""
 
     ended: bool
-    """True if the text ends at rest, for good."""
+    """True once the text ends at rest and no lines can follow."""
 
     @property
     def end(self) -> Array:
@@ -27,14 +27,15 @@ class Source(Protocol):
 
         Args:
             now: the host's clock [s].
-            count: number of lines wanted; there may be a few more, and fewer only if the text ends.
+            count: number of lines wanted. A few more may be returned; fewer are returned only if the text
+                ends.
         """
 
     def expired(self, now: float) -> bool:
-        """Return True if no one has ordered anything for too long."""
+        """Return True if no order has come for too long."""
 
     def finish(self) -> None:
-        """Come to rest, and end the text there."""
+        """Bring the motion to rest, and end the text there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,9 +1,9 @@
 """The log of a run: an MCAP file that is written by its own thread, so that neither a slow nor a full disk
 delays the robot.
 
-MCAP (mcap.dev) is read by Foxglove and others; `yarclang.report.runs.log` reads the file back. The program's
-text, the controller's text and the certificate are attached, together with the necessary facts about the
-robot: a log stays readable after all of these have changed.
+MCAP (mcap.dev) is read by Foxglove and other programs; `yarclang.report.runs.log` reads the file back. The
+program's text, the controller's text, the certificate and the necessary facts about the robot are attached. A
+log therefore stays readable after the program or the robot has changed.
 """
 
 from __future__ import annotations
@@ -43,13 +43,12 @@ _LONGEST_STEM = 50
 
 
 class RunLog:
-    """The log of a run. It is made by `open`; `take` listens to notices.
+    """The log of a run. `open` creates it; `take` accepts notices.
 
     Attributes:
         path: the file.
-        failure: why nothing is written any more; None if all is well.
-        loss: what has happened to the file, known once the log is closed; empty if the file is where it was
-            made.
+        failure: the reason why nothing can be written any more; None if there was no failure.
+        loss: what has happened to the file, known once the log is closed; empty if the file is still there.
     """
 
     def __init__(
@@ -105,8 +104,9 @@ class RunLog:
         """Create a log and write everything that does not change.
 
         Args:
-            place: the file; or a folder, for a new file named after the program and the time; None: `FOLDER`.
-                An existing file is never overwritten: the new one gets -2, -3 and so on.
+            place: the file; or a folder, for a new file named after the program and the time; None for
+                `FOLDER`. An existing file is never overwritten: the new file gets the suffix -2, -3 and so
+                on.
             job: the whole program.
             address: address of the controller, for people.
             version: version of yarclang.
@@ -118,7 +118,7 @@ class RunLog:
             client: who ordered the first motion, for people; empty: not known.
 
         Raises:
-            OSError: the file can't be made or written. No file is left.
+            OSError: the file can't be created or written. No file is left.
         """
         now = time.monotonic() * pace if clock is None else clock
         anchor = anchor or Anchor(now, time.time_ns(), pace)
@@ -146,8 +146,8 @@ class RunLog:
         self._put(notice)
 
     def begin(self, job: Job) -> None:
-        """Record that this job is performed from here on: the program again, a part of it, or the way to its
-        start.
+        """Record that this job is performed from now on. It is the program again, a part of it, or the
+        approach to its start.
         """
         self._put(Begun(job))
 
@@ -177,7 +177,7 @@ class RunLog:
         )
 
     def close(self, ended: Ended | None = None) -> None:
-        """Write what is left, and how the run has ended. May be called again, and after a failure."""
+        """Write the rest of the log, and how the run has ended. May be called again, and after a failure."""
         if ended is not None:
             self._put(ended)
         self._queue.put(None)
@@ -223,7 +223,7 @@ class RunLog:
     # in the thread
 
     def _work(self) -> None:
-        """Write until the log is closed or can't be written."""
+        """Write notices until the log is closed, or until the file can't be written."""
         try:
             with shares_the_interpreter():
                 self._write_all()
@@ -264,7 +264,7 @@ class RunLog:
         with contextlib.suppress(OSError):
             self._stream.close()
         if self._on_failure is not None:
-            # The listener may have ended meanwhile.
+            # The listener may have ended meanwhile, and then raises RuntimeError.
             with contextlib.suppress(RuntimeError):
                 self._on_failure(reason)
 

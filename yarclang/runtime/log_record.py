@@ -1,6 +1,6 @@
-"""Content of a run's log: its attachments, its channels, and how notices become messages. No I/O.
+"""Content of a run's log: its attachments, its channels, and the conversion of notices to messages. No I/O.
 
-Every name of a number ends in its unit. Times `time_s` count from the log's start, in the clock of the
+The name of each number ends in its unit. Times `time_s` count from the log's start, in the clock of the
 notices.
 """
 
@@ -32,7 +32,9 @@ PROGRAM, TEXT, CERTIFICATE, JOB = "program.yarc", "program.pmc", "certificate.js
 """Names of the attachments."""
 
 _DIGITS = 7
-"""Decimals of joint positions [deg or mm] and of times [s]: far finer than a count and an exchange."""
+"""Decimals of joint positions [deg or mm] and of times [s]. They are far finer than an encoder count and the
+duration of an exchange.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class Anchor:
 
 @dataclass(frozen=True, slots=True)
 class Begun:
-    """Record that this job is performed from here on."""
+    """Record that this job is performed from now on."""
 
     job: Job
 
@@ -84,8 +86,8 @@ class Record:
         self._shown = -math.inf
 
     def begin(self, facts: dict[str, str]) -> None:
-        """Write the header, attachments, channels, and metadata: these facts and the known facts about the
-        job.
+        """Write the header, the attachments, the channels, and the metadata: facts about the run, and known
+        facts about the job.
         """
         writer, job, wall = self._writer, self._job, self._anchor.wall
         writer.start()
@@ -118,7 +120,7 @@ class Record:
             self._add(BODIES, wall, bodies)
 
     def write(self, item: Item) -> None:
-        """Write one message; it isn't on the disk yet."""
+        """Write one message to the file's buffer; a flush brings it to the disk."""
         match item:
             case Sample():
                 self._message("positions", item.time, self._positions(item))
@@ -151,7 +153,7 @@ class Record:
                 self._message("outcome", self._last, self._outcome(item))
 
     def _show(self, sample: Sample) -> None:
-        """Write the frames of the robot, unless the last ones are recent."""
+        """Write the frames of the robot, unless they were written less than `EACH` ago."""
         if not 0.0 <= sample.time - self._shown < EACH:
             self._shown = sample.time
             wall = self._anchor.wall_at(sample.time)
@@ -180,7 +182,7 @@ class Record:
         }
 
     def _begun(self, job: Job) -> dict[str, Any]:
-        # An approach has a text of its own; a part has the text of the program.
+        # An approach has its own text; a part of the program has the program's text.
         belongs = (job.name, job.source) == (self._job.name, self._job.source)
         return {
             "job": job.name,

@@ -1,8 +1,8 @@
 """The robot in a run's log, as Foxglove shows it: its frames over time, and the bodies of its links.
 
-The messages are those of Foxglove's schemas FrameTransforms and SceneUpdate. They repeat what the other channels
-say, so that a picture needs no further file; yarclang itself doesn't read them. No I/O, except that mesh files
-are read.
+The messages follow Foxglove's schemas FrameTransforms and SceneUpdate. They repeat the content of other
+channels, so that viewers need no further file; yarclang itself doesn't read them. No I/O, except that mesh
+files are read.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ EACH = 0.1
 """Least time between two messages of frames [s]. Between them, a viewer interpolates."""
 
 _LARGEST_MESH, _LARGEST_MESHES = 1 << 21, 1 << 23
-"""Largest mesh file that a log contains, and of all of them together [bytes]."""
+"""Largest mesh file that a log contains, and largest total of all mesh files [bytes]."""
 
 _MEDIA_TYPES = {".stl": "model/stl", ".obj": "model/obj"}
 
@@ -42,8 +42,8 @@ _DIGITS = 7
 class LoggedScene:
     """The frames and bodies of a robot.
 
-    Each joint has a frame, named as the joint, on its axis, that moves with what the joint moves; with all joints
-    at zero it has the orientation of {B}.
+    Each joint has a frame with the joint's name, on the joint's axis. The frame moves with the bodies that
+    the joint moves; with all joints at zero it has the orientation of {B}.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -86,7 +86,7 @@ class LoggedScene:
     def bodies(self, wall: int) -> dict[str, Any]:
         """Return the bodies of links and mounted tools, each in the frame of the joint that moves it.
 
-        A mesh file that has changed, that is too large, or that viewers can't read is left out.
+        A mesh file is left out if it has changed, is too large, or can't be read by viewers.
         """
         frames = self._names
         entities: dict[tuple[str, str], dict[str, Any]] = {}
@@ -110,8 +110,10 @@ class LoggedScene:
 
 
 def _joint_frames(robot: Robot) -> Array:
-    """Return the frames (n + 1, 4, 4) of base and joints with all joints at zero [m]: each on its axis, at the
-    point nearest to {B}'s origin; that of a sliding joint where the one before it is.
+    """Return the frames (n + 1, 4, 4) of base and joints with all joints at zero [m].
+
+    The origin of each frame is the point of the joint's axis nearest to {B}'s origin; for a sliding joint, it
+    is the origin of the frame before.
     """
     frames = np.tile(np.eye(4), (robot.size + 1, 1, 1))
     for joint, screw in enumerate(robot.chain.screws, 1):
@@ -146,8 +148,8 @@ def _entity(wall: int, name: str, frame: str) -> dict[str, Any]:
 def _primitives(
     shape: Shape, placed: Array, colour: tuple[float, float, float], left: int
 ) -> Iterable[tuple[str, dict[str, Any], int]]:
-    """Yield the primitives of a shape with their kinds, and the bytes of mesh files that they contain, of which
-    `left` may be used.
+    """Yield the primitives of a shape with their kinds, and the bytes of the mesh files that they contain. At
+    most `left` bytes may be used.
     """
     common = {"pose": _pose(placed), "color": dict(zip("rgba", (*colour, 1.0), strict=True))}
     match shape:

@@ -1,5 +1,5 @@
-"""Notices that a run sends to its listeners, and orders that it accepts. Plain values; times are those of the
-host's clock [s].
+"""Notices that a run sends to its listeners, and orders that it accepts. They are plain values; times are
+those of the host's clock [s].
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from yarclang.runtime.state import State
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question to the operator: an integer from `low` to `high` is wanted for the register `into`."""
+    """A question to the operator, who enters an integer from `low` to `high` for the register `into`."""
 
     text: str
     into: str
@@ -24,10 +24,10 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """Values that the program takes from outside while it waits.
+    """Values that the program accepts from outside while it waits.
 
     `number` counts the requests; `place` is the place of the command. `registers` may be filled, each within
-    `low` and `high`; a message must have all that are `needed`.
+    `low` and `high`; a message must contain all of `needed`.
     """
 
     number: int
@@ -38,7 +38,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class ValuesWanted:
-    """The program takes values from outside from now on, or, with None, no longer."""
+    """The program accepts values from outside from now on, or, if None, no longer."""
 
     time: float
     wanted: Wanted | None
@@ -48,8 +48,8 @@ class ValuesWanted:
 class Changed:
     """The state has changed, and why.
 
-    If something went wrong, `code` is the finding and `remedy` what to do. With `asks`, the run continues
-    only after an answer.
+    If something went wrong, `code` is the finding and `remedy` what to do. If `asks` is set, the run
+    continues only after an answer to this question.
     """
 
     time: float
@@ -62,8 +62,8 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of the program: the known seconds done, those left at the present override, and the current
-    command.
+    """Progress of the program: the known seconds done, the known seconds left at the present override, and
+    the current command.
 
     Motions and dwells count. If the program has branches, `done` and `left` follow the longer one.
     """
@@ -77,7 +77,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Information in words; with `begins_pass`, a loop repeats."""
+    """Information in words. `begins_pass` is True if a loop begins its next pass."""
 
     time: float
     text: str
@@ -88,7 +88,7 @@ class Remark:
 @dataclass(frozen=True, slots=True)
 class Reached:
     """The robot stands at a command that waits for an input or the operator. The place in the program is
-    given as P0020(I=2)>P0010.
+    written as P0020(I=2)>P0010.
     """
 
     time: float
@@ -97,8 +97,8 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The rest of the program after a search, or the lines of an OFFSET (`kind`), was planned and proved: its
-    controller text, and its certificate as JSON.
+    """The rest of the program after a search, or the lines of an OFFSET, was planned and proved (`kind` names
+    which of the two). Holds its controller text, and its certificate as JSON.
     """
 
     time: float
@@ -141,9 +141,9 @@ class Override:
 
 @dataclass(frozen=True, slots=True)
 class Fill:
-    """Set registers to these values from outside, all at once; `client` sends them.
+    """Set registers to values from outside, all at once; `client` is the sender.
 
-    The sender has checked the values against what is wanted.
+    The sender has checked that the values are wanted and in range.
     """
 
     values: tuple[tuple[str, int], ...]
@@ -152,8 +152,8 @@ class Fill:
 
 @dataclass(frozen=True, slots=True)
 class Fail:
-    """Come to rest on the path as a fault, because something outside failed (for example, the log can't be
-    written).
+    """Come to rest on the path and report a fault, because something outside has failed (for example, the log
+    can't be written).
     """
 
     what: str

@@ -1,8 +1,8 @@
 """State that all scripts of a run share, for any controller: its clock, its state, its orders and its
 notices. No I/O.
 
-The driver of a script sets `now` before each step. Orders wait here until the script looks at them. The
-questions to a controller are in the package of its kind.
+The driver of a script sets `now` before each step. Orders wait here until the script handles them. The
+package of the controller's kind has the questions to the controller.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from yarclang.runtime.notices import (
 from yarclang.runtime.state import Event, State, after
 
 SILENCE = 0.4
-"""Longest silence of this computer before its controller holds [s], until the inspection has found what the
-link allows.
+"""Longest silence of this computer before its controller holds [s]. It applies until the inspection has
+measured the link.
 """
 
 URGENT = (Hold, Stop, Abort, Fail)
-"""Orders that wait only for the reply that is on its way."""
+"""Orders that are handled as soon as the reply in flight has come."""
 
 LONGEST_SLEEP = 10.0
 """Longest sleep of the process after which a motion may continue by itself [s]."""
@@ -42,7 +42,7 @@ POSITIONS_EACH = 0.04
 
 
 class Interrupted(Exception):  # noqa: N818 - an event that scripts unwind for
-    """An order that can't wait has come, so nothing was asked."""
+    """An order that can't wait has come; the request was not sent."""
 
 
 class MotorState(Protocol):
@@ -58,7 +58,7 @@ class MotorState(Protocol):
 
     @property
     def trouble(self) -> str:
-        """Return what keeps the motor from moving, in words; empty if nothing does."""
+        """Return the reason why the motor can't move, in words; empty if it can."""
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -72,23 +72,24 @@ class Operation:
         state: see `yarclang.runtime.state`.
         orders: orders of people, oldest first.
         notices: notices to be sent, oldest first; the sender removes them.
-        watch: orders that interrupt a script at its next request, so that a stop never waits for more than
+        watch: kinds of orders that interrupt a script at its next request, so that a stop waits for at most
             one reply.
         override: requested override, 1 at 100 %; it stays from one job to the next.
-        longest_sleep: when the clock jumps by more [s], this process stood still.
+        longest_sleep: a jump of the clock by more than this [s] means that this process stood still.
         slept: size of such a jump [s]; 0 once it was handled.
         positions_each: time between two position queries [s], if the link allows.
         silence: longest silence of this computer before its controller holds [s].
-        wanted_silence: that time, if a person has chosen it [s].
+        wanted_silence: the same time as chosen by a person [s]; None if nobody has chosen it.
         slowest: slowest reply since the last inspection began [s].
         latest: duration of the last reply [s].
         motors: the motors' last reported states, in the robot's order.
         ahead: last count of lines in the controller's buffer; None if nothing is streamed.
         outputs: names of outputs, by their variables; only outputs with a name are listed.
-        searches: True if a motor searches its home: no hold stops it, only an abort.
-        wants: values that the program takes from outside; None: none, or they were given and not handled yet.
+        searches: True if a motor searches its home: no hold stops the search, only an abort.
+        wants: values that the program accepts from outside; None if it accepts none, or if they have come and
+            aren't handled yet.
         asked_for: number of requests for values so far.
-        unattended: True if no one is there to resume a hold that no person has asked for; such a hold ends
+        unattended: True if nobody is there to resume a hold that no person has ordered; such a hold ends
             the run.
     """
 
@@ -121,7 +122,7 @@ class Operation:
 
     @now.setter
     def now(self, now: float) -> None:
-        # Between two steps of a script there is only one reply, or a short wait.
+        # Between two steps of a script, there is at most one reply or a short wait.
         if now - self._now > self.longest_sleep:
             self.slept = max(self.slept, now - self._now)
         self._now = now
@@ -153,13 +154,13 @@ class Operation:
         self.notices.append(Remark(self.now, text, warning, begins_pass))
 
     def want(self, wanted: Wanted | None) -> None:
-        """Take values from outside from now on, or no longer."""
+        """Accept values from outside from now on, or no longer (None)."""
         if wanted is not None or self.wants is not None:
             self.wants = wanted
             self.notices.append(ValuesWanted(self.now, wanted))
 
     def give_way(self) -> None:
-        """Let an order in `watch` come first.
+        """Interrupt the script if an order in `watch` has come.
 
         Raises:
             Interrupted: there is such an order.

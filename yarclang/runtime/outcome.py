@@ -9,7 +9,7 @@ from yarclang.robot.model import Array
 
 @dataclass(frozen=True, slots=True)
 class Concerned:
-    """The command that a fault concerns, by its place, name and source line in the controller's text."""
+    """The command that a fault concerns: its place, name and source line in the controller's text."""
 
     index: str
     name: str
@@ -18,11 +18,11 @@ class Concerned:
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Place of that command in the source: `file`, line and columns (from 1, the last one exclusive), and the
+    """Place of a command in the source: `file`, line and columns (from 1, the last one exclusive), and the
     `text` of the line.
 
     If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module, the
-    line is the one with the call, and `note` names the module's line.
+    line is that of the call, and `note` names the module's line.
     """
 
     file: str = ""
@@ -38,17 +38,18 @@ class Ended:
     """The outcome of a run.
 
     `what` is the reason if the run didn't end well, and `remedy` what to do. `joints` (n,) [rad or m] is the
-    robot's commanded position (None: not known), `command` the command that was executed, and `done` the
-    progress of the program [s], with the branches of a WHEN in sequence.
+    robot's commanded position (None if it isn't known), `command` the command that was executed, and `done`
+    the progress of the program [s], with the branches of a WHEN in sequence.
 
     For a fault, `code` is the code of the finding, `concerns` the command, and `where` its place in the
-    source, which is filled in by those who know the source.
+    source, which callers that know the source fill in.
 
     `ways` states for each passed WHEN, in order, if its first branch was taken. `barriers` counts the passed
     barriers at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers`
-    are the names and values of registers. `finished` is True if the program has ended in one of its branches:
-    nothing after it is carried out. `found` is True if an input has ended a motion early. `leaves` is the way
-    on which the robot is to leave from where it stands on its path; empty: none.
+    are the names and values of registers. `finished` is True if the program has ended in one of its branches,
+    so that nothing after the branch is executed. `found` is True if an input has ended a motion early.
+    `leaves` names the way out by which the robot is to leave from its place on the path; empty if there is
+    none.
     """
 
     well: bool
@@ -72,7 +73,7 @@ class Ended:
 
     @property
     def reached(self) -> float:
-        """Return the latest known time at which a run gets there [s], with both branches of a WHEN in
-        parallel, as reported to people.
+        """Return the latest known time at which a run reaches its progress [s], with both branches of a WHEN
+        in parallel, as reported to people.
         """
         return self.done if self.clock is None else self.clock

@@ -13,9 +13,9 @@ class Sample:
     """The position of a robot: `actual` and `following` (n,) [counts] of its motors, at `time` [s] of the
     host's clock.
 
-    `program_time` [s] is the progress of the program, accurate to a segment or two since it comes from the
-    buffer. It counts the branches of a WHEN in sequence; `clock` [s] counts them in parallel (None: there are
-    none).
+    `program_time` [s] is the progress of the program. It is computed from the lines in the buffer, and so
+    accurate to a segment or two. It counts the branches of a WHEN in sequence; `clock` [s] counts them in
+    parallel (None: there are no branches).
     """
 
     time: float

@@ -1,5 +1,5 @@
-"""The interface of a kind of controller: how bytes are exchanged with it, and the scripts that look at it,
-move it and bring it to rest.
+"""The interface of a kind of controller: how bytes are exchanged with it, and the scripts that inspect it,
+move its robot and bring it to rest.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Exchange(Protocol):
 
     @property
     def deadline(self) -> float | None:
-        """Return when `check` is due [s]; None if nothing is in flight."""
+        """Return the time at which `check` is due [s]; None if no request is in flight."""
 
     def send(self, request: Any, now: float, timeout: float) -> bytes:
         """Begin a request.
@@ -69,8 +69,8 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class JointPlace:
-    """The position of a joint, in `unit`: `commanded`, and `actual` as computed by the controller; None if it
-    can't be asked.
+    """The position of a joint, in `unit`: `commanded`, and `actual` as computed by the controller, or None if
+    the controller can't be asked for it.
     """
 
     name: str
@@ -105,7 +105,7 @@ class HomeSearch:
         unit: unit of that joint, deg or mm.
         speed: speed of the search, with its sign [unit/s].
         longest: longest duration of the search [s].
-        refused: why it isn't done here; empty: it may be done.
+        refused: the reason why the search is not done here; empty if it may be done.
         closed: True if the motor's loop is closed.
     """
 
@@ -120,8 +120,8 @@ class HomeSearch:
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """Number of settings lines that were taken, out of how many; the reason if sending ended early (else
-    empty), and what to do.
+    """Number of settings lines that were sent, and total number of lines. If sending ended early, also the
+    reason (else empty) and what to do.
     """
 
     sent: int
@@ -135,11 +135,11 @@ class Services:
     """Scripts that prepare a controller, at rest.
 
     Attributes:
-        enable: closes the open loops of motors; returns what is wrong afterwards.
-        disable: opens all loops; returns what is wrong afterwards.
-        searches: returns what home searches would do.
+        enable: closes the open loops of motors; returns the remaining problem in words.
+        disable: opens all loops; returns the remaining problem in words.
+        searches: returns the expected effects of home searches.
         home: lets a motor search its home.
-        end_search: ends a search that no one watches.
+        end_search: ends a search that no script watches.
         check_open: raises `Trouble` if settings may not be sent.
         send: sends settings, line by line.
         save: stores the settings in the controller.
@@ -156,13 +156,13 @@ class Services:
 
 
 class EndWhatRuns(Protocol):
-    """Script that ends what a controller does without a job of ours."""
+    """Script that ends everything that a controller does, without a job of this process."""
 
     def __call__(self, operation: Any, robot: Robot, /, *, abort: bool) -> Script[Array | None]:
-        """Hold it (or abort it), and end it at rest.
+        """Hold or abort the motion, and end the program at rest.
 
         Returns:
-            Where the robot stands then (n,) [rad or m]; None if it isn't known.
+            The robot's joint positions (n,) [rad or m]; None if they aren't known.
         """
 
 
@@ -186,20 +186,20 @@ class Scripts:
     """All scripts of a kind of controller. The first argument of each script is the result of `operation`.
 
     Attributes:
-        operation: makes the state that the scripts of a session share.
-        exchange: makes the connection object.
+        operation: creates the state that the scripts of a session share.
+        exchange: creates the connection object.
         last_words: returns the bytes that hold (or abort) all motion on a connection whose answers can't be
             trusted any more.
-        connect: makes a connection, and sets the form of its answers.
+        connect: makes a connection, and sets the format of its answers.
         look: checks everything that must be true before a motion; nothing moves.
-        idle: reports where the robot is, until something is wanted.
+        idle: reports the robot's position, until something is wanted.
         stands_at: returns the commanded position (n,) [rad or m].
-        perform: carries a job out, to its end or to rest.
-        perform_live: carries out a live motion; None: the kind has none.
-        end_leftovers: ends a program that was left in the middle, where the robot stands; returns True if
-            there was one.
+        perform: performs a job, to its end or to rest.
+        perform_live: performs a live motion; None: the kind has none.
+        end_leftovers: ends a program that was interrupted in the middle, with the robot at its place; returns
+            True if there was one.
         end_what_runs: see `EndWhatRuns`.
-        picture: returns the controller's state without disturbing what it does.
+        picture: returns the controller's state without disturbing its work.
         patience: longest time that a controller may be busy without a fault [s].
         read: returns the values of variables; None: the kind has none.
         write: sets a variable, at rest; None: the kind has none.

@@ -1,4 +1,4 @@
-"""A run over a real connection: runs the scripts with a socket and a clock, and informs listeners.
+"""A session: it runs scripts over a real connection, with a socket and a clock, and informs listeners.
 
 Together with `transports/`, this is the only module of the runtime that uses the clock and the network.
 """
@@ -38,11 +38,11 @@ Connector = Callable[[str, int, float], Awaitable[Wire]]
 
 
 class Leash(Protocol):
-    """The clock of a simulator in this process, which waits for its session
+    """The clock of a simulator in this process. The simulator waits for its session
     (`yarclang.simulator.network.leash`).
 
     Attributes:
-        until: time up to which the clock may run [s]; None: no session has it.
+        until: time up to which the clock may run [s]; None if no session controls the clock.
     """
 
     until: float | None
@@ -52,10 +52,11 @@ class Leash(Protocol):
 
 
 _EXCHANGE = 0.02
-"""Longest step of a leashed simulator between two steps of a script, besides the time that the script waits
-for [s].
+"""Longest step of a leashed simulator between two steps of a script, in addition to the time for which the
+script waits [s].
 
-It is less than half of the watchdog's time, in the longest row of questions.
+In the longest sequence of questions between two restarts of the watchdog, these steps add up to less than
+half of the watchdog's time.
 """
 
 REPLY_TIME = 1.0
@@ -67,7 +68,7 @@ _SHORTEST = 0.0002
 """Shortest wait [s of the wall clock]."""
 
 PLANNING_TIME = 10.0
-"""Longest time for what is planned and proved while a program runs [s]."""
+"""Longest time for planning and proving while a program runs [s]."""
 
 CONNECT_TIME = 5.0
 """Longest time for connecting [s]."""
@@ -77,20 +78,20 @@ class Session:
     """One controller, and one script at a time.
 
     Args:
-        host: of the controller.
-        port: of the controller.
+        host: name or address of the controller.
+        port: port of the controller.
         reply_time: longest time for a reply [s].
         pace: seconds of the controller per second: 1, except for a simulator.
         connector: makes connections; TCP, except for a controller in this process.
-        leash: clock of a simulator that waits for this session, which then is the session's clock as well;
-            None: the controller waits for no one.
+        leash: clock of a simulator that waits for this session, and which is then the session's clock, too;
+            None if the controller doesn't wait for the session.
         scripts: scripts of the controller's kind; None: those of the default kind of a robot.toml.
 
     Attributes:
-        keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is
-            kept.
-        teacher: keeps a place, and returns the line that declares it; raises OSError if it can't. None:
-            places can't be kept here.
+        keeper: stores the value of a register for later runs; raises OSError if it can't. None: nothing is
+            stored.
+        teacher: stores a place, and returns the line that declares it; raises OSError if it can't. None:
+            places can't be stored here.
         replanner: plans the rest after a search, from where the search has ended; None: the program isn't
             known here.
     """
@@ -124,21 +125,23 @@ class Session:
         self._connection = self.scripts.exchange()
 
     def listen(self, listener: Listener) -> None:
-        """Add a listener, which is called with each notice from now on. It must not wait."""
+        """Add a listener, which is called with each notice from now on. The listener must not wait."""
         self._listeners.append(listener)
 
     def unlisten(self, listener: Listener) -> None:
-        """Remove a listener; does nothing if it isn't registered."""
+        """Remove a listener. Does nothing if the listener isn't registered."""
         if listener in self._listeners:
             self._listeners.remove(listener)
 
     def order(self, order: Order) -> None:
-        """Give an order of a person, at once."""
+        """Give a person's order to the running script, at once."""
         self.operation.orders.append(order)
         self.wake()
 
     def wake(self) -> None:
-        """End the wait of the running script, if it waits: there is something to look at."""
+        """End the wait of the running script, because something has changed. Does nothing if the script
+        isn't waiting.
+        """
         self._woken.set()
 
     async def perform(self, script: Script[T]) -> T:
@@ -180,7 +183,7 @@ class Session:
             self._allow(None)
 
     async def order_given(self, kind: type[Order]) -> None:
-        """Wait, with nothing moving, until an order of a kind is given. A stop or an abort also ends the
+        """Wait, with nothing moving, until an order of this kind is given. A stop or an abort also ends the
         wait, and stays in the queue.
         """
         orders = self.operation.orders
@@ -191,7 +194,7 @@ class Session:
             orders.clear()
 
     def close(self) -> None:
-        """Close the connection; if something still moves, hold it."""
+        """Close the connection. If something still moves, hold it."""
         if self._wire is not None:
             self._last_words()
             self._wire.close()
@@ -206,20 +209,22 @@ class Session:
         return self._passed() if self._leash is None else self._leash.now()
 
     def _passed(self) -> float:
-        """Return the host's clock [s], without subtracting anything."""
+        """Return the host's clock at the controller's pace [s], including the time during which this process
+        was prevented from working.
+        """
         return asyncio.get_running_loop().time() * self.pace
 
     def _step(self) -> float:
         """Return the time of a script's next step [s].
 
-        Until the step after it, a leashed simulator advances by no more than `_EXCHANGE`.
+        Until the following step, a leashed simulator advances by no more than `_EXCHANGE`.
         """
         now = self.now()
         self._allow(now + _EXCHANGE)
         return now
 
     def _allow(self, until: float | None) -> None:
-        """Let a leashed simulator run until a time [s]; None: release it."""
+        """Let a leashed simulator run until a time [s], or without a leash (None)."""
         if self._leash is not None:
             self._leash.until = until
 
@@ -249,7 +254,7 @@ class Session:
             return
         self._allow(until + _EXCHANGE)
         while not self._woken.is_set() and (left := until - self.now()) > 0.0:
-            # A leashed simulator may need longer.
+            # A leashed simulator may need longer than the wall clock suggests.
             await self._woken_within(max(left / self.pace, _SHORTEST))
 
     async def _woken_within(self, seconds: float) -> None:
@@ -259,7 +264,7 @@ class Session:
                 await self._woken.wait()
 
     async def _keep(self, register: str, value: int) -> Outcome:
-        """Keep a register's value. A disk may be slow: everything else continues meanwhile."""
+        """Store a register's value. A disk may be slow; everything else continues meanwhile."""
         if self.keeper is None:
             return None
         try:
@@ -269,7 +274,7 @@ class Session:
         return None
 
     async def _teach(self, wanted: Teach) -> Outcome:
-        """Keep a place. A disk may be slow: everything else continues meanwhile."""
+        """Store a place. A disk may be slow; everything else continues meanwhile."""
         if self.teacher is None:
             return "places are kept for programs in files"
         try:
@@ -278,8 +283,8 @@ class Session:
             return str(error)
 
     async def _replan(self, wanted: Replan) -> Outcome:
-        """Have the rest after a search planned, or an OFFSET. The robot stands, and everything else continues
-        meanwhile.
+        """Have an OFFSET, or the rest after a search, planned. The robot stands, and everything else
+        continues meanwhile.
         """
         if self.replanner is None:
             return None
@@ -315,8 +320,8 @@ class Session:
             if not events and wire.closed:
                 events = connection.close()
             if not events and not data:
-                # If the process has slept past the deadline, the reply is available only in the next turn of
-                # the loop.
+                # If the process has slept past the deadline, a reply that has come becomes available only in
+                # the next turn of the event loop.
                 await asyncio.sleep(_TURN)
                 data = wire.take()
                 now = self._passed()
@@ -331,8 +336,8 @@ class Session:
         return event
 
     def _last_words(self) -> None:
-        """Send the last bytes on a connection whose replies can't be trusted: hold, or abort if that was
-        ordered.
+        """Send the last bytes on a connection whose replies can't be trusted: a hold, or an abort if an abort
+        was ordered.
         """
         operation = self.operation
         if self._wire is None or not (operation.searches or operation.state in (State.MOVE, State.HOLD)):

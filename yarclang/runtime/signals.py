@@ -1,5 +1,5 @@
-"""Notices about inputs and outputs: outputs that are set, inputs that are waited for, simulated inputs that
-change. Plain values; times are those of the host's clock [s].
+"""Notices about inputs and outputs: outputs that are set, waits for inputs, and changes of simulated inputs.
+They are plain values; times are those of the host's clock [s].
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class OutputSet:
-    """The program has set an output. Sent once the controller has taken the line that sets it, up to 50 ms
-    later.
+    """The program has set an output. The notice is sent once the controller has taken the line with the
+    assignment, up to 50 ms later.
     """
 
     time: float
@@ -22,7 +22,9 @@ class OutputSet:
 
 @dataclass(frozen=True, slots=True)
 class WaitBegan:
-    """The robot stands at a WAIT, at `place` in the program: the input should be `wanted`, and is `value`."""
+    """The robot stands at a WAIT, at `place` in the program. The input should become `wanted`; its value
+    is `value`.
+    """
 
     time: float
     place: str
@@ -69,7 +71,7 @@ def state_text(value: float) -> str:
 def signal_text(signal: Signal) -> str:
     """Return a signal in words.
 
-    Empty for the start of a wait, since the notice at its end contains everything.
+    The start of a wait gives an empty text, since the notice at its end contains everything.
     """
     match signal:
         case OutputSet(name=name, value=value):

@@ -1,4 +1,4 @@
-"""Descriptions of where a robot stands, and of its distance from a job's start."""
+"""Description of a robot's position, and of its distance from a job's start."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from yarclang.runtime.job import Job
 
 
 def off_the_start(job: Job, joints: Array) -> str:
-    """Return how far each joint is from a job's start, in words; empty if all are near enough.
+    """Return the distance of each joint from a job's start, in words; empty if all joints are near enough.
 
     Args:
         job: the job.
-        joints: (n,) where the robot stands [rad or m].
+        joints: (n,) the robot's joint positions [rad or m].
     """
     robot = job.robot
     off = joints - job.start

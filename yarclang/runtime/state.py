@@ -13,7 +13,9 @@ class State(Enum):
     """The state of the robot in a run; the value is the text for people."""
 
     DISCONNECTED = "disconnected"
-    """No connection: the controller is on its own, and its guard holds a motion that is no longer fed."""
+    """No connection: the controller works on its own, and its guard holds a motion that gets no more
+    lines.
+    """
     STOP = "stop"
     """Connected, without a motion of this process: the controller is being inspected, or is idle."""
     INIT = "init"
@@ -23,7 +25,7 @@ class State(Enum):
     HOLD = "hold"
     """Held on the path; the motion can continue."""
     FAULT = "fault"
-    """Something went wrong: the program is ended, and nothing moves before someone has looked."""
+    """Something went wrong: the program is ended, and nothing moves before a person has looked."""
 
 
 class Event(Enum):
@@ -31,7 +33,7 @@ class Event(Enum):
 
     CONNECTED = "connected"
     LOAD = "load"
-    """Everything was checked and is as required: the program is loaded."""
+    """All checks have passed, and the program is loaded."""
     BEGIN = "begin"
     """R was sent."""
     HOLD = "hold"
@@ -90,7 +92,7 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         _S.FAULT: {_E.CLEAR: _S.STOP, _E.STOP: _S.FAULT, _E.FAULT: _S.FAULT, _E.LOST: _S.FAULT},
     }
 )
-"""All transitions: from each state, by each event. STOP is legal everywhere."""
+"""All transitions: from each state, by each event. STOP is allowed in every state."""
 
 
 class TransitionError(RuntimeError):
@@ -98,7 +100,7 @@ class TransitionError(RuntimeError):
 
 
 def after(state: State, event: Event) -> State:
-    """Return the state that an event leads to.
+    """Return the state after an event.
 
     Raises:
         TransitionError: the table has no such transition.

@@ -1,4 +1,4 @@
-"""Values from outside: checks on a message before any of its values gets into a register. No I/O."""
+"""Values from outside: checks of a message before any of its values is put into a register. No I/O."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Wanted
 
 NOT_WANTED, OUT_OF_RANGE, NOT_UNDERSTOOD = "Y1661", "Y1662", "Y1663"
-"""Codes for values that come early, late or again; for a value out of its register's range; for something
-that is no value of a register.
+"""Codes for values that come early, late or again; for a value out of its register's range; and for an entry
+that isn't a register's value.
 """
 
 _SHOWN = 60
@@ -31,10 +31,10 @@ def range_text(wanted: Wanted) -> str:
 def checked_values(
     wanted: Wanted | None, number: int | None, values: Mapping[str, Any]
 ) -> tuple[tuple[str, int], ...]:
-    """Return the values of a message by their registers, in the order in which they came.
+    """Return the values of a message by their registers, in the order of the message.
 
     Args:
-        wanted: what the program takes; None: nothing.
+        wanted: values that the program accepts; None: none.
         number: number of the question that is answered; None: the current one.
         values: values by the names of registers, as they were sent.
 

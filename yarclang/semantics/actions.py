@@ -1,4 +1,6 @@
-"""Read commands without motion, assignments to registers and outputs, and the conditions of WHEN and WAIT."""
+"""Read commands that don't move the robot, assignments to registers and outputs, and conditions of WHEN and
+WAIT.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,7 @@ from yarclang.words.registry import word_specs
 from yarclang.words.spec import Slot
 
 LONGEST_WAIT = 3600.0
-"""Longest wait [s]; the controller's timer can count much further."""
+"""Longest wait [s] that is allowed; the controller's timer could count for much longer."""
 
 
 def read_action(
@@ -98,8 +100,8 @@ def _in_steps(
     """Convert an action's numbers for an analogue output or input to steps of that signal.
 
     Returns:
-        All values of the action, unchanged if no signal among them is analogue; None with a finding if a
-        number is out of range or lies between two steps.
+        All values of the action; values of signals that aren't analogue are unchanged. None with a finding if
+        a number is out of range or is between two steps.
     """
     found = next((scope.name(one.name) for one in given if isinstance(one, Word)), None)
     if not isinstance(found, Output | Input) or found.step is None:
@@ -121,7 +123,9 @@ def _in_steps(
 
 
 def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement, findings: Collector) -> bool:
-    """Return True if every name in braces in a text is a register; otherwise report the first that isn't."""
+    """Return True if every name in braces in a text is a register; otherwise report the first name that
+    isn't.
+    """
     wrong = next((one for one in names_in(step.text) if not isinstance(scope.name(one), Register)), None)
     if wrong is None:
         return True
@@ -135,7 +139,9 @@ def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement,
 def _keeps_to_groups(
     statement: Statement, form: ActionForm, values: tuple[ActionValue, ...], findings: Collector
 ) -> bool:
-    """Return True if groups of bits are only set, to numbers that they can hold; otherwise add a finding."""
+    """Return True if every group of bits is only set, and only to numbers that it can hold; otherwise add a
+    finding.
+    """
     groups = [one for one in values if isinstance(one, Signal) and is_group(one.variable)]
     for one in groups:
         if form.slots != (Slot.OUTPUT, Slot.STATE):
@@ -185,10 +191,10 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
 def read_wait_else(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> When | None:
-    """Read WAIT DOOR ON [5] ELSE as a WHEN whose condition must hold within the time.
+    """Read WAIT DOOR ON [5] ELSE as a WHEN whose condition must become true within the time.
 
     Returns:
-        None with findings if the line has an error, or no condition or time.
+        None with findings if the line has an error, or if it lacks its condition or its time.
     """
     *others, last = statement.options
     if others:
@@ -325,7 +331,10 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
 
 
 def assigns(statement: Statement, scope: Scope) -> bool:
-    """Return True if a SET has an equals sign or names a register, as SET GO COUNT and SET FLAG ON may do."""
+    """Return True if a SET has an equals sign or names a register.
+
+    Examples without an equals sign are SET GO COUNT and SET FLAG ON.
+    """
     values = values_of(statement)
     if statement.expression is not None:
         return True

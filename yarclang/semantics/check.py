@@ -24,8 +24,8 @@ def check(module: Module, context: Context) -> Result[Program]:
         context: inputs besides the text.
 
     Returns:
-        The program; its value is never None. A command with errors becomes a Gap, so that the planner can
-        still check the other commands.
+        The program, which is never None. A command with errors becomes a Gap, so that the planner can still
+        check the other commands.
     """
     findings = Collector(module.source)
     commands = commands_of(module)

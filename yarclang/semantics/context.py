@@ -40,7 +40,7 @@ class GivenCell:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """The findings of the cell's file. One without a place gets the place where the file is named."""
+        """The findings of the cell's file. A finding without a place gets the place that names the file."""
         return tuple(
             one if one.source is not None else replace(one, source=self.source, span=self.span)
             for one in self.loaded.diagnostics
@@ -56,15 +56,15 @@ class Context:
         profiles: names of the planner's profiles.
         start: (n,) [rad or m] start that overrides a START line; None without one.
         fallback_start: (n,) [rad or m] start of a program without a START line.
-        load: returns the module of a name, or a finding.
-        load_cell: returns the cell of a path that is relative to a module's file (None: to the program).
+        load: returns the module with a name, or a finding.
+        load_cell: returns the cell at a path that is relative to a module's file (None: to the program).
             Returns the same object for the same file.
-        load_table: returns the trajectory file of a path that is relative to a module's file (None: to the
+        load_table: returns the trajectory file at a path that is relative to a module's file (None: to the
             program). Returns the same object as long as the file doesn't change.
         cell: the cell that the command line or yarc.toml names.
         index_needed: True if every command needs an index; False in the live interpreter.
         memory: cache for the steps of commands.
-        enough: number of lines in loops and SUBs after which a loop makes no further round; None: no limit.
+        enough: number of lines in loops and SUBs after which a loop starts no further round; None: no limit.
     """
 
     robot: Robot
@@ -91,7 +91,7 @@ class Defaults:
         time: the motion time.
         units: the units by kind.
         base: the base frame.
-        has_bad_time: True if the line's motion time is wrong; the finding stands at the DEFAULT line.
+        has_bad_time: True if the line's motion time is wrong. The finding about it is at the DEFAULT line.
     """
 
     scope: Scope

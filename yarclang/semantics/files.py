@@ -37,7 +37,7 @@ class Sub:
 
     Attributes:
         block: its lines.
-        scope: the names that its file had declared before it.
+        scope: the names that its file had declared before the SUB.
         file: the file, with its defaults and findings.
     """
 

@@ -69,7 +69,9 @@ def _number(statement: Statement) -> int:
 
 
 def _following(commands: list[Statement]) -> list[int]:
-    """Return for each command the next index after it; for the last ones, a number above all indices."""
+    """Return for each command the next index after it. Commands after the last index get a number above all
+    indices.
+    """
     found, following = 10**LONGEST_INDEX, []
     for statement in reversed(commands):
         following.append(found)

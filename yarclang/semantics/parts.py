@@ -1,4 +1,4 @@
-"""Refuse parts that a statement doesn't take."""
+"""Refuse parts that a statement doesn't accept."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.diagnostics import Collector
 from yarclang.syntax.ast import Place, Statement
 
 NOT_FOR_BLOCKS = ("a moving frame", "a motion time", "units", "a base frame", "options")
-"""Parts that the heads of blocks and CALL don't take."""
+"""Parts that the first lines of blocks, and CALL, don't accept."""
 
 ALL_PARTS = ("a moving frame", "values", "a motion time", "units", "a base frame", "options")
 

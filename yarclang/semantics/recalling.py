@@ -1,4 +1,4 @@
-"""Cache the steps of commands by their text and by the meanings of the names in them."""
+"""Cache the steps of commands, with their text and the meanings of the names in them as key."""
 
 from __future__ import annotations
 
@@ -87,9 +87,9 @@ class _Kept:
         made: type of the step.
         origin: fields of its origin.
         parts: fields of the step after its origin.
-        line: line of the command when it was read.
+        line: line number of the command when it was read.
         asked: names that were looked up in the command's scope and in that of DEFAULT, with their meanings.
-        links: origins of its moving frame and its base frame.
+        links: where its moving frame and its base frame were looked up.
     """
 
     made: Callable[..., Step]
@@ -111,8 +111,8 @@ def step_before(
 ) -> Step | None:
     """Return the step of a command outside of loops and SUBs.
 
-    The step comes from the cache if its text and the meanings of all names in it are unchanged; otherwise
-    `make` reads the command. Commands with findings are not cached.
+    The step comes from the cache if the text of the command and the meanings of all names in it are
+    unchanged. Otherwise `make` reads the command. Commands with findings are not cached.
 
     Args:
         memory: the cache.
@@ -120,7 +120,7 @@ def step_before(
         statement: the command.
         defaults: parts of the DEFAULT line of its file.
         scope: the names that are known there.
-        findings: receives the findings of `make`; those of the command's file.
+        findings: the findings of the command's file; receives those of `make`.
         make: reads the command with given defaults and scope.
     """
     source = findings.source
@@ -145,7 +145,7 @@ def step_before(
         return step
     origin = replace(step.origin, source=_NO_TEXT, moving=None, base=None)  # the cache must not hold the text
     asked = tuple(tuple((*which, _meaning(found)) for which, found in one.asked.items()) for one in watched)
-    # Most commands look up the same names: shared, the names are compared once for all of these commands.
+    # Most commands look up the same names. They share one object, so these names are compared only once.
     shared = recall(memory, ("asked", asked), lambda: asked)
     parts = tuple(getattr(step, name) for name in list(step.__dataclass_fields__)[1:])
     memory.keep(key, _Kept(type(step), _PARTS(origin), parts, statement.line, shared, links))  # type: ignore[arg-type]
@@ -157,7 +157,7 @@ def _text(source: SourceFile, statement: Statement) -> Hashable:
 
 
 def _meaning(found: Named | Frame | None) -> Hashable:
-    """Return a meaning as a value that can be compared; a SUB or a module stands for itself."""
+    """Return a meaning as a value that can be compared. SUBs and modules are compared by identity."""
     match found:
         case Frame():
             return found.transform.tobytes(), found.on_flange, _meaning_of_link(found.link)
@@ -185,10 +185,11 @@ def _meaning_of_link(link: FrameLink | None) -> Hashable:
 def _frames_as_they_were(
     kept: _Kept, defaults: Defaults, scope: Scope
 ) -> tuple[FrameLink | None, ...] | None:
-    """Return today's frames of a cached command; None if a name that it looked up means something else now.
+    """Return the current frames of a cached command; None if a name that it looked up has another meaning
+    now.
 
-    The scope caches the answer up to its next declaration. It keeps `kept.asked` with it, so that no other
-    object can get the id that is part of the key.
+    The scope caches the answer up to its next declaration. The id of `kept.asked` is part of the key. The
+    scope also stores `kept.asked` itself, so that no other object can get this id.
     """
     key = id(kept.asked), kept.links
     seen: tuple[object, tuple[FrameLink | None, ...]] | None = scope.seen.get(key)
@@ -214,7 +215,7 @@ _LOST = (-1, False, "")
 
 
 def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> _Link | None:
-    """Return the scope and the name under which a frame was found; _LOST if it was found under none."""
+    """Return the scope and the name under which a frame was looked up; _LOST if it wasn't looked up by name."""
     if link is None:
         return None
     for number, one in enumerate(watched):
@@ -231,8 +232,9 @@ _SOURCE, _MOVING, _BASE = (_NAMES.index(name) for name in ("source", "moving", "
 
 
 def _placed(kept: _Kept, line: int, source: SourceFile, frames: tuple[FrameLink | None, ...]) -> Step:
-    """Return a cached step at the line where its command stands now."""
-    # Twice as quick as `replace`. After an edit, nearly every command of the program comes through here.
+    """Return a cached step, moved to the line on which its command is now."""
+    # Twice as fast as `replace`, which matters: after an edit, nearly every command of the program passes
+    # here.
     values: list[Any] = list(kept.origin)
     values[_SOURCE] = source
     values[_MOVING], values[_BASE] = frames

@@ -1,1 +1,1 @@
-"""The machines around a simulated robot, which change its inputs."""
+"""The machines around a simulated robot. They change its inputs."""

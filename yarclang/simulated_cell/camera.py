@@ -1,4 +1,4 @@
-"""A simulated camera, which sends the position of a part to a program that takes values from outside.
+"""A simulated camera. It sends the position of a part to a program that accepts values from outside.
 
 Time is an argument; there is no I/O.
 """
@@ -19,7 +19,7 @@ from yarclang.runtime.notices import Wanted
 from yarclang.units import DEG, MM
 
 Deed = Literal["answer", "nothing", "late", "twice", "far", "nonsense"]
-"""Reaction of a camera to a request. All except `answer` are faults."""
+"""Reaction of a camera to a request. All reactions except `answer` are faults."""
 
 _FAR = 10**8
 """Offset that the fault `far` adds to all values [counts]."""
@@ -30,15 +30,16 @@ class CameraForm:
     """Description of a camera.
 
     Attributes:
-        name: its name.
-        part: kind of part that it looks for.
+        name: name of the camera.
+        part: kind of part for which it looks.
         frame: the frame in which it reports positions.
-        registers: names of registers, by the value that they get: found, x, y, z, rz.
+        registers: names of registers, by the values that they get: found, x, y, z, rz.
         unit: size of one count [mm; deg for rz].
-        delay: time from a request to the answer [s].
-        does: reactions to the first requests. Later ones are answered.
-        lies: shifts of the frame (4, 4) [m], in its own axes, with which the parts of the kind really lie,
-            in their order. Parts without one lie where the cell has them.
+        delay: time from a request to the reply [s].
+        does: reactions to the first requests. Later requests are answered without a fault.
+        lies: displacements (4, 4) [m], in the axes of the frame, of the parts' actual places from the places
+            in the cell's file, in the order of the parts. Parts without a displacement are in the places of
+            the file.
     """
 
     name: str
@@ -56,9 +57,9 @@ class Given:
     """Values that a camera sends.
 
     Attributes:
-        camera: its name.
+        camera: name of the camera.
         number: number of the request.
-        values: values by the names of registers.
+        values: values by the names of the registers.
     """
 
     camera: str
@@ -70,7 +71,7 @@ class Camera:
     """A simulated camera.
 
     Args:
-        form: its description.
+        form: description of the camera.
     """
 
     def __init__(self, form: CameraForm) -> None:
@@ -81,14 +82,14 @@ class Camera:
 
     @property
     def next_due(self) -> float:
-        """Time of its next answer [s]; inf without a request."""
+        """Time of its next reply [s]; inf if there is no request."""
         return min((when for when, _, _ in self._due), default=math.inf)
 
     def wanted(self, wanted: Wanted | None, now: float) -> None:
-        """Take a request of the program for values. It is ignored if the camera doesn't fill its registers.
+        """Handle a request of the program for values. It is ignored if the camera doesn't fill its registers.
 
         Args:
-            wanted: the request; None if the program doesn't wait for values any more.
+            wanted: the request; None if the program no longer waits for values.
             now: the time [s].
         """
         if wanted is None:
@@ -110,7 +111,9 @@ class Camera:
                 self._due.append((now + 2.0 * self.form.delay, "answer", wanted))
 
     def laid(self, parts: Parts) -> Parts:
-        """Return the parts, with those of the kind where they really lie that are where the cell has them."""
+        """Return the parts, with those that are still in the places of the cell's file moved to their
+        actual places.
+        """
         form = self.form
         if not form.lies or form.frame.mount.on_flange:
             return parts
@@ -124,7 +127,7 @@ class Camera:
         return parts
 
     def answers(self, now: float, parts: Parts, flange: Callable[[], Array]) -> list[Given]:
-        """Return the values that are due.
+        """Return the replies that are due.
 
         Args:
             now: the time [s].
@@ -158,7 +161,9 @@ class Camera:
         return dict(values)
 
     def _seen(self, parts: Parts, flange: Callable[[], Array]) -> dict[str, int] | None:
-        """Return the position of the nearest part that no gripper holds [counts]; None without one."""
+        """Return the position of the nearest part that no gripper holds [counts]; None if there is no such
+        part.
+        """
         form = self.form
         lying = [one for one in parts.items if one.part.body.name == form.part and one.gripper is None]
         if not lying:

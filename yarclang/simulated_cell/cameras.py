@@ -1,6 +1,6 @@
-"""Reader of the cameras of a script, with findings at its lines.
+"""Reader for the cameras of a script. Findings refer to lines of the script.
 
-pydantic is imported at its first use.
+Pydantic is imported at its first use.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ _TOLD = ("found", "x", "y", "z", "rz")
 
 
 def load_cameras(path: FilePath, known: Known, cell: Cell | None) -> Result[tuple[CameraForm, ...]]:
-    """Read the cameras of a script whose inputs were read without a finding.
+    """Read the cameras of a script. Its inputs must already have been read without a finding.
 
     Args:
         path: the script.
-        known: the names of the program.
-        cell: the cell whose parts and frames the cameras use; None without one.
+        known: names that the program declares.
+        cell: the cell whose parts and frames the cameras use; None if there is none.
 
     Returns:
         The cameras, or None with findings.
@@ -43,7 +43,7 @@ def load_cameras(path: FilePath, known: Known, cell: Cell | None) -> Result[tupl
 
 
 def read_cameras(source: SourceFile, known: Known, cell: Cell | None) -> Result[tuple[CameraForm, ...]]:
-    """Read the cameras of a text, as `load_cameras` does."""
+    """Read the cameras of a text. See `load_cameras`."""
     from yarclang.simulated_cell.schema import ScriptTable
     from yarclang.toml.draft import read_draft
 

@@ -1,7 +1,8 @@
 """State machine of the inputs that a script changes. Time is an argument; there is no I/O.
 
-Changes are made at their own times, in the order of time; changes at equal times are made in the order in
-which they were requested. Therefore the values at a time don't depend on the steps by which it is reached.
+Changes are made at their own times and in the order of time. Changes at equal times are made in the order in
+which they were requested. Therefore the values at a given time don't depend on the steps in which time
+advances.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from yarclang.frozen import frozen
 from yarclang.simulated_cell.script import Change, is_reached
 
 SCRIPT, SENSOR, HAND = "script", "sensor", "hand"
-"""Causes of the change of an input."""
+"""Causes for the change of an input."""
 
 
 @frozen
@@ -25,8 +26,8 @@ class Set:
     Attributes:
         time: time of the change [s].
         variable: the variable.
-        value: its value.
-        cause: SCRIPT, SENSOR or HAND.
+        value: its new value.
+        cause: cause of the change: SCRIPT, SENSOR or HAND.
     """
 
     time: float
@@ -41,10 +42,10 @@ class _Due:
 
     Attributes:
         change: the change.
-        turn: number of changes of the input when the toggling began; any other change ends it. None for a
-            first change.
+        turn: number of changes of the input when its toggling began. If the number differs, another change
+            has ended the toggling. None for a first change.
         phase: 0 for the value of the change, 1 for its opposite.
-        cause: SCRIPT, SENSOR or HAND.
+        cause: cause of the change: SCRIPT, SENSOR or HAND.
     """
 
     change: Change
@@ -57,7 +58,7 @@ class Inputs:
     """The inputs that a script changes.
 
     Args:
-        script: its changes. Their times count from `start`.
+        script: changes of the script. Their times count from `start`.
 
     Attributes:
         values: the values set so far, by variable.
@@ -87,13 +88,13 @@ class Inputs:
 
     @property
     def next_due(self) -> float:
-        """Time of the next change [s]; -inf if changes wait to be fetched, inf without any."""
+        """Time of the next change [s]; -inf if changes are ready to be fetched, inf if there is none."""
         if self._made:
             return -math.inf
         return self._due[0][0] if self._due else math.inf
 
     def start(self, now: float) -> None:
-        """Begin the run at `now` [s]. Times of the script count from here."""
+        """Begin the run at `now` [s]. The times of the script count from this time."""
         self._settle(now)
         for change in self._script:
             if change.at is not None:
@@ -119,8 +120,8 @@ class Inputs:
         """Report the command that the program has reached.
 
         Args:
-            place: place of the command that begins, or at which the program waits. Empty for none; the last
-                command can then be reached again.
+            place: place of the command that begins, or at which the program waits. Empty for none; after
+                that, the same command can be reached again.
             now: the time [s].
         """
         self._settle(now)

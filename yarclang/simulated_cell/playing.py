@@ -1,6 +1,6 @@
 """A simulated cell on a simulated controller.
 
-Its inputs change at exact times of the controller. Changes of outputs take effect as they are made.
+Inputs of the cell change at exact times of the controller. Changes of outputs take effect at once.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ LOOKS_EACH = 0.02
 
 
 class Companion(Protocol):
-    """Something that runs in the time of a simulated controller."""
+    """An object that runs in the time of a simulated controller."""
 
     @property
     def next_event(self) -> float:
-        """Time of its next event [s of the controller]; -inf for now."""
+        """Time of its next event [s of the controller's time]; -inf for an event now."""
 
     def handle(self) -> None:
-        """Handle the events that are due at the controller's time."""
+        """Handle the events that are due at the controller's present time."""
 
 
 class SimulatedController(Protocol):
-    """A simulated controller, as the machines around it see it. `read` may be called in any thread."""
+    """A simulated controller as seen by the machines around it. `read` may be called in any thread."""
 
     @property
     def now(self) -> float:
@@ -47,7 +47,9 @@ class SimulatedController(Protocol):
         """Add a companion that runs in the controller's time."""
 
     def define(self, variable: str) -> None:
-        """Define the variable of an input or output, if it has no address, as one with a value of its own."""
+        """Define a variable for an input or output that has no address. The variable then has a value of
+        its own.
+        """
 
     def read(self, variable: str) -> float:
         """Return the value of a variable."""
@@ -66,16 +68,16 @@ class SimulatedCell:
     """The machines around a simulated robot.
 
     The methods from `begin` to `place` may be called in any thread. They take effect at the controller's next
-    event. All others belong to the controller's thread.
+    event. All other methods must be called in the controller's thread.
 
     Args:
         script: the changes that the machines make.
-        known: names of inputs and outputs, to set them by hand.
+        known: names of inputs and outputs that can be set by hand.
         settings: inputs that have a value from the start of the simulation.
-        cell: the cell of the robot, with sensors and the parts that they see; None without one.
+        cell: the cell of the robot, with sensors and the parts that they see; None if there is none.
         robot: the simulated robot.
         waits: True if times of the script count from `begin`. Otherwise they count from `attach`.
-        cameras: cameras that answer programs which take values from outside.
+        cameras: cameras that send values to programs that accept values from outside.
     """
 
     def __init__(
@@ -110,7 +112,7 @@ class SimulatedCell:
             self._sensing = Sensing(robot, cell)
 
     def attach(self, machine: SimulatedController) -> None:
-        """Become the cell of a controller whose time doesn't pass yet."""
+        """Join a controller as its cell. The controller's time must not have begun."""
         self._machine = machine
         for driven in self._inputs.driven:
             machine.define(driven)
@@ -130,11 +132,13 @@ class SimulatedCell:
     # in any thread
 
     def begin(self) -> None:
-        """Report the start of a run. Times of the script count from the first one, if the cell `waits`."""
+        """Report the start of a run. If the cell `waits`, the times of the script count from the first
+        start.
+        """
         self._said.append(self._start if self._waits else lambda now: self._inputs.reached("", now))
 
     def know(self, program: Program | None) -> None:
-        """Add the names of a program that is run, to set inputs by hand."""
+        """Add the names of a program that is run, so that its inputs can be set by hand."""
         if program is not None:
             more, known = known_in(program, program.cell), self.known
             self.known = Known(
@@ -146,16 +150,20 @@ class SimulatedCell:
         self._said.append(lambda now: self._inputs.reached(place, now))
 
     def listen(self, listener: Callable[[Set], object] | None) -> None:
-        """Call a function, in the controller's thread, for each change of an input; None for no function."""
+        """Set the function that is called in the controller's thread for each change of an input; None for
+        no function.
+        """
         self._listener = listener
 
     def wanted(self, wanted: Wanted | None) -> None:
-        """Report the values that the program takes from outside; None if it doesn't wait for any."""
+        """Report the values that the program accepts from outside; None if it doesn't wait for any."""
         if self._cameras:
             self._said.append(lambda now: self._asked(wanted, now))
 
     def receive(self, receiver: Callable[[Given], object] | None) -> None:
-        """Call a function, in the controller's thread, for values that cameras send; None for no function."""
+        """Set the function that is called in the controller's thread for values that cameras send; None
+        for no function.
+        """
         self._receiver = receiver
 
     def set(self, variable: str, value: float) -> None:
@@ -165,13 +173,15 @@ class SimulatedCell:
     def value(self, variable: str) -> float | None:
         """Return the value of an input or output; None before `attach`.
 
-        Both are plain memory, which any thread may read.
+        Inputs and outputs are plain memory, which any thread may read.
         """
         machine = self._machine
         return None if machine is None else machine.read(variable)
 
     def place(self, parts: Parts, cell: Cell) -> None:
-        """Place parts, for the sensors; `cell` is the reading of its file to which they belong."""
+        """Set the places of parts, for the sensors. `cell` is the cell as read from its file; the places
+        refer to this version.
+        """
         sensing = self._sensing
         if sensing is not None:
             self._said.append(lambda _: sensing.place(parts, cell))
@@ -224,7 +234,7 @@ class SimulatedCell:
                     self._receiver(given)
 
     def _look(self) -> None:
-        """Read the sensors. This is done at multiples of `LOOKS_EACH`."""
+        """Read the sensors. Called at multiples of `LOOKS_EACH`."""
         machine, sensing = self._machine, self._sensing
         if machine is None or sensing is None:
             return

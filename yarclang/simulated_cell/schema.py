@@ -11,7 +11,7 @@ from yarclang.toml.tables import Document, Table
 Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 Delay = Annotated[float, Field(ge=0.0, le=1e6)]
 Pause = Annotated[float, Field(ge=0.001, le=1e6)]
-"""Time between two changes of an input [s]. A controller wouldn't notice shorter ones."""
+"""Time between two changes of an input [s]. A controller wouldn't notice a shorter time."""
 
 
 class InputTable(Table):
@@ -34,7 +34,7 @@ class InputTable(Table):
 
 
 Lying = Annotated[float, Field(ge=-1e5, le=1e5)]
-"""Number of a place [mm or deg]."""
+"""Coordinate of a place [mm or deg]."""
 
 
 class CameraTable(Table):
@@ -56,7 +56,7 @@ class CameraTable(Table):
 
 
 class ScriptTable(Document):
-    """The whole file."""
+    """A whole script."""
 
     inputs: list[InputTable] = Field(default=[])
     cameras: list[CameraTable] = Field(default=[])

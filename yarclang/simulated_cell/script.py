@@ -1,6 +1,6 @@
-"""Reader of scripts of inputs: from a TOML file to changes, or to findings at its lines.
+"""Reader for scripts of inputs. It converts a TOML file to changes, or to findings that refer to its lines.
 
-pydantic is imported at its first use.
+Pydantic is imported at its first use.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ class Change:
     Attributes:
         variable: variable of the input in the controller.
         value: its new value.
-        at: event: time after the start of the run [s].
-        place: event: a command is reached, given by its index or its full place.
-        output: event: the variable of an output takes a value.
+        at: time of the event after the start of the run [s]; None for another event.
+        place: index or full place of the command whose beginning is the event; None for another event.
+        output: variable of an output, and the value whose assignment is the event; None for another event.
         delay: time from the event to the change [s].
         toggle: times for which the input alternately has the value and its opposite [s]; None if it keeps the
             value.
@@ -66,11 +66,11 @@ class Known:
         inputs: variables of inputs in the controller, by their names in upper case.
         outputs: variables of outputs in the controller, by their names in upper case.
         places: places of the program's commands; None if the program isn't known yet.
-        has_places: False if there is never a program, so that a script can't name places.
-        signal: parses a text in upper case as the variable of an input or output.
-        groups: variables of each group of inputs by its name, lowest bit first. Its bits (JOB.0 and so on)
-            are `inputs` as well.
-        registers: registers that the program takes from outside; None if the program isn't known yet.
+        has_places: False if no program will ever be run, so that a script can't name places.
+        signal: function that parses a text in upper case as the variable of an input or output.
+        groups: variables of each group of inputs by the group's name, lowest bit first. The bits (JOB.0 and
+            so on) are also in `inputs`.
+        registers: registers that the program accepts from outside; None if the program isn't known yet.
     """
 
     inputs: Mapping[str, str]
@@ -85,7 +85,7 @@ class Known:
 def known_in(
     program: Program | None, cell: Cell | None, signal: Callable[[str], SignalVariable] = known_signal
 ) -> Known:
-    """Return the names of a program and of a cell. Those of the program take precedence."""
+    """Return the names that a program and a cell declare. Names of the program have precedence."""
     inputs: dict[str, str] = {}
     outputs: dict[str, str] = {}
     places: set[str] = set()
@@ -122,7 +122,7 @@ def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
     """Read the file of a script.
 
     Returns:
-        As `read_script`. A missing file is a finding without a position.
+        The changes, or None with findings. A missing file is a finding without a position.
     """
     source = read_text(path, "Name a script of inputs, a TOML file.")
     if isinstance(source, Diagnostic):
@@ -169,7 +169,7 @@ def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def _of_bits(change: Change) -> tuple[Change, ...]:
-    """Return the simultaneous changes of the bits of a group; for a single input, its change."""
+    """Return the simultaneous changes of the bits of a group. For a single input, return its change."""
     if not is_group(change.variable):
         return (change,)
     return tuple(
@@ -179,7 +179,7 @@ def _of_bits(change: Change) -> tuple[Change, ...]:
 
 
 def _group_fault(name: str, variable: str, number: float, *, toggles: bool = False) -> str:
-    """Return the reason why a group can't have a value, or can't toggle; empty if it can."""
+    """Return the reason why a group can't have a value or can't toggle; empty if it can."""
     if not is_group(variable):
         return ""
     if toggles:
@@ -190,13 +190,13 @@ def _group_fault(name: str, variable: str, number: float, *, toggles: bool = Fal
 
 
 def read_setting(text: str, known: Known) -> Result[tuple[Change, ...]]:
-    """Read the value that an input, or each bit of a group, has from the start, for example `CLAMP=1`.
+    """Read the initial value of an input, or of each bit of a group, from a text such as `CLAMP=1`.
 
     Returns:
         The changes, or None with a finding.
 
     Raises:
-        ValueError: if the text has another form.
+        ValueError: the text has another form.
     """
     name, number = check_setting(text)
     variable = input_variable(name, known)
@@ -211,7 +211,7 @@ def check_setting(text: str) -> tuple[str, float]:
     """Return the name and the value in a text such as `CLAMP=1`.
 
     Raises:
-        ValueError: if the text has another form.
+        ValueError: the text has another form.
     """
     name, equals, value = text.partition("=")
     number = value_of(value)
@@ -233,11 +233,11 @@ def value_of(text: str) -> float | None:
 
 
 def input_variable(text: str, known: Known) -> str | Diagnostic:
-    """Return the variable of an input, or all variables of a group, or a finding without a position.
+    """Return the variable of an input, all variables of a group, or a finding without a position.
 
     Args:
         text: name or variable of the input, or name of the group.
-        known: the names.
+        known: names of inputs and groups.
     """
     name = text.strip().upper()
     shown = name[:40]
@@ -265,14 +265,14 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
 def is_reached(wanted: str, place: str, before: str = "") -> bool:
     """Return True if a program has reached a command.
 
-    An index alone means each command with this index, and each call of it, in any loop: P0020 is reached at
-    P0020(I=2)>P0010. An index after `>` means each command of SUBs with this index: >P0010 is reached there,
-    too.
+    An index alone stands for each command with this index, and for each call of it, in any loop: P0020 is
+    reached at P0020(I=2)>P0010. An index after `>` stands for each command with this index in any SUB: this
+    place also reaches >P0010.
 
     Args:
         wanted: an index or the full place of a command.
         place: place of the command that begins.
-        before: place of the command before it. A call isn't reached again within itself.
+        before: place of the previous command. A call isn't reached again by the commands within it.
     """
     parts, there, last = wanted.upper().split(">"), place.upper().split(">"), before.upper().split(">")
     if not parts[0]:
@@ -332,14 +332,16 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
 
 
 def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
-    """Return a place as `is_reached` takes it; None, with a finding, if the program has no such command."""
+    """Return a place in the form for `is_reached`; None, with a finding, if the program has no such
+    command.
+    """
     if not known.has_places:
         message = f"The place {place[:40]} is of a program, which a controller doesn't know."
         file.say("Y1617", path, message, "Use at or output, or `yarc run --inputs`.")
         return None
     if known.places is None or any(is_reached(place, one) for one in known.places):
         return place
-    # It may be the index of a command that is only in a SUB.
+    # The index may be that of a command that is only in a SUB.
     in_subs = f">{place.strip()}"
     if ">" not in place and any(is_reached(in_subs, one) for one in known.places):
         return in_subs
@@ -351,7 +353,7 @@ def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
 
 
 def _spelled_out(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data with ON and OFF as numbers."""
+    """Return the data of a script with ON and OFF replaced by numbers."""
     entries: Iterable[Any] = data.get("inputs", ()) if isinstance(data.get("inputs"), list) else ()
     for entry in entries:
         state = entry.get("to") if isinstance(entry, dict) else None

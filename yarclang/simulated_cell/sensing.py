@@ -1,6 +1,6 @@
-"""The parts and sensors of a cell while a simulated robot moves in it: poses of parts, values of sensors.
+"""The parts and sensors of a cell while a simulated robot moves: poses of parts, values of sensors.
 
-Time is an argument; there is no I/O. Changes of outputs and positions of the robot come from the caller.
+Time is an argument; there is no I/O. The caller reports changes of outputs and positions of the robot.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from yarclang.robot.model import Array, Robot
 from yarclang.shapes import Shape
 
 ARRIVES_AFTER = 0.5
-"""Time from when a part has left its place until the next one of its kind comes [s]."""
+"""Time between the moment at which a part has left its place and the arrival of the next part of its kind
+[s].
+"""
 
 
 @frozen(eq=False)
@@ -31,10 +33,10 @@ class _Region:
     """Region that a sensor sees.
 
     Attributes:
-        input: variable of its input.
+        input: variable of the sensor's input.
         inverted: True if the input is on while nothing is seen.
         geometry: shape of the region.
-        transform: its pose (4, 4) in the flange or in {B} [m].
+        transform: pose (4, 4) of the region in the flange or in {B} [m].
         on_flange: True if the sensor is on the flange.
     """
 
@@ -104,7 +106,7 @@ class Sensing:
         Args:
             variable: variable of the output.
             value: its value.
-            q: (n,) joint values [rad or m].
+            q: (n,) joint positions [rad or m].
         """
         grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
         if grip is not None:
@@ -117,7 +119,9 @@ class Sensing:
             self.parts = remove(self.parts, removal)
 
     def place(self, parts: Parts, cell: Cell) -> None:
-        """Place parts; `cell` is the reading of its file to which they belong."""
+        """Set the places of parts. `cell` is the cell as read from its file; the places refer to this
+        version.
+        """
         self.parts = on_cell(Present(parts), cell, self._cell).parts
         self._left.clear()
 
@@ -125,11 +129,12 @@ class Sensing:
         """Read the sensors.
 
         Args:
-            q: (n,) joint values [rad or m].
+            q: (n,) joint positions [rad or m].
             now: the time [s].
 
         Returns:
-            Values of the sensors' inputs, by variable. An input of several sensors is on if one of them is.
+            Values of the sensors' inputs, by variable. If several sensors have the same input, it is on if
+            one of them is on.
         """
         if self.parts.expected:
             self._arrive(q, now)
@@ -163,7 +168,7 @@ class Sensing:
         for region in self._regions:
             there = flange @ region.transform if region.on_flange else region.transform
             middle = there[:3, :3] @ region.geometry.middle + there[:3, 3]
-            # Bodies that stand still, or that move with the sensor, aren't seen.
+            # Of the bodies of robot and cell, only those are seen that can move relative to the sensor.
             moves = (joints > 0) & ((joints < self._robot.size) | (not region.on_flange))
             apart = middles - middle
             near = np.sqrt((apart * apart).sum(axis=1)) <= scene.boxes.bound + region.geometry.bound
@@ -185,21 +190,21 @@ class Sensing:
         return told
 
     def flange(self, q: Array) -> Array:
-        """Return the pose of the flange (4, 4) [m] at joint values `q` (n,) [rad or m]."""
+        """Return the pose of the flange (4, 4) [m] at joint positions `q` (n,) [rad or m]."""
         pose: Array = self._moved(q)[-1] @ self._robot.chain.base_from_flange
         return pose
 
     def _moved(self, q: Array) -> Array:
-        """Return the displacements (n + 1, 4, 4) of the bodies after the first 0, 1, ... n joints.
+        """Return the displacements (n + 1, 4, 4) of the bodies that follow the first 0, 1, ... n joints.
 
-        They lead from the pose with all joints at zero to the pose at `q` (n,).
+        Each displacement maps the pose at zero joint positions to the pose at `q` (n,) [rad or m].
         """
         at = q.tobytes()
         if self._before is not None and self._before[0] == at:
             return self._before[1]
         one, two, three = self._screws
         way = q[:, None, None]
-        # exp(screw q), for screws whose axes have length 1 or 0
+        # Product of exponentials: exp(screw q) in closed form, for screws whose axes have length 1 or 0.
         each = np.eye(4) + way * one + (1.0 - np.cos(way)) * two + (way - np.sin(way)) * three
         moved = np.empty((len(q) + 1, 4, 4))
         moved[0] = np.eye(4)
@@ -209,7 +214,7 @@ class Sensing:
         return moved
 
     def _arrive(self, q: Array, now: float) -> None:
-        """Add the next parts whose places have been free for long enough."""
+        """Add the next parts in places that have been free for long enough."""
         come: list[Expected] = []
         for one in self.parts.expected:
             name = (one.part.body.name, one.number)
@@ -223,7 +228,9 @@ class Sensing:
             self.parts = replace(self.parts, items=(*self.parts.items, *new), expected=rest)
 
     def _is_free(self, expected: Expected, q: Array) -> bool:
-        """Return True if the part before has left the place of a part, by the size of both, or is gone."""
+        """Return True if the place of a part is free: the previous part is gone, or is so far away that the
+        bounding spheres of both don't overlap.
+        """
         geometry = _geometry(expected.part.body.shape)
         before = next(
             (
@@ -240,7 +247,7 @@ class Sensing:
 
 
 def _powers(screws: Array) -> tuple[Array, Array, Array]:
-    """Return screws (n, 6) as matrices (n, 4, 4), and their second and third powers."""
+    """Return screws (n, 6) as matrices (n, 4, 4), with their second and third powers."""
     one = np.zeros((len(screws), 4, 4))
     one[:, :3, :3] = skew(screws[:, 3:])
     one[:, :3, 3] = screws[:, :3]
@@ -249,11 +256,11 @@ def _powers(screws: Array) -> tuple[Array, Array, Array]:
 
 
 def _overlap(one: Geometry, here: Array, other: Geometry, there: Array) -> bool:
-    """Return True if two shapes touch, at poses (4, 4) [m]."""
+    """Return True if two shapes overlap at poses (4, 4) [m]."""
     import coal
 
     first, second = (coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (here, there))
-    # A distance wouldn't do: coal returns up to 1e-6 m for bodies that overlap.
+    # The distance can't be used: coal returns up to 1e-6 m for bodies that overlap.
     return bool(
         coal.collide(
             one.of_coal, first, other.of_coal, second, coal.CollisionRequest(), coal.CollisionResult()

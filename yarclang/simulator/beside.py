@@ -1,4 +1,4 @@
-"""A simulated Turbo PMAC, as the machines around its robot see it."""
+"""A simulated Turbo PMAC as seen by the machines around its robot."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.robot.model import Array
 from yarclang.simulator.machine import Companion, Machine
 
 _PORT = 9
-"""Port of the machine that no client uses."""
+"""Number of the machine's port for this access; no client uses it."""
 
 _SYSTEM = 1
 
@@ -31,7 +31,7 @@ class Beside:
         return self._machine.now
 
     def join(self, companion: Companion) -> None:
-        """Add a companion that runs in the controller's time."""
+        """Add a companion that runs in the controller's virtual time."""
         self._machine.companions.append(companion)
 
     def define(self, variable: str) -> None:

@@ -48,8 +48,8 @@ def commissioned(robot: Robot, settings: str, *, record: Recorder | None = None)
 def fatal_limit(velocity: float) -> int:
     """Return a sensible Ixx11 [1/16 count] for a motor: twice its lag at its largest speed [counts/s].
 
-    The default of 2,000 counts is only 0.2 mm on a slide of 10,000 counts/mm, which is a fault at an ordinary
-    speed.
+    The default of 2,000 counts is only 0.2 mm on a slide of 10,000 counts/mm: the lag at an ordinary speed
+    would already be a fault.
     """
     if not math.isfinite(velocity):
         return int(MOTOR[11])

@@ -1,4 +1,4 @@
-"""Faults that are injected on purpose between a program and a robot, and how they are written.
+"""Faults that are injected on purpose between a program and a robot, and their notation.
 
     drop@12.5            close all connections after 12.5 s of the machine's time
     freeze@3:2           answer nothing from 3 s on, for 2 s (without :2 for ever)
@@ -11,7 +11,7 @@
     amplifier@6:1        the amplifier of motor 1 fails
 
 Times are in the machine's time, counted from its start. Instead of a time, @line120 means after 120 program
-lines have been written to the machine (WRITEBUFFER), with the packet that brings the last of them. A switch
+lines have been written to the machine (WRITEBUFFER), when the packet with the last of them arrives. A switch
 stays on and an amplifier stays bad until $$$; closing the loop of a motor (J/, A) ends its following error.
 """
 
@@ -38,7 +38,8 @@ Kind: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """Start of a fault: a time, or a number of program lines. Without either, it starts at the beginning.
+    """Start of a fault: a time, or a number of program lines. If both are None, the fault starts at the
+    beginning.
 
     Attributes:
         seconds: the machine's time [s].
@@ -134,7 +135,8 @@ _READERS: dict[str, tuple[bool, str, re.Pattern[str]]] = {
 
 
 class Troubles:
-    """The faults of one session: applies them to the machine when they are due, and spoils replies.
+    """The faults of one session. This object injects them into the machine when they are due, and spoils
+    replies.
 
     Args:
         machine: the machine, whose time is advanced by this object.
@@ -167,7 +169,7 @@ class Troubles:
         return self._machine.now
 
     def advance(self, seconds: float) -> None:
-        """Advance the machine's time [s]. Faults that become due meanwhile begin at their exact times."""
+        """Advance the machine's time [s]. Faults that become due on the way begin at their exact times."""
         end = self.now + seconds
         while self._ahead:
             times = [fault.when.seconds for fault in self._ahead if fault.when.seconds is not None]
@@ -183,7 +185,7 @@ class Troubles:
             self._begin_due()
 
     def lines_written(self, lines: int) -> None:
-        """Count further program lines that were written."""
+        """Count program lines that were written to the machine."""
         self._lines += lines
         if lines and self._ahead:
             self._begin_due()
@@ -195,12 +197,12 @@ class Troubles:
 
     @property
     def frozen(self) -> bool:
-        """True if nothing is answered now."""
+        """True if the machine doesn't answer anything now."""
         return any(self._lasts("freeze"))
 
     @property
     def busy(self) -> bool:
-        """True if lines are answered with a NUL now, and not executed."""
+        """True if the machine now answers lines with a NUL and doesn't execute them."""
         return any(self._lasts("busy"))
 
     def spoil(self, reply: bytes) -> tuple[bytes, float]:
@@ -221,7 +223,9 @@ class Troubles:
         return (self.now < since + fault.seconds for fault, since in self._begun if fault.kind == kind)
 
     def _begin_due(self, now: float | None = None) -> None:
-        """Begin the faults that are due. `now` [s] is the exact time, if the machine's own is rounded."""
+        """Begin the faults that are due. `now` [s] is the exact time, which the machine's own time may
+        have rounded.
+        """
         now = self.now if now is None else max(now, self.now)
         due = [fault for fault in self._ahead if fault.when.is_due(now, self._lines)]
         self._ahead = [fault for fault in self._ahead if fault not in due]
@@ -249,7 +253,8 @@ class Troubles:
     def _random(self) -> float:
         """Return a random number in [0, 1).
 
-        A linear congruential generator (Knuth's MMIX) makes it independent of clocks and library versions.
+        The linear congruential generator (Knuth's MMIX) gives the same numbers with every version of Python
+        and its libraries.
         """
         self._state = (self._state * 6364136223846793005 + 1442695040888963407) & _WORD
         return (self._state >> 11) / (1 << 53)

@@ -30,7 +30,9 @@ _MOST_WORDS = 1000
 
 
 class Companion(Protocol):
-    """Something outside of the controller that runs in its time, such as the machines around the robot."""
+    """A machine outside of the controller that runs in the controller's time, such as those around the
+    robot.
+    """
 
     @property
     def next_event(self) -> float:
@@ -43,15 +45,16 @@ class Companion(Protocol):
 
 
 class Machine:
-    """One Turbo PMAC after `$$$***`. `commissioning` makes machines that are ready.
+    """One Turbo PMAC in the state after `$$$***`. `commissioning` creates machines that are ready for a
+    robot.
 
-    The machine has no clock: `advance` moves its time from event to event. It has no connections either: a
-    port is a number that comes with a line, with its own addressing (#, &) and its own open buffer.
+    The machine has no clock: `advance` moves its time from event to event. It has no connections either. A
+    port is a number that is given with each line; it has its own addressing (#, &) and its own open buffer.
 
     Attributes:
         record: records the motions; None for no recording.
         variables: variables and memory.
-        under_way: motors that move by themselves, not with a coordinate system, by number.
+        under_way: motors with a motion of their own, outside a coordinate system's program, by number.
         motors: by number, 1 to 32.
         systems: coordinate systems by number, 1 to 16.
         ports: ports by number.
@@ -60,7 +63,7 @@ class Machine:
         programs: PROG buffers by number.
         background: interpreter of the lines that programs send (CMD).
         unknown_words: number of uses of each word that programs skipped, in the order of first use.
-        companions: things outside of the controller that run in its time.
+        companions: machines outside of the controller that run in its time.
     """
 
     def __init__(self, *, record: Recorder | None = None) -> None:
@@ -96,7 +99,9 @@ class Machine:
 
     @property
     def servo_period(self) -> float:
-        """Time between servo interrupts [s] (TSRM 43), at least 0.05 ms: no such controller is faster."""
+        """Time between servo interrupts [s] (TSRM 43). At least 0.05 ms: no controller of this kind is
+        faster.
+        """
         return max(self.variables.i[10] / 8_388_608.0, 0.05) * 1e-3
 
     @property
@@ -105,7 +110,7 @@ class Machine:
         return (min(max(self.variables.i[8], 0.0), 255.0) + 1.0) * self.servo_period
 
     def advance(self, seconds: float) -> None:
-        """Advance the time [s], and run motions, PLCs and programs meanwhile."""
+        """Advance the time [s], and run the motions, PLCs and programs of this interval."""
         end = self._now + seconds
         while (when := self._next_event()) <= end:
             self._now = max(when, self._now)
@@ -154,7 +159,7 @@ class Machine:
         return controls.control_reply(self, character, self._port(port))
 
     def respond(self, line: str, port: int = 0) -> bytes:
-        """Execute a line as `command` does, and return the reply as bytes, framed according to I3 and I6."""
+        """Execute a line as `command` does, and return the reply in bytes, framed according to I3 and I6."""
         reply = self.command(line, port)
         return framed(reply, int(self.variables.i[3]), int(self.variables.i[6]))
 
@@ -185,7 +190,9 @@ class Machine:
     # for programs
 
     def say(self, text: str) -> None:
-        """Execute SEND: send a text to every port (assumed; the controller sends to the named one)."""
+        """Execute SEND: send a text to every port (assumed; a controller sends it to the port that SEND
+        names).
+        """
         for messages in self._messages.values():
             messages.append(text)
 
@@ -208,7 +215,7 @@ class Machine:
         """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs."""
         self.plcs.switch(name, numbers)
 
-    # for its parts
+    # for the parts of the machine
 
     def changed(self, motors: Sequence[Motor]) -> None:
         """Record that motors move differently from now on."""
@@ -267,7 +274,7 @@ class Machine:
         trips.look(self, self.motors[motor])
 
     def disturb(self, motor: int, counts: float) -> None:
-        """Hold a motor a number of counts away from its commanded position, which is a following error."""
+        """Hold a motor a number of counts away from its commanded position. This causes a following error."""
         self.motors[motor].disturbance = counts
         trips.look(self, self.motors[motor])
 
@@ -307,7 +314,7 @@ class Machine:
         """Return commanded positions of motors [counts].
 
         Args:
-            times: (N,) [s], between the start of the recording and now. They need a recorder. None for now.
+            times: (N,) [s], between the start of the recording and now; they need a recorder. None for now.
             motors: their numbers; None for all motors with an axis.
 
         Returns:

@@ -1,1 +1,1 @@
-"""From text to syntax tree and back. This package knows no command of the language."""
+"""Convert text to a syntax tree and back. This package knows no command of the language."""

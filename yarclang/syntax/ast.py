@@ -1,7 +1,7 @@
-"""The syntax tree: the content of the text, with no name resolved.
+"""The syntax tree: the content of the text. No name in it is resolved.
 
-A place is relative to its statement, so that an unchanged statement has the same value wherever it moves in
-the file; `Statement.span` gives the place in the file.
+A place is relative to its statement. An unchanged statement therefore has the same value wherever it is moved
+in the file; `Statement.span` returns the place in the file.
 """
 
 from __future__ import annotations
@@ -87,10 +87,10 @@ class Parameter:
 
 
 Value = Number | Word | Text | Other | Computed | FrameName | Quantity | NamedValue | Parameter
-"""An item between blanks.
+"""A value: an item that blanks separate from others.
 
-Frames, quantities and named values occur only among CALL's arguments; frames and parameters only in the head of
-a SUB.
+Frames, quantities and named values occur only among CALL's arguments; frames and parameters only in the head
+of a SUB.
 """
 
 
@@ -107,7 +107,7 @@ class Rate:
 
     @property
     def place(self) -> Place:
-        """Return the place from the word to the last value in the same row."""
+        """Return the place from the word to the last value that is in the same row."""
         row = self.word.place.row
         last = [value.place for value in self.values if value.place.row == row]
         return Place(row, self.word.place.start, (last[-1] if last else self.word.place).end)
@@ -115,11 +115,11 @@ class Rate:
 
 @frozen
 class WayPoint:
-    """The values between two semicolons; also the words, arguments or parameters of a line without
-    way-points.
+    """The values between two semicolons. In a line without way-points, its words, arguments or parameters.
 
     `time` is the way-point's own time in square brackets, `velocity` and `acceleration` are the VEL and ACC
-    after it. The time of the last way-point is the motion time of its statement, and is stored there.
+    after it. The time of the last way-point is the motion time of its statement, and is stored in the
+    statement.
     """
 
     values: tuple[Value, ...]
@@ -137,7 +137,7 @@ class WayPoint:
 
     @property
     def place(self) -> Place:
-        """Return the place from the first value to the last in the same row."""
+        """Return the place from the first value to the last value that is in the same row."""
         first, last = self.values[0].place, self.values[-1].place
         if last.row != first.row:
             last = [value.place for value in self.values if value.place.row == first.row][-1]
@@ -187,8 +187,8 @@ class Statement:
     """A command (with an index) or a declaration: its parts in the order of the language.
 
     `line` is the number of its first line in the file, `rows` the number of its lines. Names and values that
-    are no way-points are also stored in `waypoints`, as a single one: SUB's name and parameters, CALL's name
-    and arguments, the name of a LET. `expression` is the value of a LET, or the condition of an IF.
+    are no way-points are also stored in `waypoints`, as a single way-point: SUB's name and parameters, CALL's
+    name and arguments, the name of a LET. `expression` is the value of a LET, or the condition of an IF.
     """
 
     line: int
@@ -205,7 +205,7 @@ class Statement:
     comments: tuple[Comment, ...]
 
     def at_line(self, line: int) -> Statement:
-        """Return the same statement in another line."""
+        """Return the same statement at another line."""
         return Statement(
             line,
             self.rows,
@@ -222,7 +222,7 @@ class Statement:
         )
 
     def span(self, place: Place) -> Span:
-        """Return a place's span in the file."""
+        """Return the span in the file of a place in the statement."""
         line = self.line + place.row
         return Span(line, place.start, line, place.end)
 
@@ -268,9 +268,9 @@ class Statement:
 class Block:
     """The statements from a SUB, REPEAT, IF or WHEN to its END.
 
-    `otherwise` has the statements after ELSE, None if there is no ELSE; for a WAIT with an ELSE, all of its
-    statements. `otherwise_head` and `end` are the statements ELSE and END themselves; they are None if they
-    are missing or unreadable.
+    `otherwise` has the statements after ELSE, and is None without an ELSE; for a WAIT with an ELSE, it has
+    all statements of the block. `otherwise_head` and `end` are the statements ELSE and END themselves; they
+    are None if they are missing or unreadable.
     """
 
     head: Statement
@@ -285,8 +285,8 @@ Node = Statement | Block
 
 @frozen
 class Module:
-    """A file's statements in order, the first lines of those that couldn't be read, and its comment lines by
-    line number.
+    """A file's statements in order, the first lines of the statements that couldn't be read, and the comment
+    lines by line number.
     """
 
     source: SourceFile

@@ -1,5 +1,5 @@
-"""Arranging a file's statements in blocks: SUB, REPEAT, IF, WHEN, CASE, LOOP and WHILE, each up to its END or
-UNTIL.
+"""Arrange a file's statements in blocks: SUB, REPEAT, IF, WHEN, CASE, LOOP and WHILE, each up to its END
+or UNTIL.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS, DECLARA
 from yarclang.words.registry import word_specs
 
 DEEPEST_BLOCK = 100
-"""Maximum depth of nested blocks."""
+"""Largest depth of nested blocks."""
 
 _WORD = re.compile(r"\s*(?:[Pp][0-9]+\s+)?([A-Za-z]+)(?![^\s;\[\](){}!,\"])")
 _TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - BLOCK_ENDS - {"ELSE"} | {"SUB"}
@@ -26,10 +26,10 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
     """Arrange a module's statements in blocks.
 
     Returns:
-        The statements and blocks in order, and a finding for each misplaced one; never None. A missing END is
-        assumed at the end of the file, or before a line that shows that it is missing. An END or ELSE without
-        a block is dropped, and so is the content of a block whose first line couldn't be read, or beyond the
-        deepest block. A statement that its block can't hold stays there.
+        The statements and blocks in order, and a finding for each misplaced statement; never None. If an END
+        is missing, it is assumed at the end of the file, or before a line that can't be in a block. An END or
+        ELSE without a block is dropped. The content of a block is dropped if the block's first line couldn't
+        be read, or if the block is nested too deep. A statement that isn't allowed in its block stays there.
     """
     if not module.unreadable_lines and not any(map(_needs_arranging, module.statements)):
         return Result(module.statements)
@@ -49,7 +49,7 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
 
 
 def _needs_arranging(statement: Statement) -> bool:
-    """Return True if a statement belongs to a block, or is a declaration with an index; in a long program,
+    """Return True if a statement belongs to a block, or is a declaration with an index. In a long program,
     hardly any line does.
     """
     word = statement.name.name
@@ -68,7 +68,7 @@ def _word(line: str) -> str:
 
 @dataclass(slots=True)
 class _Open:
-    """A block whose END hasn't come yet; `head` is None if the block's first line couldn't be read."""
+    """A block whose END hasn't been read yet; `head` is None if the block's first line couldn't be read."""
 
     word: str
     line: int
@@ -79,16 +79,16 @@ class _Open:
 
     @property
     def nodes(self) -> list[Node]:
-        """Return the list for the next statement."""
+        """Return the list to which the next statement is added."""
         return self.body if self.otherwise is None else self.otherwise
 
     @property
     def takes_else(self) -> bool:
-        """Return True if an ELSE may follow."""
+        """Return True if an ELSE is allowed next."""
         return self.otherwise is None and word_specs()[self.word].takes_else
 
     def closed(self, end: Statement | None) -> tuple[Block, ...]:
-        """Return the finished block, if there is one."""
+        """Return the finished block; empty if its first line couldn't be read."""
         if self.head is None:
             return ()
         otherwise = None if self.otherwise is None else tuple(self.otherwise)
@@ -162,7 +162,7 @@ class _Arrangement:
                 self._refuse("Y0114", "this END ends nothing: no block is open", statement, help_)
 
     def _until(self, statement: Statement | None) -> None:
-        """End the innermost LOOP; open blocks inside it lack their END."""
+        """End the innermost LOOP. Blocks that are still open inside it lack their END."""
         if self.too_deep:
             self.too_deep -= 1
             return
@@ -210,8 +210,8 @@ class _Arrangement:
         self._refuse("Y0115", message, statement, help_)
 
     def _leave_blocks(self, statement: Statement) -> None:
-        """Handle a line that no block can hold: either the END of the open blocks is missing, or the line is
-        misplaced.
+        """Handle a line that isn't allowed in any block: either the END of the open blocks is missing, or the
+        line is misplaced.
         """
         word = statement.name.name
         if len(self.open) <= self.missing:

@@ -1,4 +1,4 @@
-"""From Lark's tree to a statement. The nodes of its expressions exist already (nodes.py)."""
+"""Convert Lark's tree to a statement. The nodes of its expressions exist already (nodes.py)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NUMBER = re.compile(r"\S+")
 
 
 Rows = Sequence[str]
-"""The rows of a statement's text; empty if it has no expression."""
+"""The rows of a statement's text; empty if the statement has no expression."""
 
 
 def statement(text: str, tree: Any) -> Statement:
@@ -107,8 +107,8 @@ def statement(text: str, tree: Any) -> Statement:
 
 
 def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | None]:
-    """Build the way-points, each with its time, velocity and acceleration, and the time of the last one,
-    which is the motion's.
+    """Build the way-points, each with its time, velocity and acceleration. Also return the time of the last
+    one, which is the motion's.
     """
     waypoints: list[WayPoint] = []
     parts: dict[str, Any] = {}
@@ -128,7 +128,7 @@ def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | 
 
 
 def _items(rows: Rows, children: Any) -> list[Any]:
-    """Build leaves from tokens and small trees; a run of numbers becomes single numbers."""
+    """Build leaves from tokens and small trees; a run of numbers is split into single numbers."""
     found: list[Any] = []
     computed = False
     for child in children:
@@ -184,7 +184,7 @@ _LEAVES: dict[str | None, Any] = {
 
 
 def _numbers(token: Any) -> list[Number]:
-    """Split a run of numbers at its blanks."""
+    """Split a run of numbers at the blanks."""
     row, column = token.line - 1, token.column
     return [
         Number(match.group(), float(match.group()), Place(row, column + match.start(), column + match.end()))
@@ -211,7 +211,7 @@ def _computed_percent(rows: Rows, children: list[Any]) -> list[ComputedPercent]:
 
 
 def _measured(rows: Rows, children: list[Any]) -> list[Number | Quantity]:  # noqa: ARG001  (called as its siblings)
-    """Build numbers of which the last has a unit."""
+    """Build numbers; the last of them has a unit."""
     *others, number = _numbers(children[0])
     unit = Word(str(children[2]), place_of(children[2]))
     return [*others, Quantity(number, unit, from_to(number.place, place_of(children[3])))]
@@ -240,14 +240,16 @@ def _default(rows: Rows, children: list[Any]) -> list[Any]:
 
 
 def _named(rows: Rows, children: list[Any]) -> list[Any]:
-    """Build an argument with its name. Of a run of numbers, only the first belongs to the name."""
+    """Build an argument with its name. If a run of numbers follows, only the first number belongs to the
+    name.
+    """
     word = _name_of(children[0])
     first, *others = _items(rows, children[1:])
     return [NamedValue(word, first, from_to(word.place, first.place)), *others]
 
 
 def _name_of(token: Any) -> Word:
-    """Return the name in front of an equals sign."""
+    """Return the name before an equals sign."""
     name = str(token)[:-1].rstrip()
     place = place_of(token)
     return Word(name, Place(place.row, place.start, place.start + len(name)))
@@ -280,7 +282,7 @@ def _check_blanks(values: list[Any]) -> None:
 
 
 def _sound(expression: Expression) -> Expression:
-    """Return the expression if it isn't too deep; else raise a fault."""
+    """Return the expression if it isn't nested too deep; otherwise raise a fault."""
     if is_too_deep(expression):
         message = f"more than {DEEPEST_EXPRESSION} operators, functions and brackets stand inside each other"
         raise FaultError(Fault("Y0112", message, "give parts of it a name with LET", expression.place))
@@ -295,7 +297,7 @@ def _bracket(children: list[Any]) -> Place:
 
 
 def _check_comment(comment: Comment) -> None:
-    """Check that the comment after an expression isn't a part of it."""
+    """Check that the comment after an expression wasn't meant as a part of the expression."""
     if fault := unequal(comment.text, comment.place.row, comment.place.start):
         raise FaultError(fault)
 

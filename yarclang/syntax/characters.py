@@ -2,8 +2,8 @@
 
 Code consists of blanks, tabs and the printable characters of ASCII. Any other character either looks like one
 of these (a no-break space, a minus sign) or is invisible, so that people would read it differently from the
-compiler. Comments and texts may have any character that shows what is read: no line ends that only some
-editors know, no characters that change the direction of writing, no control characters.
+compiler. In comments and texts, all characters are allowed except those that people may see differently: line
+ends that only some editors know, characters that change the direction of writing, and control characters.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ _PLAIN = re.compile(r"[\t\n -~]*+")
 _FOREIGN = re.compile(r"[^\t\n -~]")
 
 _BREAKS = frozenset("\v\f\u0085\u2028\u2029")
-"""Characters at which some programs end a line, but the compiler doesn't."""
+"""Characters at which some programs end a line, although the compiler doesn't."""
 
 _UNSEEN = frozenset("\u00ad\u034f\u061c\u180e\u200b\u200c\u200d\u200e\u200f\u2060\ufeff")
 """Characters that are invisible, and don't change the text around them."""
 
 _TURNS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Characters that make an editor show a line in a different order from that in which it is read."""
+"""Characters that make an editor show a line in an order that differs from the order of its characters."""
 
 _ALIKE = {
     **dict.fromkeys("\u2010\u2011\u2012\u2013\u2014\u2015\u2212\ufe63", "-"),
     **dict.fromkeys("\u201c\u201d\u201e\u201f", '"'),
     **{chr(code): chr(code - 0xFEE0) for code in range(0xFF01, 0xFF5F)},
 }
-"""Characters that can hardly be distinguished from one of ASCII, and mean the same."""
+"""Characters that look nearly like a character of ASCII and have the same meaning."""
 
 _CONTROLS = {
     0x00: "null",
@@ -52,13 +52,13 @@ _CONTROLS = {
     0x85: "next line",
     0xFEFF: "byte order mark",
 }
-"""Names of characters for which the Unicode standard has no name, or none that people know."""
+"""Names of characters for which the Unicode standard has no name, or only a name that few people know."""
 
 NOT_TEXT = "save the program as UTF-8 text; or another file was meant"
 
 
 def is_plain(text: str) -> bool:
-    """Return True if a text has only characters of code."""
+    """Return True if all characters of a text are allowed in code."""
     return _PLAIN.fullmatch(text) is not None
 
 
@@ -75,12 +75,14 @@ def character_name(character: str) -> str:
 
 
 def is_not_text(character: str) -> bool:
-    """Return True for control characters and surrogates, which no text has."""
+    """Return True for control characters and surrogates, which never occur in text."""
     return (character < " " and character not in "\t\n\r\v\f") or character == "\x7f" or _is_half(character)
 
 
 def instead_of(character: str) -> str | None:
-    """Return the substitute for a character that isn't plain; it may be empty. None if there is none."""
+    """Return the substitute for a character that isn't allowed in code; it may be empty. None if there is
+    none.
+    """
     if character in _BREAKS or unicodedata.category(character) == "Zs":
         return " "
     if character in _UNSEEN or character in _TURNS:
@@ -151,7 +153,7 @@ def _is_half(character: str) -> bool:
 
 
 def _called(character: str) -> str:
-    """Return a character for a sentence: its glyph, if it is visible, and its name."""
+    """Return a character as a sentence names it: its glyph, if it is visible, and its name."""
     name = character_name(character)
     if character.isprintable() and not character.isspace() and character not in _UNSEEN:
         return f"`{character}` ({name})"
@@ -179,8 +181,8 @@ def _help(found: _Found) -> str:
 
 
 def _ends(row: str) -> frozenset[int]:
-    """Return those line ends in a line that only some editors know, and that become real ones because a
-    statement follows.
+    """Return the line ends in a line that only some editors know. In the fix they become real line ends,
+    because a statement follows them.
     """
     ends: list[int] = []
     opens: bool | None = None
@@ -197,12 +199,13 @@ def _ends(row: str) -> frozenset[int]:
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
-    """Return the title of a fix and its edits, one per line; no edits if one of the characters has no safe
-    substitute.
+    """Return the title of a fix and its edits, one per line. There are no edits if one of the characters has
+    no safe substitute.
     """
     pieces: dict[int, list[_Found]] = {}
     for one in found:
-        # Text that an editor showed after its own line end may have been meant as code.
+        # An editor may have shown the text after such a line end as a line of its own, so it may have been
+        # meant as code.
         if is_not_text(one.character) or (one.where and one.character in _BREAKS):
             return "", ()
         if instead_of(one.character) is None:

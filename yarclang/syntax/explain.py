@@ -1,4 +1,4 @@
-"""Explanation of a statement that can't be parsed: one sentence, its place, and a help."""
+"""Explain why a statement can't be parsed: one sentence, its place, and a help."""
 
 from __future__ import annotations
 
@@ -82,7 +82,9 @@ def unexpected_character(text: str, place: Place, expected: Collection[str]) -> 
 
 
 def _cut_frame(row: str, place: Place) -> Fault | None:
-    """Explain a frame whose name is cut off by a `!` or a `"` between its braces; None if it isn't."""
+    """Explain that a `!` or a `"` between the braces cuts off a frame's name; None if this isn't the
+    reason.
+    """
     match = _CUT_FRAME.match(row, place.start)
     if match is None:
         return None
@@ -93,7 +95,7 @@ def _cut_frame(row: str, place: Place) -> Fault | None:
     return Fault("Y0102", "`!` starts a comment, and the `{` before it is not closed", help_, here)
 
 
-# The lines of LET, END and ELSE, and units.
+# Explanations for LET, END and ELSE, and for units.
 
 
 def _no_name(token: Any, place: Place) -> Fault:
@@ -146,7 +148,7 @@ def _second_unit(token: Any, place: Place, stack: Sequence[Any]) -> Fault:
     return Fault("Y0101", message, "write each unit after its number: 20 (mm) 1.5 (s)", place)
 
 
-# All other lines.
+# Explanations for all other lines.
 
 
 def _incomplete(place: Place, expected: Collection[str], stack: Sequence[Any]) -> Fault:
@@ -161,7 +163,7 @@ def _incomplete(place: Place, expected: Collection[str], stack: Sequence[Any]) -
 
 
 def _dollar(text: str, place: Place) -> Fault | None:
-    """Explain values that run into a `$`."""
+    """Explain that a blank is missing between values and a `$`."""
     row = text.split("\n")[place.row]
     match = _RUN.match(row, place.start - 1)
     run = match.group() if match else ""

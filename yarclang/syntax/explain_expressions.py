@@ -1,4 +1,4 @@
-"""Explanation of an expression that can't be parsed."""
+"""Explain why an expression can't be parsed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import FUNCTIONS
 
 _ENDS = {"$END", "LSQB", "RSQB", "_SEMICOLON"}
-"""Tokens that stand after expressions, or not near them at all."""
+"""Tokens that can only follow an expression, or never occur near one."""
 
 _PIECE = re.compile(r".[^ \t]*")
 _LAST_PIECE = re.compile(r'[^\s()+\-*/%<>=,;\[\]{}!"]+$|\S$')
@@ -54,7 +54,7 @@ _FOREIGN_WORDS = {
 
 
 def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
-    """Explain a token in the place of a number, a name or a bracket."""
+    """Explain a token where a number, a name or a bracket is expected."""
     last = stack[-1]
     if fault := _cut_off(text, token, place) or foreign(text, place):
         return fault
@@ -96,7 +96,7 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
 
 
 def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
-    """Explain a token in the place of an operator, or at the end of the expression."""
+    """Explain a token where an operator or the end of the expression is expected."""
     if fault := _cut_off(text, token, place) or foreign(text, place):
         return fault
     opened = len(open_brackets(stack))
@@ -124,7 +124,7 @@ def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fa
 
 
 def _side_by_side(text: str, token: Any, place: Place) -> Fault:
-    """Explain two operands without an operator."""
+    """Explain two operands without an operator between them."""
     row = text.split("\n")[place.row]
     piece = _LAST_PIECE.search(row[: place.start - 1].rstrip())
     left, right = piece.group() if piece else "", shown(token)
@@ -143,7 +143,7 @@ def _side_by_side(text: str, token: Any, place: Place) -> Fault:
 
 
 def _cut_off(text: str, token: Any, place: Place) -> Fault | None:
-    """Explain an expression that a `!` cuts off, where an operator was meant."""
+    """Explain that a `!`, which was meant as an operator, cuts off an expression."""
     row = text.split("\n")[place.row]
     column = len(code_of(row)) + 1
     if token.type != "$END":
@@ -156,7 +156,7 @@ def _cut_off(text: str, token: Any, place: Place) -> Fault | None:
 
 
 def unequal(comment: str, row: int, column: int) -> Fault | None:
-    """Explain a comment after an expression that was meant as the operator `!=`."""
+    """Explain that a comment after an expression was meant as the operator `!=`."""
     if comment.startswith("!=") and not comment.startswith("!=="):
         message = "`!=` is no operator of the language"
         return Fault("Y0111", message, _FOREIGN["!="], Place(row, column, column + 2))
@@ -176,7 +176,7 @@ def foreign(text: str, place: Place) -> Fault | None:
 
 
 def strange(text: str, place: Place) -> Fault:
-    """Explain a token that no expression has."""
+    """Explain a token that can't occur in expressions."""
     match = _PIECE.match(text.split("\n")[place.row], place.start - 1)
     piece = match[0][:40] if match else ""
     message = f"`{piece}` can't stand in an expression"
@@ -187,7 +187,7 @@ def strange(text: str, place: Place) -> Fault:
 
 
 def _is_closed(text: str, place: Place, opened: int) -> bool:
-    """Return True if the rest of the row closes all `opened` brackets."""
+    """Return True if the rest of the row closes all brackets in `opened`."""
     for character in code_of(text.split("\n")[place.row])[place.start - 1 :]:
         opened += (character == "(") - (character == ")")
         if opened == 0:

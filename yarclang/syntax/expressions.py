@@ -1,7 +1,7 @@
-"""Expressions as they are written: no name is resolved, no value is computed.
+"""Expressions as they are written: no name is resolved, and no value is computed.
 
-The language's precedence determines an operator's operands. Brackets are nodes of their own, so that a tree
-can be printed as it was written.
+The operands of an operator follow from the language's precedence. Brackets are nodes of their own, so that a
+tree can be printed as it was written.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ UnaryOperator = Literal["NOT", "+", "-"]
 BinaryOperator = Literal["OR", "AND", "=", "<>", "<", "<=", ">", ">=", "+", "-", "*", "/", "%", "**"]
 
 DEEPEST_EXPRESSION = 100
-"""Maximum depth of operators, functions and brackets. A deeper expression is a fault, which limits the
+"""Largest depth of operators, functions and brackets. A deeper expression is a fault. This limits the
 recursion of code that walks through a tree.
 """
 
 
 @frozen
 class Name:
-    """A name that stands for a number: `PITCH`, `PALLET.PITCH`, or `PI`; `name` is its upper-case form."""
+    """The name of a number: `PITCH`, `PALLET.PITCH`, or `PI`; `name` is its upper-case form."""
 
     text: str
     place: Place
@@ -62,7 +62,7 @@ class Binary:
 
 @frozen
 class Function:
-    """A function of the language (words.FUNCTIONS) with as many arguments as it takes."""
+    """A function of the language (words.FUNCTIONS) with its arguments, whose number was checked."""
 
     word: Word
     arguments: tuple[Expression, ...]
@@ -96,7 +96,7 @@ Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function | El
 
 
 def is_too_deep(expression: Expression) -> bool:
-    """Return True if an expression is deeper than DEEPEST_EXPRESSION."""
+    """Return True if an expression is nested deeper than DEEPEST_EXPRESSION."""
     if expression.place.end - expression.place.start <= DEEPEST_EXPRESSION:
         return False  # each level takes a character
     level = [expression]

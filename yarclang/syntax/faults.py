@@ -1,7 +1,7 @@
 """A syntax error, and descriptions of the parser's state when it finds one.
 
-The parser reports the unexpected token, the kinds of tokens that were possible (`expected`), and what it has
-read but not yet put together (`stack`: tokens and finished parts).
+The parser reports the unexpected token and the kinds of tokens that were possible (`expected`). It also
+reports what it has read but not yet combined to a larger part (`stack`: tokens and finished parts).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Fault:
 
 
 class FaultError(Exception):
-    """A fault that is found while a tree is built."""
+    """A fault that is found while the tree is built."""
 
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault.message)
@@ -54,7 +54,7 @@ def shown(token: Any) -> str:
 
 
 def called(token: Any) -> str:
-    """Return a token's description for a sentence."""
+    """Return a description of a token for use in a sentence."""
     text = shown(token)
     names = {
         "FRAME": f"the frame {text}",

@@ -1,4 +1,6 @@
-"""The standard form of a program, as `yarc fmt` writes it, and the proof that its meaning is the same."""
+"""Convert a program to its standard form, as `yarc fmt` writes it, and prove that its meaning stays the
+same.
+"""
 
 from __future__ import annotations
 
@@ -22,15 +24,15 @@ from yarclang.syntax.renumber import renumbered
 _INDEX = re.compile(r"^\s*[Pp][0-9]+(?![^\s;\[\](){}!,\"])")
 _TOO_LONG = "is longer than any line that is read"
 _WITHOUT_MEANING = frozenset(["place", "line", "rows", "comments"])
-"""Fields of a tree that have a position, not a meaning."""
+"""Fields of a tree that describe a position, not a meaning."""
 
 
 def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> Result[str]:
-    """Bring a program into its standard form, and prove that its meaning is the same.
+    """Convert a program to its standard form, and prove that its meaning is the same.
 
     Args:
-        source: the program. The result has CRLF or LF at line ends like most lines of the program.
-        renumber: first number of the commands and the step to the next; None: they keep theirs.
+        source: the program. The result has the line ends (CRLF or LF) that most lines of the program have.
+        renumber: first number of the commands and the step to the next; None: the numbers stay.
 
     Returns:
         None if the program has syntax errors, or if the result isn't proved to have the same meaning.
@@ -61,8 +63,8 @@ def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
 
 @frozen
 class _Row:
-    """A line that isn't empty: its code as written (without an index, if indices are new), and
-    its comment.
+    """A line that isn't empty: its code as written (without an index, if indices are new), and its
+    comment.
     """
 
     line: int
@@ -129,7 +131,7 @@ def _rows(source: SourceFile, keeps_indices: bool) -> Iterator[_Row]:
 
 
 def _squeezed(code: str) -> str:
-    """Return code without blanks and in upper case; its texts stay as they are."""
+    """Return code in upper case and without blanks; texts in quotes aren't changed."""
     pieces: list[str] = []
     done = 0
     for text in texts_of(code):
@@ -139,8 +141,8 @@ def _squeezed(code: str) -> str:
 
 
 def meaning(part: Any) -> Any:
-    """Return the meaning of a part of a tree, without its position: numbers as written, names as they are
-    compared.
+    """Return the meaning of a part of a tree, without its position: numbers as written, names in upper
+    case.
     """
     if isinstance(part, tuple):
         return tuple(map(meaning, part))

@@ -1,4 +1,4 @@
-"""The leaves of the syntax tree: the value of one token, and its place."""
+"""The leaves of the syntax tree. A leaf is the value of one token, with its place."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def place_of(token: Any) -> Place:
 
 
 def from_to(first: Place, last: Place) -> Place:
-    """Return the place from the beginning of one place to the end of another in its row."""
+    """Return the place in one row from the beginning of a place to the end of another place."""
     return Place(first.row, first.start, last.end)
 
 
 @frozen
 class Number:
-    """A number as written and its value (infinite where the text overflows a float)."""
+    """A number as written, and its value (infinite if the text overflows a float)."""
 
     text: str
     value: float

@@ -1,4 +1,4 @@
-"""Separation of a line from its comment."""
+"""Separate a line from its comment."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ _TEXT = re.compile(r'"[^"]*"?')
 
 
 def code_of(line: str) -> str:
-    """Return a line without its comment, which begins with the first `!` outside quotes.
+    """Return a line without its comment, which begins with the first `!` outside of quotes.
 
-    Brackets and braces don't matter: no token of the grammar except a text in quotes has a `!` in it.
+    Brackets and braces needn't be considered: of all tokens of the grammar, only a text in quotes may contain
+    a `!`.
     """
     if "!" not in line:
         return line
@@ -26,15 +27,15 @@ def code_of(line: str) -> str:
 
 
 def texts_of(code: str) -> list[re.Match[str]]:
-    """Return the texts in quotes of a line without its comment. A text that isn't closed extends
-    to the end.
+    """Return the texts in quotes of a line without its comment. A text without a closing quote extends to
+    the end.
     """
     return list(_TEXT.finditer(code))
 
 
 def opens_statement(code: str) -> bool:
-    """Return True if a line begins with an index or with the word of a declaration: it never continues the
-    line before.
+    """Return True if a line begins with an index or with the word of a declaration: such a line never
+    continues the line before.
     """
     return _OPENS_STATEMENT.match(code) is not None
 

@@ -1,4 +1,4 @@
-"""The nodes of expressions, built as soon as Lark has read their parts."""
+"""Build the nodes of expressions as soon as Lark has read their parts."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from yarclang.syntax.words import CONSTANTS, FUNCTIONS, OPERATORS
 
 
 class Nodes:
-    """The nodes of expressions, each built by the method with the name of its rule or alias in
-    the grammar.
+    """Builder of the nodes of expressions. Each method has the name of the rule or alias in the grammar for
+    which it builds a node.
     """
 
     def name(self, children: list[Any]) -> Name:
-        """Build a name that stands for a number."""
+        """Build the name of a number."""
         (token,) = children
         return named(str(token), place_of(token))
 
@@ -60,7 +60,9 @@ class Nodes:
         return Binary(operator, left, right, from_to(left.place, right.place))
 
     def function(self, children: list[Any]) -> Function | Applied:
-        """Build a function of the language, whose number of arguments is checked, or one of the program."""
+        """Build a function of the language, after a check of its number of arguments, or a function of the
+        program.
+        """
         token, _, *arguments, closing = children
         word = Word(str(token), place_of(token))
         place = from_to(word.place, place_of(closing))
@@ -83,7 +85,7 @@ def named(text: str, place: Place) -> Name:
     """Build the node of a name.
 
     Raises:
-        FaultError: it is a function or an operator.
+        FaultError: the name is that of a function or an operator.
     """
     if text.upper() in FUNCTIONS or text.upper() in OPERATORS:
         kind = "a function" if text.upper() in FUNCTIONS else "an operator"

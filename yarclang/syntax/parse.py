@@ -1,7 +1,7 @@
-"""From text to syntax tree, one statement at a time.
+"""Parse text to a syntax tree, one statement at a time.
 
-This is the only module that knows Lark. Each statement is parsed by itself, so that a fault costs one finding
-and nothing else, and an unchanged statement is parsed once.
+This is the only module that knows Lark. Each statement is parsed by itself, so that a fault causes one
+finding and doesn't affect other statements, and so that an unchanged statement is parsed only once.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from yarclang.syntax.plain import GRAMMAR, plain_statement
 from yarclang.syntax.words import LONGEST_INDEX
 
 LONGEST_LINE = 100_000
-"""Longest line [characters]; a longer one is a damaged file."""
+"""Largest length of a line [characters]. A file with a longer line is probably damaged."""
 
 _EVERY = 16
-"""Number of statements between two progress reports; an unreadable statement takes a millisecond."""
+"""Number of statements between two progress reports. An unreadable statement takes a millisecond."""
 
 LONGEST_TEXT = 20_000_000
-"""Longest text that is read [characters]."""
+"""Largest length of a text that is read [characters]."""
 
 
 def parse(source: SourceFile) -> Result[Module]:
@@ -84,8 +84,9 @@ def parse(source: SourceFile) -> Result[Module]:
 
 
 def _read_in_place(text: str, line: int) -> Statement | Fault | None:
-    """Return the statement of a text in its line; None if it has only a comment. While a program is edited,
-    most lines stay where they are.
+    """Return the statement of a text with its line; None if the text has only a comment.
+
+    While a program is edited, most lines keep their numbers, so their statements can be reused.
     """
     if not code_of(text).strip():
         return fault_in(text)
@@ -104,14 +105,14 @@ def _fix(line: int, fault: Fault) -> Fix | None:
 
 
 _KEPT = 1024
-"""Minimum number of cached statements; for longer texts, all are cached."""
+"""Smallest number of statements that the cache holds. For longer texts, it holds all statements."""
 
 _placed = Lately(_read_in_place, _KEPT)
 
 
 def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
-    """Yield each statement's text with the number of its first line. Way-point lists over several lines are
-    one text with line ends.
+    """Yield each statement's text with the number of its first line. A list of way-points over several lines
+    is one text with line ends.
     """
     lines = source.lines
     at = 0
@@ -126,7 +127,7 @@ def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
 
 
 def _end_of_list(lines: tuple[str, ...], at: int) -> int:
-    """Return the line after a way-point list that begins in line `at` and ends with a semicolon."""
+    """Return the line after the list of way-points that begins in line `at`, which ends with a semicolon."""
     end = ahead = at + 1
     while ahead < len(lines):
         code = code_of(lines[ahead]) if len(lines[ahead]) <= LONGEST_LINE else "?"
@@ -174,8 +175,8 @@ def _long_index(index: Word) -> Fault:
 
 
 def _operator_instead(text: str, wrong: Fault) -> Fault | None:
-    """Return the grammar's fault for an operator of another language, such as `×`: its help names the right
-    operator.
+    """Return the grammar's fault for an operator of another language, such as `×`. The fault's help names the
+    right operator.
     """
     if wrong.code != "Y0118" or wrong.edits:
         return None
@@ -189,13 +190,15 @@ _LATELY: tuple[Lately[Any], ...] = (_placed, parse_statement)
 
 
 def forget() -> None:
-    """Clear the cache of statements, which is of no use if nothing is edited."""
+    """Clear the cache of statements, which is useless unless the text is edited."""
     for kept in _LATELY:
         kept.cache_clear()
 
 
 def statement_by_grammar(text: str) -> Statement | Fault:
-    """Parse the text of any statement by the grammar; else as `_read`."""
+    """Parse the text of any statement by the grammar, without the faster parser; the result is that of
+    `_read`.
+    """
     from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
     try:
@@ -211,12 +214,12 @@ def statement_by_grammar(text: str) -> Statement | Fault:
 
 
 def _stack(error: Any) -> list[Any]:
-    """Return what has been read and not yet put together, without unfinished lists."""
+    """Return what has been read but not yet combined, without unfinished lists."""
     return [one for one in error.state.value_stack if not str(getattr(one, "data", "")).startswith("__")]
 
 
 TABLES = GRAMMAR.with_suffix(".json")
-"""The tables that Lark makes from the grammar, as written by `made_tables`."""
+"""File with the parser's tables, which Lark computes from the grammar and `made_tables` writes."""
 
 
 @cache
@@ -232,8 +235,8 @@ def _built(grammar: str, transformer: Nodes | None) -> Any:
 
 
 def _loaded(grammar: str) -> Any:
-    """Return the parser of the saved tables: making them takes 60 ms. None if they belong to another grammar
-    or another Lark.
+    """Return a parser with the saved tables, since computing them takes 60 ms. None if the tables belong to
+    another grammar or another version of Lark.
     """
     import lark
 
@@ -244,7 +247,7 @@ def _loaded(grammar: str) -> Any:
     if kept.get("of") != _key(grammar):
         return None
     data, tables = kept["data"], kept["data"]["parser"]["parser"]
-    # The keys of JSON are texts.
+    # JSON has only texts as keys.
     tables["tokens"] = _by_number(tables["tokens"])
     tables["states"] = {state: _by_number(actions) for state, actions in _by_number(tables["states"]).items()}
     parser: Any = lark.Lark
@@ -263,7 +266,7 @@ def _key(grammar: str) -> str:
 
 
 def made_tables() -> str:
-    """Return the text of `TABLES`, made from the grammar. Lark numbers the states in an arbitrary order."""
+    """Compute the text of `TABLES` from the grammar. Lark numbers the states in an arbitrary order."""
     from lark.grammar import Rule
     from lark.lexer import TerminalDef
 

@@ -1,11 +1,11 @@
-"""A fast parser for the most common statements: one line, without expressions and texts in quotes, by a
-single regular expression.
+"""Parse the most common statements quickly: statements of one line, without expressions and texts in quotes,
+by a single regular expression.
 
     P0001 MOVEJ_RPY_LSPB {TCP} 0.00 1174.40 1176.00 0.00 0.00 0.00 [20] (mm,deg,s) {B} BLEND 5 ! to the part
 
-Lark takes three times as long for the same line, and 30 ms to import. The expression is composed of the
-grammar's own terminals. A line that doesn't match is left to the grammar; a line that matches gives the same
-result as the grammar, to the last column (tests/syntax/test_plain.py).
+Lark takes three times as long for the same line, and 30 ms to import. The expression consists of the
+grammar's own terminals. A line that doesn't match is parsed by the grammar; a line that matches gives the
+same result as the grammar, to the last column (tests/syntax/test_plain.py).
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ def terminals() -> Mapping[str, str]:
 
 @cache
 def _form() -> re.Pattern[str]:
-    """Return the expression of a whole statement.
+    """Return the regular expression of a whole statement.
 
-    Each part matches as the grammar's lexer does, without backtracking: if anything else follows, nothing
-    matches.
+    Each part matches in the same way as in the grammar's lexer, without backtracking. If anything else
+    follows, the expression doesn't match.
     """
     said = terminals()
     index, frame, numbers, percent, option = (
@@ -76,15 +76,15 @@ def _form() -> re.Pattern[str]:
 
 @cache
 def _option_form() -> re.Pattern[str]:
-    """Return the expression of one option and its argument."""
+    """Return the regular expression of one option and its argument."""
     said = terminals()
     argument = f"{said['PERCENT']}|{said['NUMBERS']}|(?!{said['OPTION']}){said['WORD']}"
     return re.compile(rf"({said['OPTION']})[ \t]*+(?>({argument}))?+")
 
 
 def plain_statement(text: str) -> Statement | None:
-    """Return the statement of a text; `line` is 0 until the caller sets it. None if the text needs the
-    grammar.
+    """Return the statement of a text; `line` is 0 until the caller sets it. None if only the grammar can
+    parse the text.
     """
     match = None if "\n" in text else _form().match(text)
     if match is None:
@@ -118,8 +118,8 @@ def _place(match: re.Match[str], group: int) -> Place:
 
 @lru_cache(maxsize=1 << 16)
 def _at(begin: int, end: int) -> Place:
-    """Return the place of the characters from `begin` to `end` (exclusive): the lines of a long program share
-    their places.
+    """Return the place of the characters from `begin` to `end` (exclusive). The lines of a long program
+    share equal places.
     """
     return Place(0, begin + 1, end + 1)
 
@@ -134,7 +134,7 @@ def _number(token: str, begin: int) -> Number:
 
 
 _short_number = lru_cache(maxsize=1 << 14)(_number)
-"""Short numbers occur repeatedly, and are shared."""
+"""Short numbers occur many times, so equal ones share one object."""
 
 
 def _waypoints(text: str, begin: int, end: int) -> Iterator[WayPoint]:

@@ -1,7 +1,7 @@
-"""From syntax tree to text.
+"""Print a syntax tree as text.
 
-Names are in upper case, parts are separated by one blank, blocks are indented by two, digits stay as they
-were, and comments of neighbouring lines are aligned.
+Names are in upper case, parts are separated by one blank, and blocks are indented by two. The digits of
+numbers aren't changed. Comments of neighbouring lines are aligned.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ _TIGHT = {"*", "/", "%", "**"}
 
 
 _FARTHEST = 40
-"""Longest line that moves the comments of its neighbours; the comment of a longer line directly follows its
-code.
+"""Largest length of a line to which the comments of its neighbours are aligned. In a longer line, the comment
+directly follows the code.
 """
 
 
@@ -54,9 +54,9 @@ class _Row:
 
 
 def print_module(module: Module) -> str:
-    """Print a module as text. Parsing it again gives the same statements, possibly at other places.
+    """Print a module as text. Parsing this text gives the same statements, possibly at other places.
 
-    Several empty lines become one; comment lines stay before the statement that they preceded.
+    Several empty lines become one. Comment lines stay before the statement that they preceded.
     """
     paragraph: list[_Row] = []
     lines: list[str] = []
@@ -70,7 +70,7 @@ def print_module(module: Module) -> str:
 
 
 def _rows(module: Module) -> Iterator[_Row | None]:
-    """Yield the lines of a module; None between two paragraphs."""
+    """Yield the lines of a module; None separates two paragraphs."""
     pieces: list[tuple[int, Statement | str]] = [(one.line, one) for one in module.statements]
     pieces += module.comment_lines
     depth, behind = 0, 0
@@ -128,13 +128,17 @@ def _rows_of(statement: Statement) -> list[_Row]:
 
 
 def _code_rows(statement: Statement) -> list[int]:
-    """Return the rows of a statement that have code: the first, and those in which way-points begin."""
+    """Return the rows of a statement that have code: the first row, and the rows in which way-points
+    begin.
+    """
     first = statement.waypoints[0].place.row if statement.waypoints else 0
     return [0, *sorted({waypoint.place.row for waypoint in statement.waypoints} - {first})]
 
 
 def print_expression(expression: Expression) -> str:
-    """Print an expression with its brackets as written: no blanks around * / % **, one around the others."""
+    """Print an expression with its brackets as written: without blanks around * / % **, with one around
+    other operators.
+    """
     match expression:
         case Binary(operator, left, right):
             blank = "" if operator in _TIGHT else " "
@@ -169,7 +173,7 @@ def _head_of_function(waypoints: tuple[WayPoint, ...]) -> str:
 
 
 def _waypoint(waypoint: WayPoint, is_last: bool) -> str:
-    """Print a way-point with its time; the velocity of the last one comes after the motion time."""
+    """Print a way-point with its time. The velocity of the last way-point comes after the motion time."""
     parts = [_item(value) for value in waypoint.values]
     if waypoint.time:
         parts.append(_time(waypoint.time))

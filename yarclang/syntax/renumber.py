@@ -1,4 +1,4 @@
-"""New indices for the commands of a file."""
+"""Renumber the commands of a file."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from yarclang.syntax.words import DECLARATIONS
 
 
 def renumbered(module: Module, start: int, step: int) -> Module:
-    """Return the module with ascending indices of its commands in the order of the file; a command without an
-    index gets one.
+    """Return the module with ascending indices for its commands in the order of the file. A command without
+    an index gets one.
     """
     number = start
     statements: list[Statement] = []

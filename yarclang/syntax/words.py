@@ -1,4 +1,6 @@
-"""The words of the language: those that are described in files, and those of options and expressions."""
+"""The words of the language: those that are defined in files (`yarclang/words`), and those of options and
+expressions.
+"""
 
 from types import MappingProxyType
 
@@ -6,17 +8,17 @@ from yarclang.syntax.ast import Statement
 from yarclang.words.registry import word_specs
 
 LONGEST_INDEX = 9
-"""Maximum number of digits of an index."""
+"""Largest number of digits of an index."""
 
 BLOCK_HEADS = frozenset(name for name, word in word_specs().items() if word.opens_block)
-"""Words that begin a block, which ends at END."""
+"""Words that begin a block. The block ends at its END."""
 
 BLOCK_ENDS = frozenset(name for name, word in word_specs().items() if word.ends_block)
 """Words that end a block."""
 
 
 def opens_block(statement: Statement) -> bool:
-    """Return True if a statement begins a block, which ends at a word of `BLOCK_ENDS`."""
+    """Return True if a statement begins a block, which ends at one of `BLOCK_ENDS`."""
     return statement.name.name in BLOCK_HEADS or statement.waits_else
 
 
@@ -24,7 +26,7 @@ DECLARATIONS = frozenset(name for name, word in word_specs().items() if not word
 """Words that begin a line without an index."""
 
 DECLARATIONS_IN_BLOCKS = frozenset(name for name, word in word_specs().items() if word.in_blocks)
-"""Declarations that a block may hold, besides commands and blocks."""
+"""Declarations that are allowed in a block, besides commands and blocks."""
 
 AVOID = "AVOID"
 """The part of a motion's name, between target and profile, that lets it go around obstacles."""
@@ -34,7 +36,7 @@ OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH", "UNTIL", "INTO", 
 
 RATES = frozenset(["VEL", "ACC"])
 """Words that begin the velocities and accelerations at a way-point. They occur only after a time, where no
-name occurs.
+name is allowed.
 """
 
 OPERATORS = frozenset(["OR", "AND", "NOT"])
@@ -54,10 +56,10 @@ FUNCTIONS = MappingProxyType(
         "CEIL": (1, 1),
     }
 )
-"""The functions of expressions, with the minimum and maximum number of arguments (None: any)."""
+"""The functions of expressions, with the smallest and largest number of arguments (None: any number)."""
 
 CONSTANTS = frozenset(["PI"])
-"""Names that stand for a number everywhere."""
+"""Names that mean a number everywhere."""
 
 STATES = frozenset(["ON", "OFF"])
 """States of an input or an output."""
@@ -65,6 +67,6 @@ STATES = frozenset(["ON", "OFF"])
 RESERVED = word_specs().keys() | OPTIONS | OPERATORS | FUNCTIONS.keys() | CONSTANTS | STATES
 """Words that can't be declared as names, in addition to those of the commands.
 
-Units are not among them, since they occur only in round brackets, where no name occurs. Nor is the V of `[V
-250]`, since a name has a `$` before it there.
+Units are not among them, since they occur only in round brackets, where no name is allowed. The V of
+`[V 250]` is not among them either, since a name has a `$` before it there.
 """

@@ -1,1 +1,1 @@
-"""Small edits of a program seen as a list of commands: teaching, touching up, forms, templates."""
+"""Small edits of a program that is shown as a list of commands: teaching, touching up, forms, templates."""

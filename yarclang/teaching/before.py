@@ -1,4 +1,4 @@
-"""The robot's pose before a line of a program, as far as it follows without planning a motion."""
+"""The robot's pose before a line of a program, if it can be found without planning a motion."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ _ENOUGH = 20_000
 
 
 def flange_before(around: Around, after: int) -> Array:
-    """Return base_from_flange (4, 4) [m] after a line has been executed for the first time.
+    """Return base_from_flange (4, 4) [m] after the first execution of a line.
 
     Args:
         around: the program.
-        after: the line; 0 is the beginning.
+        after: number of the line; 0 is the beginning of the program.
 
     Raises:
-        Trouble: the pose isn't known without planning; the message says why.
+        Trouble: the pose isn't known without planning; the message is the reason.
     """
     text = text_before(around.program, after)
     source = SourceFile(around.program.source.name, text)
@@ -62,11 +62,11 @@ def flange_before(around: Around, after: int) -> Array:
 
 
 def text_before(program: Program, after: int) -> str:
-    """Return a program's lines up to a line, such that each block open there runs once.
+    """Return the lines of a program up to a line, changed such that each block that is open there runs once.
 
     Args:
         program: the program.
-        after: the last line.
+        after: number of the last line.
 
     Raises:
         Trouble: the line is in a SUB.
@@ -90,7 +90,7 @@ def text_before(program: Program, after: int) -> str:
 
 
 def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
-    """Yield the blocks that are open after a line, the outermost first."""
+    """Yield the blocks that are open after a line, outermost first."""
     for node in nodes:
         if not isinstance(node, Block) or node.head.line > after:
             continue
@@ -101,7 +101,9 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
 
 
 class _Walk:
-    """Follows the goals of steps: the flange's pose, and the joints while they are known."""
+    """State of a walk through a program's goals without planning motions: the flange's pose, and the joints
+    as long as they are known.
+    """
 
     def __init__(self, around: Around, start: Array) -> None:
         self._chain = around.robot.chain
@@ -109,7 +111,7 @@ class _Walk:
         self._flange = flange_poses(self._chain, start[None])[0]
 
     def walked(self, steps: Iterable[Step]) -> Array:
-        """Return base_from_flange (4, 4) after some steps."""
+        """Return base_from_flange (4, 4) [m] after some steps."""
         for step in line_to(steps):
             self._step(step)
         return np.asarray(self._flange)

@@ -18,16 +18,16 @@ _ORDER: tuple[Part, ...] = ("name", "moving", "value", "time", "units", "base", 
 def change(
     program: Program, line: int, fields: Mapping[str, str], joints: tuple[str, ...] | None = None
 ) -> Edited:
-    """Change fields of a command. Every byte of the other fields stays as it is.
+    """Change fields of a command. All other bytes of the line stay unchanged.
 
     Args:
         program: the program.
         line: line of the command.
-        fields: new texts of fields by name; an empty text removes the part.
+        fields: new texts of fields by name; an empty text removes the field's part.
         joints: names of the robot's joints; None for J1 and so on.
 
     Raises:
-        Trouble: a field can't be changed like this; the message says why.
+        Trouble: a field can't be changed in this way; the message is the reason.
     """
     statement = program.statement(line)
     reader = Reader(program.sketch, joints)
@@ -50,7 +50,7 @@ def change(
 def _add_time_unit(
     program: Program, statement: Statement, placed: Mapping[str, Placed], changed: dict[str, str]
 ) -> None:
-    """Give a new time its unit, if neither the line nor DEFAULT gives one."""
+    """Add a unit to a new time, if neither the line nor DEFAULT gives one."""
     text = next((changed[name] for name in ("time", "speed", "ceiling") if changed.get(name)), "")
     if not text or text.upper() == "MIN" or "units" in changed or "units" not in placed:
         return
@@ -77,7 +77,7 @@ def _wanted(name: str, text: str, placed: Mapping[str, Placed]) -> str:
 def _pieces(
     statement: Statement, program: Program, placed: Mapping[str, Placed], changed: Mapping[str, str]
 ) -> dict[int, list[tuple[int, int, str]]]:
-    """Return the replacements in each row: columns from 0, and the text.
+    """Return the replacements in each row, each with its columns (from 0) and its text.
 
     New parts are inserted after the parts that precede them in the language's order.
     """
@@ -117,7 +117,7 @@ def _pieces(
 
 
 def _merged(pieces: list[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
-    """Merge insertions with the removals that contain their columns."""
+    """Merge insertions with the removals whose ranges contain them."""
     joined: list[tuple[int, int, str]] = []
     for begin, end, put in sorted(pieces):
         if joined and begin < joined[-1][1]:
@@ -129,7 +129,9 @@ def _merged(pieces: list[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
 
 
 def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, int]:
-    """Return row and column (from 0) after the last part that precedes a part."""
+    """Return the row and column (from 0) at which a missing part is inserted: after the last part that
+    precedes it in the language's order.
+    """
     before = _ORDER[: _ORDER.index(part)] if part != "option" else _ORDER[:-1]
     row, column = 0, statement.name.place.end - 1
     if part == "comment":
@@ -165,7 +167,7 @@ def _read_back(
     changed: Mapping[str, str],
     joints: tuple[str, ...] | None,
 ) -> None:
-    """Check that the new line has the wanted fields, and that its other fields are unchanged."""
+    """Check that the new line has the requested fields, and that its other fields are unchanged."""
     from yarclang.source import SourceFile
     from yarclang.teaching.edits import applied
 

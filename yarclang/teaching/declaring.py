@@ -1,4 +1,4 @@
-"""Declarations: their place in the text, their allowed names, and the lines of taught ones."""
+"""Declarations: their place in the text, their allowed names, and the lines of taught declarations."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: 
     Args:
         around: the program.
         name: name of the frame.
-        pose: (4, 4) parent_from_frame [m].
-        parent: the frame in which it is fixed.
+        pose: parent_from_frame (4, 4) [m].
+        parent: the frame to which it is fixed.
         again: True to change the values of an existing FRAME line of this name.
 
     Raises:
@@ -140,7 +140,8 @@ def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = Fal
 
 
 def place_of_declarations(program: Program, line: int) -> int:
-    """Return the line after which a new declaration is inserted: after the others, before the first command.
+    """Return the line after which a new declaration is inserted: after the other declarations, before the
+    first command.
 
     Args:
         program: the program.
@@ -157,7 +158,7 @@ def place_of_declarations(program: Program, line: int) -> int:
     comments = {number for number, _ in program.sketch.module.comment_lines}
     while after + 1 in comments and after + 1 < min(first, line):
         after += 1
-    # A comment immediately above the first line may belong to that line.
+    # A comment directly above the first command may belong to this command.
     return after if after + 1 != first else 0
 
 
@@ -166,12 +167,12 @@ def _is_declaration(statement: Statement) -> bool:
 
 
 def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str:
-    """Return `JOINTS NAME ...` of joint positions, without units that DEFAULT gives.
+    """Return the line `JOINTS NAME ...` for joint positions, without units that DEFAULT gives.
 
     Args:
         around: the program.
         name: name of the declaration.
-        joints: (n,) [rad or m].
+        joints: (n,) joint positions [rad or m].
         holds: values that the line may omit.
     """
     kinds = joint_kinds(around.robot)
@@ -181,7 +182,8 @@ def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str
 
 
 def place_line(around: Around, head: str, joints: Array, holds: Holding, line: int) -> str:
-    """Return `FRAME {NAME} ...` or `POSE NAME ...` with the tool's pose in the base frame of the line.
+    """Return the line `FRAME {NAME} ...` or `POSE NAME ...` with the tool's pose in the base frame of the
+    line.
 
     Args:
         around: the program.
@@ -201,6 +203,6 @@ def place_line(around: Around, head: str, joints: Array, holds: Holding, line: i
 
 
 def units_part(units: dict[Kind, str], holds: Holding) -> tuple[str, ...]:
-    """Return the units in brackets that DEFAULT doesn't give; empty if it gives all."""
+    """Return the units in brackets that DEFAULT doesn't give; empty if it gives all of them."""
     needed = [unit for kind, unit in units.items() if kind not in holds.units]
     return (f"({','.join(needed)})",) if needed else ()

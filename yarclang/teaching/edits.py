@@ -1,4 +1,4 @@
-"""Changes of a text line by line, and the small edits that make them: all other bytes stay."""
+"""Changes of a text line by line, and the small edits that carry them out. All other bytes stay unchanged."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Edited:
     """A change of a text.
 
     Attributes:
-        edits: replacements in order, at places of the old text; they never overlap.
-        line: new line of the cursor, in the new text.
+        edits: replacements in order, at places of the old text, without overlaps.
+        line: line of the cursor in the new text.
         what: description of the change, in words.
     """
 
@@ -34,7 +34,7 @@ class Edited:
 
 
 def applied(text: str, edits: Iterable[Edit]) -> str:
-    """Return a text after some edits, whose places refer to the old text."""
+    """Return a text after some edits. The places of the edits are those of the old text."""
     lines = lines_with_ends(text)
     starts = [0]
     for line in lines:
@@ -71,7 +71,7 @@ class Program:
 
     @cached_property
     def end(self) -> str:
-        """Return the line end of most of the first lines: LF, CRLF or CR."""
+        """Return the line ending of most of the first lines: LF, CRLF or CR."""
         ends = [_end(line) for line in self.ended[:100]]
         return max(_ENDS, key=ends.count) if any(ends) else "\n"
 
@@ -82,7 +82,9 @@ class Program:
 
     @cached_property
     def unreadable(self) -> dict[int, int]:
-        """Return the number of rows of each statement that can't be parsed, by its first line."""
+        """Return the number of rows of each statement that can't be parsed, by the number of its first
+        line.
+        """
         module = self.sketch.module
         known = {one.line for one in module.statements} | {line for line, _ in module.comment_lines}
         firsts = known | set(module.unreadable_lines)
@@ -100,7 +102,7 @@ class Program:
 
     @cached_property
     def lost(self) -> dict[tuple[str, bool], list[int]]:
-        """Return the lines with names that aren't declared above them, by name and True for a frame."""
+        """Return the lines with names that aren't declared above them, by pairs (name, True for a frame)."""
         found: dict[tuple[str, bool], list[int]] = {}
         for use in self.sketch.names.uses:
             if use.symbol is None and not use.module:
@@ -111,7 +113,7 @@ class Program:
         """Check that a line exists.
 
         Args:
-            line: its number.
+            line: number of the line.
             least: smallest number that is allowed.
 
         Raises:
@@ -126,7 +128,7 @@ class Program:
         """Return the statement in a line.
 
         Raises:
-            Trouble: there is no statement, or it can't be parsed.
+            Trouble: there is no statement in the line, or it can't be parsed.
         """
         self.check_line(line)
         found = self.sketch.statement_at(line)
@@ -139,7 +141,7 @@ class Program:
         return found
 
     def last_row(self, line: int) -> int:
-        """Return the last line of the statement that contains a line; without one, the line itself."""
+        """Return the last line of the statement that contains a line; if there is none, the line itself."""
         found = self.sketch.statement_at(line)
         if found is not None:
             return found.line + found.rows - 1
@@ -154,13 +156,13 @@ class Program:
 
 @dataclass(slots=True)
 class Draft:
-    """Changes of a program that are being collected. Lines have the numbers of the old text.
+    """Changes of a program, collected before they are made. Line numbers are those of the old text.
 
     Attributes:
         program: the program to change.
-        changed: new contents of lines.
-        added: lines to insert after a line, without their ends; 0 is the beginning.
-        gone: lines to remove.
+        changed: new contents of lines, by line number.
+        added: rows to insert after a line, without line endings, by line number; 0 is the beginning.
+        gone: numbers of the lines to remove.
         notes: remarks for the description of the change.
     """
 
@@ -171,11 +173,11 @@ class Draft:
     notes: list[str] = field(default_factory=list)
 
     def content(self, line: int) -> str:
-        """Return the present content of a line."""
+        """Return the content of a line with the changes so far."""
         return self.changed.get(line, self.program.content(line))
 
     def add(self, after: int, *rows: str) -> None:
-        """Add rows after a line, after those that were added there before."""
+        """Add rows after a line, below rows that were added there before."""
         self.added.setdefault(after, []).extend(rows)
 
     def new_line(self, after: int) -> int:
@@ -190,10 +192,10 @@ class Draft:
         return sum(len(rows) for after, rows in self.added.items() if after < line)
 
     def finished(self, line: int, what: str) -> Edited:
-        """Return the edits, after checking their result.
+        """Check the result of the changes, and return the edits.
 
         Args:
-            line: new line of the cursor, in the new text.
+            line: line of the cursor in the new text.
             what: description of the change.
 
         Raises:
@@ -262,7 +264,7 @@ class Draft:
         return tuple(sorted(edits, key=lambda one: one.span))
 
     def _is_open_end(self) -> bool:
-        """Return True if the last line is removed and has no line end."""
+        """Return True if the last line is removed and has no line ending."""
         program = self.program
         return program.size in self.gone and not _end(program.ended[-1])
 
@@ -272,7 +274,7 @@ def _end(line: str) -> str:
 
 
 def _stretches(lines: set[int]) -> Iterable[tuple[int, int]]:
-    """Yield the first and last line of each run of consecutive lines."""
+    """Yield the first and the last line of each run of consecutive lines."""
     ordered = sorted(lines)
     first = 0
     for number, line in enumerate(ordered):
@@ -292,13 +294,13 @@ def _inside(line: int, old: str, new: str) -> Edit | None:
 
 
 def _alike(one: str, other: str) -> int:
-    """Return the length of the common beginning."""
+    """Return the length of the common prefix of two texts."""
     shorter = min(len(one), len(other))
     return next((at for at in range(shorter) if one[at] != other[at]), shorter)
 
 
 def _losses(before: Program, after: Program) -> Iterable[str]:
-    """Yield the names that lines no longer find above them."""
+    """Yield a sentence for each name that lines use although it isn't declared above them any more."""
     for (name, is_frame), lines in after.lost.items():
         if len(lines) > len(before.lost.get((name, is_frame), ())) and before.sketch.names.declared(
             name, is_frame

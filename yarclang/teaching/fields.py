@@ -1,4 +1,4 @@
-"""The parts of a command that people change one by one, and their places in the text."""
+"""The parts of a command that users change individually, and their places in the text."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FieldKind = Literal["number", "percent", "choice", "frame", "joints", "pose", "s
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
 _DECLARED_POSES = ("FRAME", "FRAME_QUAT", "POSE")
 _COUNTED = 64
-"""Largest number of way-points whose values are fields; the rest of a longer list has none."""
+"""Largest number of way-points whose values are fields. Further way-points of a list have no fields."""
 
 
 @frozen
@@ -34,11 +34,11 @@ class Field:
 
     Attributes:
         name: identifier of the field within its command.
-        label: name that is shown.
+        label: name that is displayed.
         kind: kind of the value.
         value: text of the value; empty if the part is left out.
         unit: unit of the value; empty for none.
-        choices: possible values, if they are known here.
+        choices: possible values; empty if they aren't known here.
     """
 
     name: str
@@ -58,9 +58,9 @@ class Placed:
 
     Attributes:
         field: the field.
-        part: kind of part in the statement.
-        place: the replaced place; None if the part is missing.
-        form: the inserted text, with `@` for the value.
+        part: kind of the part in the statement.
+        place: place of the part; None if the part is missing.
+        form: text to insert, with `@` for the value.
     """
 
     field: Field
@@ -104,7 +104,7 @@ class Reader:
                 yield _frame("base", "Base frame", statement.base, "base")
         elif word == "TABLE" and statement.index is None:
             first = statement.waypoints[0].values if statement.waypoints else ()
-            # The word after the name, POSE or JOINTS, tells the kind if the values aren't numbers.
+            # If the values aren't numbers, the word POSE or JOINTS after the name determines their meaning.
             kind = first[1].name if len(first) > 1 and isinstance(first[1], Word) else ""
             for row, point in enumerate(statement.waypoints):
                 for column, value in enumerate(point.values[1 + bool(kind) :] if row == 0 else point.values):
@@ -133,7 +133,7 @@ class Reader:
         if statement.time or statement.units or statement.base or statement.options:
             yield from self._tail(statement, spec, meant)
             return
-        # Most lines of a long program leave all of these parts to DEFAULT.
+        # Shortcut: in a long program, most lines leave all of these parts to DEFAULT.
         key = (spec.name, of_joints)
         if key not in self._tails:
             self._tails[key] = tuple(self._tail(statement, spec, meant))
@@ -183,7 +183,7 @@ class Reader:
                 yield Placed(field, "value", point.time.place, "[@]")
 
     def _columns(self, meaning: Values, count: int) -> tuple[tuple[str, str], ...]:
-        """Return label and unit of each value."""
+        """Return the label and the unit of each value."""
         key = (meaning, count, *self._units.values())
         if key not in self._known:
             labels = meaning.labels(self._joints or _JOINTS[:count])
@@ -256,7 +256,9 @@ def slot_fields(slots: Sequence[Slot], values: Sequence[Value]) -> Iterator[Plac
 
 
 def fields_of(slots: Sequence[Slot]) -> tuple[Field, ...]:
-    """Return an empty field for each value of an action. Several fields of a kind get numbered names."""
+    """Return an empty field for each value of an action. If there are several fields of one kind, their
+    names get numbers.
+    """
     found: list[Field] = []
     for slot in slots:
         name, label, kind = _SLOTS[slot]
@@ -282,9 +284,9 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression of a LET, FUNC, SET, IF, WHEN or WAIT.
+    """Return the place of the expression in a LET, FUNC, SET, IF, WHEN or WAIT.
 
-    This is the code after the equals sign or the first word, up to a time.
+    The expression is the code after the equals sign or after the first word, up to a time.
     """
     from yarclang.syntax.lines import code_of
 
@@ -318,7 +320,7 @@ def _frame(name: str, label: str, frame: FrameName | None, part: Part) -> Placed
 def _absent(
     name: str, label: str, kind: FieldKind, unit: str, part: Part, form: str, choices: tuple[str, ...] = ()
 ) -> Placed:
-    """Return the field of a missing part. Most commands lack most parts."""
+    """Return the field of a missing part. It is cached, because most commands lack most parts."""
     return Placed(Field(name, label, kind, "", unit, choices), part, None, form)
 
 
@@ -335,7 +337,9 @@ def _inner(statement: Statement) -> str:
 
 
 def _times(statement: Statement, *, has_speed: bool, unit: str, speed: str) -> Iterator[Placed]:
-    """Yield time, share of the limits, speed and largest speed. The square brackets contain one of them."""
+    """Yield the fields for time, share of the limits, speed and largest speed. The square brackets contain
+    only one of them.
+    """
     if statement.time is None:
         yield _absent("time", "Time", "number", unit, "time", "[@]", ("MIN",))
         yield _absent("percent", "Speed, share of the limits", "percent", "%", "time", "[@%]")
@@ -391,7 +395,7 @@ def _options_of_table(statement: Statement) -> Iterator[Placed]:
 
 
 def _allowed(statement: Statement, given: dict[str, Option]) -> Iterator[Placed]:
-    """Yield the field of ALLOW; none for several pairs, which are edited in the text."""
+    """Yield the field of ALLOW. There is no field for several pairs: they are edited in the text."""
     if sum(option.word.name == "ALLOW" for option in statement.options) < 2:
         yield _option(given, "ALLOW", "Bodies that may touch (two names)", "text", "")
 

@@ -1,6 +1,6 @@
-"""Forms for new commands, and the lines made from them.
+"""Forms for new commands, and the lines that result from them.
 
-The forms are built from the descriptions of the commands and the documentation of the modules.
+The forms are built from the descriptions of the commands and from the documentation of the modules.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Form:
 
     Attributes:
         command: name of the command; `CALL PICKPLACE.PICK` for a CALL of a SUB; "!" for a comment.
-        label: name that is shown.
+        label: name that is displayed.
         summary: what the command does.
         fields: fields to fill in, with proposed values.
     """
@@ -62,7 +62,7 @@ class Known:
         joints: names of joint positions.
         poses: names of poses.
         registers: names of registers.
-        subs: documentation by module name; "" is the program itself.
+        subs: documentation of SUBs by module name; "" is the program itself.
     """
 
     inputs: tuple[str, ...] = ()
@@ -202,7 +202,7 @@ def _parameters(sub: SubText, names: Known) -> Iterator[Field]:
 
 
 def _parameter(one: ParameterText, value: str, names: Known) -> Field:
-    """Return the field of a parameter. The proposed names depend on the words in its meaning."""
+    """Return the field of a parameter. Which names are proposed depends on the words in its description."""
     word, _, unit = one.name.partition(" (")
     label = f"{word}: {one.meaning}" if one.meaning else word
     if word.startswith("{"):
@@ -233,11 +233,11 @@ def _last(names: tuple[str, ...]) -> str:
 
 
 def put_in(around: Around, after: int, command: str, fields: Mapping[str, str]) -> Edited:
-    """Insert the command of a form that was filled in.
+    """Insert the command of a form whose fields are filled in.
 
     Args:
         around: the program.
-        after: line after which the command is inserted.
+        after: number of the line after which the command is inserted.
         command: name of the form.
         fields: texts by field name.
 
@@ -339,7 +339,7 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
 def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], holds: Holding) -> str:
     """Return the line of an action.
 
-    If values are optional and neither a signal nor a text is given, they are left out.
+    Values that are optional are left out if neither a signal nor a text is given.
     """
     slots = spec.fullest.slots
     names = [one.name for one in fields_of(slots)]

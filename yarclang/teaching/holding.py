@@ -1,4 +1,4 @@
-"""The context of a line: units, frames and times of DEFAULT, and the poses of frames and robot."""
+"""The context of a line: units, frames and times from DEFAULT, and the poses of frames and of the robot."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM, UNITS, Kind, number_text
 
 _FINEST: Mapping[Kind, float] = {"length": 0.01 * MM, "angle": 0.001 * DEG}
-"""Resolution of the last digit of a taught number [m or rad]."""
+"""Resolution of the last digit of a taught number [m or rad], by kind."""
 
 _DIGITS_OF_QUATERNION = 7
 
@@ -37,7 +37,7 @@ class Holding:
         moving: moving frame, without braces; empty if the line must name one.
         base: base frame, without braces; empty if the line must name one.
         time: motion time in its brackets; empty if the line must give one.
-        units: names of the given units by kind.
+        units: names of the units that DEFAULT gives, by kind.
     """
 
     moving: str
@@ -55,7 +55,7 @@ def holding(program: Program, line: int, *, declares: bool = False) -> Holding:
 
     Args:
         program: the program.
-        line: the line. For a command's line, DEFAULT may stand below.
+        line: number of the line. For a command, DEFAULT may also be below the line.
         declares: True for the line of a declaration.
     """
     default = program.sketch.default
@@ -88,7 +88,7 @@ class Around:
 
     Attributes:
         program: the program.
-        robot: its robot.
+        robot: robot of the program.
         request: the settings for compiling the program.
         scope: meanings of the names outside of blocks.
     """
@@ -103,8 +103,8 @@ class Around:
 
         Args:
             name: name without braces.
-            line: the line; the number after the last one for the end.
-            moves: True if the frame must be one that the robot moves; otherwise it must be fixed.
+            line: number of the line; one more than the last for the end of the program.
+            moves: True if the frame must move with the robot; False if it must be stationary.
 
         Raises:
             Trouble: the frame's pose isn't known.
@@ -136,10 +136,10 @@ class Around:
         """Return base_from_moving (4, 4) [m] at joint positions.
 
         Args:
-            joints: (n,) [rad or m].
+            joints: (n,) joint positions [rad or m].
             moving: the moving frame.
             base: the base frame.
-            line: the line that names both frames.
+            line: number of the line that names both frames.
 
         Raises:
             Trouble: one of the frames isn't known in the line.
@@ -150,12 +150,12 @@ class Around:
 
     @property
     def tool(self) -> str:
-        """Return the moving frame of a line in a program that names none: {TCP}, otherwise {FLANGE}."""
+        """Return the moving frame of a line for which the program names none: {TCP}, otherwise {FLANGE}."""
         return "TCP" if "TCP" in self.robot.flange_from_frame else "FLANGE"
 
 
 def around(program: Program, folder: Path, robot: Robot) -> Around:
-    """Resolve a program's names. Motions aren't planned, and errors in them are ignored.
+    """Resolve the names of a program. Motions aren't planned, and errors in motions are ignored.
 
     Args:
         program: the program.
@@ -163,7 +163,7 @@ def around(program: Program, folder: Path, robot: Robot) -> Around:
         robot: the connected robot.
 
     Raises:
-        Trouble: the program is for another robot, or it can't be opened.
+        Trouble: the program is for another robot, or can't be opened.
     """
     source, module = program.source, program.sketch.module
     if not module.statements and not module.unreadable_lines:
@@ -183,11 +183,11 @@ def around(program: Program, folder: Path, robot: Robot) -> Around:
 
 
 def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> list[str]:
-    """Return joint positions as they are written, within the robot's limits.
+    """Return joint positions as texts for a program, within the robot's limits.
 
     Args:
         robot: the robot.
-        joints: (n,) [rad or m].
+        joints: (n,) joint positions [rad or m].
         units: units of the texts, by kind.
     """
     numbers = []
@@ -206,12 +206,12 @@ def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> lis
 
 
 def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = False) -> list[str]:
-    """Return a pose as it is written: x y z roll pitch yaw, or x y z qx qy qz qw.
+    """Return a pose as texts for a program: x y z roll pitch yaw, or x y z qx qy qz qw.
 
     Args:
-        pose: (4, 4) [m].
+        pose: (4, 4) the pose [m].
         units: units of the texts, by kind.
-        quaternion: True for an orientation as a quaternion.
+        quaternion: True to write the orientation as a quaternion.
     """
     place = position_numbers(pose[:3, 3], units)
     if quaternion:
@@ -222,13 +222,13 @@ def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = F
 
 
 def position_numbers(position: Array, units: Mapping[Kind, str]) -> list[str]:
-    """Return a position (3,) [m] as it is written."""
+    """Return a position (3,) [m] as texts for a program."""
     unit = units["length"]
     return [number_text(one, _digits("length", unit)) for one in (position / UNITS[unit].factor).tolist()]
 
 
 def quaternion_of(rotation: Array) -> list[float]:
-    """Return the quaternion x y z w of a rotation (3, 3); w isn't negative."""
+    """Return the unit quaternion x y z w of a rotation (3, 3), with w >= 0."""
     from scipy.spatial.transform import Rotation
 
     found: list[float] = Rotation.from_matrix(rotation).as_quat(canonical=True).tolist()

@@ -1,4 +1,4 @@
-"""Indices of inserted commands, and indentation."""
+"""Indices and indentation of inserted commands."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _INDENT = "  "
 
 
 def index_of(line: str) -> int | None:
-    """Return the index at the beginning of a line, even of one that can't be parsed."""
+    """Return the index at the beginning of a line, even if the line can't be parsed."""
     match = _INDEX.match(line)
     return int(match[1]) if match and len(match[1]) <= LONGEST_INDEX else None
 
 
 def shown_index(number: int) -> str:
-    """Return an index as it is written."""
+    """Return an index as text for a program."""
     return f"P{number:04d}"
 
 
@@ -74,7 +74,7 @@ def _between(low: int, high: int, count: int, taken: set[int]) -> list[int]:
 
 
 def index_for(draft: Draft, after: int) -> int:
-    """Return an index for a command after a line, renumbering the commands if there is no room."""
+    """Return an index for a command after a line. If there is no room, the commands are renumbered."""
     found = free_indices(draft.program, after, 1)
     if found:
         return found[0]
@@ -86,7 +86,7 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
 
     Args:
         draft: receives the new indices.
-        after: line after which further commands will be inserted; -1 for none.
+        after: number of the line after which further commands will be inserted; -1 for none.
         room: number of these commands.
 
     Returns:
@@ -119,7 +119,7 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
 
 
 def indentation(program: Program, after: int) -> str:
-    """Return the indentation of a new line after a line, that of its neighbours."""
+    """Return the indentation of a new line after a line, which is that of its neighbours."""
     statements = program.sketch.module.statements
     above = [one for one in statements if one.line <= after]
     below = next((one for one in statements if one.line > after), None)

@@ -1,4 +1,4 @@
-"""Whole lines: insert, delete, move and renumber commands."""
+"""Operations on whole lines: insert, delete, move and renumber commands."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def insert(program: Program, after: int, code: str, *, has_index: bool = True, u
 
     Args:
         program: the program.
-        after: line after which the new line is inserted; 0 is the beginning.
+        after: number of the line after which the new line is inserted; 0 is the beginning.
         code: the line without index and indentation.
         has_index: True if the line is a command.
         use: module that the line needs; a USE line is inserted if it is missing.
@@ -77,7 +77,7 @@ def delete(program: Program, first: int, last: int) -> Edited:
 
 
 def _whole(program: Program, lines: set[int]) -> set[int]:
-    """Return lines with all rows of their statements and blocks."""
+    """Return the given lines, extended to all rows of their statements and blocks."""
     whole = set(lines)
     for line in lines:
         statement = program.sketch.statement_at(line)
@@ -129,10 +129,10 @@ def move(program: Program, line: int, before: int) -> Edited:
     Args:
         program: the program.
         line: line of the statement, or first line of the block.
-        before: line before which it is inserted; the number of lines plus one for the end.
+        before: number of the line before which it is inserted; the number of lines plus one for the end.
 
     Raises:
-        Trouble: it isn't allowed there.
+        Trouble: the statement or block isn't allowed there.
     """
     program.check_line(line)
     if not 1 <= before <= program.size + 1:
@@ -168,7 +168,7 @@ def _called(count: int, first: int) -> str:
 
 
 def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
-    """Return the indentation after a line as if some lines were missing."""
+    """Return the indentation after a line if some other lines were missing."""
     statements = [one for one in program.sketch.module.statements if one.line not in without]
     above = max((one.line for one in statements if one.line <= after), default=0)
     head = next((one for one in statements if one.line == above), None)
@@ -183,7 +183,7 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
 
 
 def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
-    """Return lines with another indentation. All lines are shifted by as much as the first one."""
+    """Return lines with a new indentation of the first line. The others are shifted by the same amount."""
     old, rows = program.indent(lines[0]), []
     for line in lines:
         text = program.content(line)
@@ -194,7 +194,9 @@ def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
 
 
 def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) -> list[str]:
-    """Return rows with indices between those of their new neighbours, unless theirs fit already."""
+    """Return rows with indices between those of their new neighbours. Indices that already fit stay
+    unchanged.
+    """
     with_index = [(at, number) for at, row in enumerate(rows) if (number := index_of(row)) is not None]
     if not with_index:
         return rows

@@ -29,16 +29,16 @@ class Listed:
     """A command, a declaration, a comment line or a line that can't be parsed.
 
     Attributes:
-        line: its first line.
+        line: number of its first line.
         rows: number of lines.
-        depth: number of blocks around it.
+        depth: number of blocks that contain it.
         kind: kind of the line; "other" for comment lines and lines that can't be parsed.
-        index: the index as it is written; empty without one.
+        index: the index as written; empty if there is none.
         name: name of the command in upper case; "!" for a comment, "?" for a line that can't be parsed.
         title: name and values.
         detail: time, units, base frame, options, comment.
         target: form of a motion's end; None if it has none.
-        taught: True if it can be touched up.
+        taught: True if its position can be touched up.
         fields: the parts that can be changed.
     """
 
@@ -63,8 +63,8 @@ def listing(
     Args:
         source: the text.
         joints: names of the robot's joints; None for J1 and so on.
-        lines: first and last line with fields; None for all lines, unless there are more than
-            `MOST_WITH_FIELDS`.
+        lines: first and last line for which fields are listed; None for all lines of a text of up to
+            `MOST_WITH_FIELDS` lines, and for none of a longer text.
     """
     program = Program(source)
     if lines is None:
@@ -73,9 +73,10 @@ def listing(
 
 
 MOST_WITH_FIELDS = 1_000
-"""Largest number of lines that have fields without a request for them.
+"""Largest number of lines for which fields are listed without a request.
 
-With more, a browser would load megabytes after each edit, and nobody looks at all fields.
+In a longer program, a browser would have to load megabytes after each edit, although nobody looks at all
+fields.
 """
 
 
@@ -109,7 +110,7 @@ class _Lister:
         depth = 0
         for line, one in sorted(found, key=lambda entry: entry[0]):
             if isinstance(one, Statement):
-                # A line that belongs to no block has no depth of its own.
+                # A line that is in no block structure keeps the depth of the line before.
                 depth = self._depths.get(line, depth)
                 yield self._statement(one, depth)
                 depth += opens_block(one) or one.name.name in ("ELSE", "OF")
@@ -159,7 +160,8 @@ class _Lister:
     def _is_joints(self, one: Statement, of_joints: bool) -> bool:
         """Return True if a motion ends at joint values.
 
-        A name as target means joint values after any suffix, unless it is the name of a pose.
+        If the goal is a name, it stands for joint values, whatever the suffix of the command, unless it is
+        the name of a pose.
         """
         values = one.waypoints[-1].values if one.waypoints else ()
         if len(values) == 1 and isinstance(word := values[0], Word):
@@ -168,8 +170,8 @@ class _Lister:
         return of_joints
 
     def _texts(self, one: Statement) -> tuple[str, str]:
-        """Return title and detail: the code before time, units, base frame and options; the rest with the
-        comment.
+        """Return the title of a command (its code before time, units, base frame and options) and its detail
+        (the rest, with the comment).
         """
         if one.rows == 1:
             return self._text(one)

@@ -1,4 +1,4 @@
-"""Taught motions: lines made from the robot's present position."""
+"""Taught motions: lines created from the robot's present position."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Motion = Literal["MOVEJ", "MOVEL", "MOVEC", "DMOVE"]
 Target = Literal["joints", "pose"]
 
 _TIME = "50%"
-"""Motion time if neither DEFAULT nor the person gives one."""
+"""Motion time if neither DEFAULT nor the user gives one."""
 
 _HEADERS = ("ROBOT", "CELL", "DEFAULT", "START")
 
@@ -44,8 +44,9 @@ class Taught:
         target: form of the motion's end: joint values or a pose. Cartesian motions end at a pose.
         via: (n,) joint positions at the point that MOVEC passes through [rad or m].
         name: name of a POSE or JOINTS declaration for the end; empty to write the values into the line.
-        axes: for DMOVE: "base" for the base frame of the line, "tool" for the moving frame.
-        time: text in the square brackets; empty for the time of DEFAULT, otherwise [50%].
+        axes: axes of a DMOVE: "base" for those of the line's base frame, "tool" for those of the moving
+            frame.
+        time: text in the square brackets; empty for the time of DEFAULT, or [50%] if DEFAULT gives none.
     """
 
     motion: Motion
@@ -61,12 +62,12 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
 
     Args:
         around: the program.
-        after: line after which the motion is inserted; 0 is the beginning.
+        after: number of the line after which the motion is inserted; 0 is the beginning.
         taught: the motion.
         joints: (n,) present joint positions [rad or m].
 
     Raises:
-        Trouble: the motion can't be taught there; the message says why.
+        Trouble: the motion can't be taught there; the message is the reason.
     """
     program = around.program
     if taught.target == "joints" and taught.motion != "MOVEJ":
@@ -90,13 +91,13 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
 
 
 def place_of_command(draft: Draft, after: int) -> int:
-    """Return the line after which a command is inserted that is to follow a line.
+    """Return the line after which a command is inserted so that it follows a given line.
 
     The place is outside of way-point lists, and below ROBOT, CELL, DEFAULT and START.
 
     Args:
-        draft: the changes; receives a note if the place differs.
-        after: the wanted line.
+        draft: the changes; it receives a note if the place isn't the requested one.
+        after: number of the requested line.
 
     Raises:
         Trouble: there is no such line.
@@ -118,12 +119,14 @@ def place_of_command(draft: Draft, after: int) -> int:
 
 
 def _outermost(program: Program, after: int) -> int:
-    """Return the first line of the outermost block open after a line; without one, the next line."""
+    """Return the first line of the outermost block that is open after a line; if there is none, the next
+    line.
+    """
     return next((one.head.line for one in blocks_around(program.sketch.nodes, after)), after + 1)
 
 
 class _Maker:
-    """Writes lines to insert after a line, as short as DEFAULT allows."""
+    """Writer of lines that are inserted after a line, as short as DEFAULT allows."""
 
     def __init__(self, around: Around, holds: Holding, after: int) -> None:
         self._around = around
@@ -133,7 +136,7 @@ class _Maker:
         self._base = holds.base or BASE
 
     def line(self, taught: Taught, joints: Array) -> str:
-        """Return the source line of a taught motion without its index, such as P0030.
+        """Return the line of a taught motion without an index such as P0030.
 
         Args:
             taught: the motion.
@@ -171,7 +174,7 @@ class _Maker:
         return " ".join(filter(None, parts))
 
     def _units(self, units: dict[Kind, str], taught: Taught) -> tuple[str, ...]:
-        """Return the units that the line has to name. A time in the line needs a unit as well."""
+        """Return the units that the line has to name. A time in the line also needs a unit."""
         time = taught.time.upper()
         if time and time != "MIN" and not time.endswith("%"):
             units = {**units, "time": self._holds.unit("time")}
@@ -226,5 +229,5 @@ class _Maker:
 
 
 def _is_speed(time: str) -> bool:
-    """Return True if a motion time is a speed to keep, rather than a largest speed."""
+    """Return True if a motion time is a speed to keep, and not a largest speed."""
     return time[:1].upper() == "V" and "<=" not in time

@@ -1,4 +1,4 @@
-"""Points of motions that can be taught again, and how they are changed."""
+"""Points of motions that can be touched up, and the changes of their numbers."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ _DECLARED: Mapping[str, Values] = {
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A point that can be taught again: numbers of a statement or of the declaration that the statement
-    names.
+    """A point that can be touched up: the numbers are in a statement, or in the declaration that the
+    statement names.
 
     Attributes:
         statement: the statement with the numbers.
@@ -54,7 +54,7 @@ class Point:
 def meanings(statement: Statement) -> tuple[Values, ...]:
     """Return the meanings of the values of each way-point.
 
-    Empty if the statement is neither a motion nor a declaration with a position.
+    The result is empty if the statement is neither a motion nor a declaration with a position.
     """
     word = statement.name.name
     if statement.index is None and word in _DECLARED:
@@ -73,13 +73,13 @@ def meanings(statement: Statement) -> tuple[Values, ...]:
 def point_of(
     sketch: Sketch, statement: Statement, number: int = 0, meant: tuple[Values, ...] = ()
 ) -> Point | None:
-    """Return a point of a statement that can be taught again; None if it can't be.
+    """Return a point of a statement; None if it can't be touched up.
 
     Args:
         sketch: structure of the text.
         statement: a motion, or a declaration of a frame, a pose or joints.
         number: number of the way-point, from 1; 0 for the last one.
-        meant: meanings of its way-points, if they are known already.
+        meant: meanings of its way-points, if already known.
     """
     meant = meant or meanings(statement)
     if not meant or not -1 <= number - 1 < len(meant):
@@ -91,7 +91,7 @@ def point_of(
     if len(values) == 1 and isinstance(word := values[0], Word):
         symbol = sketch.names.meant(word.name, False, statement.line)
         point = _declared(sketch, symbol, None)
-        # A way-point without an orientation uses only a part of a pose.
+        # A way-point without an orientation has only a part of the values of a pose.
         return None if meaning is Values.POSITION else point
     if not all(isinstance(one, Number) for one in values) or not values:
         return None
@@ -108,14 +108,14 @@ def point_of(
 
 
 def own_values(statement: Statement, waypoint: WayPoint) -> tuple[Value, ...]:
-    """Return the values of a way-point; for JOINTS and POSE those after the name."""
+    """Return the values of a way-point; for JOINTS and POSE, the values after the name."""
     if statement.index is None and statement.name.name in ("JOINTS", "POSE"):
         return waypoint.values[1:]
     return waypoint.values
 
 
 def _declared(sketch: Sketch, symbol: Symbol | None, wanted: Values | None) -> Point | None:
-    """Return the point of a declaration outside of blocks, if its values are numbers."""
+    """Return the point of a declaration that is outside of blocks and whose values are numbers."""
     if symbol is None or symbol.inside or sketch.names.declared(symbol.name, symbol.is_frame) is not symbol:
         return None
     statement = symbol.statement
@@ -137,7 +137,7 @@ def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edite
         number: number of the way-point, from 1; 0 for the last one.
 
     Raises:
-        Trouble: the point can't be touched up; the message says why.
+        Trouble: the point can't be touched up; the message is the reason.
     """
     program = around.program
     statement = program.statement(line)
@@ -165,7 +165,7 @@ def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edite
 
 
 def _differs(one: Number, new: str) -> bool:
-    """Return True if a number differs in value from another text."""
+    """Return True if the values of two numbers, given as texts, differ."""
     return one.value != float(new)
 
 
@@ -203,7 +203,7 @@ def _numbers(around: Around, asked: Statement, point: Point, joints: Array) -> l
 
     Args:
         around: the program.
-        asked: the motion or declaration in the line to change.
+        asked: the motion or declaration that the user has selected.
         point: the point.
         joints: (n,) present joint positions [rad or m].
     """

@@ -1,4 +1,4 @@
-"""Templates: files of the standard library that are filled in with places in the robot's reach."""
+"""Templates: files of the standard library that are filled in with places within the robot's reach."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ _MARK = re.compile(r"@([A-Z]+)((?: [A-Z0-9.-]+)*)@")
 _TRIED = 3000
 _WIDEST = 75.0 * DEG
 _SHARES = (0.08, 0.05, 0.03)
-"""Distances of the places from READY as shares of the reach. The first share that can be proved is used."""
+"""Distances of the places from READY, as shares of the reach. The first share for which the program can be
+proved is used.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +39,8 @@ class Asked:
     """A value to fill in: the name of a signal, or a number.
 
     Attributes:
-        mark: name in the file of the template.
-        label: name that is shown.
+        mark: name of the value in the file of the template.
+        label: name that is displayed.
         kind: kind of the value.
         value: proposed value.
         least: smallest number.
@@ -98,7 +100,7 @@ class Template:
 
     Attributes:
         name: name of its file.
-        title: name that is shown.
+        title: name that is displayed.
         summary: what the program does.
         fields: fields to fill in, with proposed values.
     """
@@ -124,7 +126,7 @@ def _text(name: str) -> str:
 
 
 def filled(name: str, robot: Robot, fields: Mapping[str, str], share: float = _SHARES[0]) -> str:
-    """Return the text of a template for a robot.
+    """Return the text of a template that is filled in for a robot.
 
     Args:
         name: name of the template.
@@ -133,7 +135,7 @@ def filled(name: str, robot: Robot, fields: Mapping[str, str], share: float = _S
         share: distance of the places from READY, as a share of the robot's reach.
 
     Raises:
-        Trouble: there is no such template, a value isn't allowed, or the robot can't perform it.
+        Trouble: there is no such template, a value isn't allowed, or the robot can't execute the program.
     """
     if name not in _TITLES:
         known = ", ".join(_TITLES)
@@ -177,7 +179,7 @@ _NOTHING = "!-"
 
 
 def _robot_line(robot: Robot) -> str:
-    """Return the ROBOT line of a robot in the library. Other robots are named by the project's yarc.toml."""
+    """Return the ROBOT line for a robot of the library. Other robots are named in the project's yarc.toml."""
     is_known = any(one.folder == robot.folder for one in list_robots())
     return f"ROBOT {robot.name}" if is_known else _NOTHING
 
@@ -244,7 +246,8 @@ def _value(asked: Asked, text: str) -> str:
 def _ready(robot: Robot) -> tuple[Array, float]:
     """Return a ready position (n,) [rad or m] and the reach [m].
 
-    The position has room around it and the tool pointing down, as far as possible.
+    Random positions are rated; the best one has room around it, is far from singularities, and its tool
+    points down.
     """
     lower, upper = robot.limits.lower, robot.limits.upper
     random = np.random.default_rng(0)
@@ -283,7 +286,7 @@ def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str
         folder: folder for the program.
 
     Raises:
-        Trouble: a value isn't allowed, or no places were found that can be proved.
+        Trouble: a value isn't allowed, or no places were found for which the program can be proved.
     """
     first = ""
     for share in _SHARES:

@@ -1,4 +1,4 @@
-"""Check what people type into fields, so that it can't change the meaning of a line."""
+"""Check of the texts that users type into fields, so that they can't change the meaning of a line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LONGEST = 1000
 
 
 def checked(name: str, kind: FieldKind, text: str) -> str:
-    """Return a field's text as it is inserted into a line; empty if the part is left out.
+    """Return the text of a field as it is inserted into a line; empty if the part is left out.
 
     Args:
         name: name of the field.
@@ -26,7 +26,7 @@ def checked(name: str, kind: FieldKind, text: str) -> str:
         text: the typed text.
 
     Raises:
-        Trouble: the text isn't allowed there.
+        Trouble: the text isn't allowed in this field.
     """
     text = text.strip()
     if len(text) > _LONGEST:

@@ -34,7 +34,7 @@ SIZES: Mapping[str, tuple[str, ...]] = {
 OF_SHAPES = tuple(dict.fromkeys(key for keys in SIZES.values() for key in keys))
 """The keys of any shape."""
 OF_MESHES = ("pieces",)
-"""The keys that a mesh may have as well, if it is a body."""
+"""Further keys that a mesh may have if it is a body."""
 
 
 class Sized(Protocol):
@@ -78,7 +78,8 @@ def has_its_keys(
     every: Sequence[str],
     dropped: Collection[Path],
 ) -> bool:
-    """Check that a table has the keys of its shape or rule, and none of another's; report findings.
+    """Check that a table has the keys of its shape or rule, and no keys of another shape or rule; report
+    findings.
 
     Args:
         table: the table.
@@ -96,7 +97,7 @@ def has_its_keys(
         given, at = getattr(table, key) is not None, (*path, key)
         if key in keys.needed and not given:
             sound = False
-            # Keys that every such table needs, or that have a wrong form, were reported already.
+            # Ignore keys that every such table needs, or that have a wrong form: these were reported already.
             if key not in table.required and at not in dropped:
                 missing_mistake(document, at, f", which {keys.what} needs").tell(file)
         elif given and key not in keys.needed and key not in keys.optional:
@@ -108,7 +109,7 @@ def has_its_keys(
 
 
 def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
-    """Return a shape without a file [m].
+    """Return a shape whose description needs no file [m].
 
     Args:
         shape: name of the shape.
@@ -137,7 +138,7 @@ def named_mesh(
         unit: unit of lengths in the file [m]; None if it isn't known.
         place: the TOML file, and the path of the name in it.
         folder: folder of the TOML file.
-        pieces: largest number of convex pieces that stand for the mesh; 0 for none.
+        pieces: largest number of convex pieces that replace the mesh; 0 for none.
     """
     file, path = place
     if FilePath(name).suffix.lower() not in MESHES:

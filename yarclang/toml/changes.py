@@ -1,6 +1,7 @@
-"""Small changes of a TOML text: of a value, a table, or an entry of an array of tables.
+"""Change a value, a table, or an entry of an array of tables in a TOML text.
 
-All other bytes stay as they are. Each change is read back, and refused if its meaning isn't the intended one.
+All other bytes stay unchanged. Each changed text is parsed again, and refused if its meaning isn't the
+intended one.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 class ChangeError(ValueError):
-    """The form of the file doesn't allow a small change: the user has to edit it."""
+    """The form of the file doesn't allow a small change, so that the user has to edit the file."""
 
 
 def printed(value: object) -> str:
-    """Return a value as TOML, in one line: a text, a boolean, a number, or a list or table of such values.
+    """Return a value as TOML on one line: a text, a boolean, a number, or a list or table of such values.
 
     Raises:
-        ChangeError: if TOML has no such value.
+        ChangeError: TOML has no such value.
     """
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -45,7 +46,8 @@ def printed(value: object) -> str:
 
 
 def with_value(source: SourceFile, path: Path, value: object) -> str:
-    """Return the text with another value. A new key becomes the last one of its table, added if needed.
+    """Return the text with another value. A new key becomes the last key of its table, which is added if it
+    is missing.
 
     Args:
         source: a text that tomllib accepts.
@@ -53,7 +55,7 @@ def with_value(source: SourceFile, path: Path, value: object) -> str:
         value: the new value.
 
     Raises:
-        ChangeError: if the form of the file doesn't allow the change.
+        ChangeError: the form of the file doesn't allow the change.
     """
     places = find_places(source)
     lines = source.text.split("\n")  # carriage returns stay at the ends of lines
@@ -139,7 +141,7 @@ def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
 
 
 def _checked(old: str, new: str, path: Path, value: object) -> str:
-    """Return the new text, if it differs from the old one only by the value at a path.
+    """Return the new text, after a check that it differs from the old one only by the value at a path.
 
     Args:
         old: the text before the change.
@@ -148,7 +150,7 @@ def _checked(old: str, new: str, path: Path, value: object) -> str:
         value: the new value; None if it was removed.
 
     Raises:
-        ChangeError: if it differs otherwise.
+        ChangeError: the texts differ elsewhere.
     """
     try:
         wanted, found = tomllib.loads(old), tomllib.loads(new)
@@ -169,7 +171,7 @@ def _put(data: dict[str, Any], path: Path, value: object) -> None:
     last = path[-1]
     if value is None:
         del here[last]
-        # The removal of the last entry of an array of tables removes the array.
+        # Removing the last entry of an array of tables removes the array.
         if not here and isinstance(last, int):
             _put(data, path[:-1], None)
     elif isinstance(last, int) and last == len(here):

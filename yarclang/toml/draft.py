@@ -1,4 +1,4 @@
-"""Reader of the tables of a TOML file, which turns errors of pydantic into findings for the user."""
+"""Read the tables of a TOML file, and turn errors of pydantic into findings for the user."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Mistake:
         path: path of the key.
         message: its message.
         help: its remedy.
-        at_key: True if it is at the key, not at the value.
+        at_key: True if the finding's place is the key, not the value.
         subject: subject of the finding.
     """
 
@@ -44,10 +44,10 @@ class Mistake:
 
 @frozen
 class Draft(Generic[D]):
-    """A file as far as it can be read.
+    """The part of a file that can be read.
 
     Attributes:
-        table: its content, without the dropped keys.
+        table: content of the file, without the dropped keys.
         dropped: the keys with a wrong form.
         mistakes: the mistakes, at least one for each dropped key.
     """
@@ -126,7 +126,9 @@ _TYPES = {
 
 
 def _wanted(document: type[Document], path: Path) -> str | None:
-    """Return the description of a key's values from its table; None without one, or for a list's entry."""
+    """Return the description of a key's values from its table; None without one, and for an entry of a
+    list.
+    """
     key = path[-1]
     return _table_at(document, path[:-1]).wanted.get(key) if isinstance(key, str) else None
 
@@ -170,7 +172,7 @@ def _missing(document: Document) -> Iterator[Path]:
 
 
 def missing_mistake(document: type[Document], path: Path, why: str = "") -> Mistake:
-    """Return the mistake for a missing required key; `why` ends its first sentence."""
+    """Return the mistake that a required key is missing; `why` ends its first sentence."""
     key = str(path[-1])
     example = document.examples.get(key)
     if len(path) == 1 and example is not None and example.startswith("it "):
@@ -206,7 +208,7 @@ def table_of(path: Path) -> str:
 
 
 def _key_of(path: Path) -> int:
-    """Return the index of the key in a path, which only numbers of entries follow."""
+    """Return the index of the key in a path; after the key, the path has only numbers of entries."""
     return max(at for at, part in enumerate(path) if isinstance(part, str))
 
 
@@ -223,7 +225,7 @@ def _table(path: Path) -> str:
 
 
 def _shown(value: Any) -> str:
-    """Return a value as a message shows it, cut if it is long."""
+    """Return a value as a message shows it, shortened if it is long."""
     if isinstance(value, int) and abs(value) >= 10**15:
         return "an integer of more than 15 digits"
     text = f'"{value}"' if isinstance(value, str) else repr(value)

@@ -36,7 +36,7 @@ class TomlFile:
         *,
         at_key: bool = False,
     ) -> None:
-        """Add a finding at the value of a key, or at the key.
+        """Add a finding at the value of a key, or at the key itself.
 
         Args:
             code: its code.
@@ -44,7 +44,7 @@ class TomlFile:
             message: its message.
             remedy: its help.
             subject: its subject.
-            at_key: True if it is at the key.
+            at_key: True for a finding at the key.
         """
         span = self.places.of_key(path) if at_key else self.places.of_value(path)
         self.findings.append(Diagnostic(code, message, self.source, span, remedy, subject=subject))
@@ -53,14 +53,14 @@ class TomlFile:
 def right_length(
     file: TomlFile, path: Path, values: Sequence[object], size: int, what: str, per: str
 ) -> bool:
-    """Check that a list has one entry per joint or motor; report a finding.
+    """Check that a list has one entry for each joint or motor; report a finding if it hasn't.
 
     Args:
         file: the file.
         path: path of the list.
         values: the list.
         size: number of joints or motors.
-        what: an entry in words.
+        what: words for an entry.
         per: "joint" or "motor".
 
     Returns:

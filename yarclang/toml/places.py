@@ -1,6 +1,6 @@
-"""Positions of the keys and values of a TOML text, since tomllib returns values without positions.
+"""Find the positions of the keys and values of a TOML text, because tomllib returns values without positions.
 
-tomllib must accept the text. Therefore the scanner checks nothing, and only finds positions.
+The text is one that tomllib accepts, so the scanner only finds positions and checks nothing.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ def find_places(source: SourceFile) -> Places:
 
 
 class _Scanner:
-    """Scanner of a text in one pass. Every method leaves `at` after the text that it has read."""
+    """Scanner of a text in one pass. After each method, `at` is the place after the text that the method
+    has read.
+    """
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -98,7 +100,7 @@ class _Scanner:
         self.value(path)
 
     def key(self, table: Path, *, resolve: bool) -> Path:
-        """Read a key, dotted or not, up to the equals sign or bracket after it, and return its path.
+        """Read a key with or without dots, up to the equals sign or bracket after it, and return its path.
 
         Args:
             table: path of the table.

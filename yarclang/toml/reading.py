@@ -1,4 +1,4 @@
-"""Reader of TOML files: from bytes to a text and its data, or to one finding."""
+"""Read TOML files: decode bytes to a text and its data, or return one finding."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ _LARGEST_FILE = 20_000_000
 
 
 def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
-    """Return the text of a file, or a finding, which has a position only if it is inside of the file.
+    """Return the text of a file, or a finding. The finding has a position only if it is about the content of
+    the file.
 
     Args:
         path: the file.

@@ -1,4 +1,6 @@
-"""Base classes of schemas of TOML files: strict tables, bounded numbers. Imports pydantic; import it late."""
+"""Base classes of schemas of TOML files: strict tables, bounded numbers. This imports pydantic, so import
+it late.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +10,19 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 LARGEST = 1e12
-"""Largest number, in any unit. Sums and products of larger ones lose digits."""
+"""Largest number, in any unit. Sums and products of larger numbers lose digits."""
 LEAST = 1e-6
-"""Least size, speed, acceleration, jerk and tolerance."""
+"""Smallest size, speed, acceleration, jerk and tolerance."""
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(ge=LEAST, le=LARGEST)]
 
 
 class Table(BaseModel):
-    """A table of a file, with strict types and no other keys.
+    """A table of a file, with strict types. Unknown keys are errors.
 
-    Required keys are optional for pydantic, so that the rest of a file with one bad value can still be
-    checked. Validators are built at their first use: only that of the whole file is needed.
+    For pydantic, required keys are optional, so that the rest of a file with one bad value can still be
+    checked. Validators are built when they are first used, since only that of the whole file is needed.
 
     Attributes:
         required: the required keys.

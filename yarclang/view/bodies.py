@@ -1,4 +1,4 @@
-"""The bodies, zones and frames of a robot and its cell as items of a picture."""
+"""Convert the bodies, zones and frames of a robot and its cell to items of a picture."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from yarclang.view import colours
 from yarclang.view.stage import Axes, Colour, Item
 
 MOST_AXES = 60
-"""Largest number of frames; more would cover the picture."""
+"""Largest number of frames that are shown. More frames would cover the picture."""
 _SHAPE_OPACITY = 0.35
 _PLANE = 2.4
-"""Edge length of the drawn piece of a half space's border [m]."""
+"""Edge length of the part of a half space's border that is drawn [m]."""
 
 
 def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return the items of a robot, and notes about shapes that can't be read.
 
-    These are the visual shapes of the links, or their collision shapes if there are none, and the mounted
+    The items are the visual shapes of the links, or their collision shapes if there are none, and the mounted
     tools.
     """
     visuals: dict[str, list[Item]] = {}
@@ -67,7 +67,8 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
 def collision_items(robot: Robot) -> tuple[Item, ...]:
     """Return the collision shapes of links that also have visual shapes.
 
-    The checks use these shapes, although others are shown. Shapes that can't be read are left out.
+    The checks use the collision shapes, although the visual shapes are shown. Shapes that can't be read are
+    left out.
     """
     seen = {one.link for one in visual_shapes(robot)}
     found = []
@@ -95,7 +96,7 @@ def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
 def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return the items of a cell, and notes about parts of it that can't be shown.
 
-    These are the obstacles, the attached tools, and the borders of zones.
+    The items are the obstacles, the attached tools, and the borders of zones.
     """
     items: list[Item] = []
     notes: list[str] = []
@@ -137,9 +138,9 @@ def _border(zone: Zone) -> tuple[Array, Solid] | None:
 def axes_of(
     robot: Robot, program: Program | None, cell: Cell | None, followed: str
 ) -> tuple[tuple[Axes, ...], tuple[str, ...]]:
-    """Return the frames to show, and a note about those left out.
+    """Return the frames to show, and a note about frames that are left out.
 
-    These are {B}, the robot's frames on its flange, the cell's frames, and the frames that commands use.
+    The frames are {B}, the robot's frames on its flange, the cell's frames, and the frames that commands use.
 
     Args:
         robot: robot with the frames on its flange.
@@ -175,7 +176,7 @@ def axes_of(
 
 
 def _used(robot: Robot, program: Program) -> Iterable[Axes]:
-    """Yield the frames in the chains that commands name."""
+    """Yield the frames that commands name, and the frames in which they are given in turn."""
     done: set[int] = set()
     for step in program.steps:
         if isinstance(step, Gap):
@@ -193,7 +194,7 @@ def _used(robot: Robot, program: Program) -> Iterable[Axes]:
 
 
 def _rooted(link: FrameLink) -> tuple[str, Array]:
-    """Return the root of a frame's chain, and the frame's pose there."""
+    """Return the root of a frame's chain of parents, and the frame's pose in this root."""
     pose = link.parent_from_frame
     while link.parent is not None and link.parent.parent is not None:
         link = link.parent
@@ -208,7 +209,7 @@ def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bo
 
 
 def _link_colour(joint: int) -> Colour:
-    """Return one of two tones in turn, so that links differ in colour where they meet."""
+    """Return one of two tones in turn, so that neighbouring links differ in colour."""
     return colours.LINK if joint % 2 == 0 else colours.JOINT_BODY
 
 

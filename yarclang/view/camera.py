@@ -1,5 +1,5 @@
-"""The first view of a stage: near, from above, and from the side with the fewest obstacles in front of the
-robot.
+"""Choose the first view of a stage: near, from above, and from the side with the fewest obstacles between the
+eye and the robot.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def first_view(stage: Stage) -> tuple[Array, Array]:
     points = np.concatenate([stage.way.points, *_corners(stage, around=False)])
     points = points[:: -(-len(points) // _MOST_POINTS)]
     angles = _FIRST + np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
-    # From the usual side outwards: of equally good sides, the nearest to the usual one is chosen.
+    # Begin at the usual side: of equally good sides, the one nearest to it is chosen.
     order = np.argsort(
         np.abs(np.arange(_AROUND) - _AROUND * (np.arange(_AROUND) > _AROUND // 2)), kind="stable"
     )
@@ -70,7 +70,7 @@ def hidden(eye: Array, points: Array, triangles: Array) -> int:
 
 
 def _corners(stage: Stage, *, around: bool) -> list[Array]:
-    """Return the corners of the robot's bodies at the start, with `around` also those of obstacles."""
+    """Return the corners of the robot's bodies at the start; with `around` also those of obstacles."""
     moved = moved_by(stage.robot.chain, stage.track.at(np.zeros(1))[0][0])
     found = []
     for item in stage.items:

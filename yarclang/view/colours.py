@@ -25,8 +25,8 @@ ZONES: dict[str, Colour] = {
 }
 SEVERITIES: dict[str, Colour] = {"error": (214, 40, 40), "warning": (236, 146, 16), "note": (30, 120, 220)}
 
-# Anchors of viridis, and of a ramp from red by yellow to blue. Its lightness makes it readable with any
-# colour vision.
+# Anchors of viridis, and of a ramp from red through yellow to blue. The lightness of this ramp varies so that
+# people with any kind of colour vision can read it.
 _SPEED = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
 _CLEARANCE = ((165, 0, 38), (244, 109, 67), (254, 224, 144), (116, 173, 209), (49, 54, 149))
 RAMPS: dict[str, tuple[Colour, ...]] = {
@@ -40,7 +40,7 @@ def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
     """Return the colours (N, 3) of values.
 
     Args:
-        values: (N,) from 0 to `most`; larger values have the last colour.
+        values: (N,) from 0 to `most`; larger values get the last colour.
         most: value at the end of the colour scale.
         ramp: name of the colour ramp.
     """
@@ -51,9 +51,9 @@ def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
 
 
 def linear(shades: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return colours as intensities of light, by IEC 61966-2-1.
+    """Convert sRGB colours to linear intensities of light, by IEC 61966-2-1.
 
-    viser expects the colours of points like this, but those of whole nodes as in pictures.
+    viser expects the colours of points as linear intensities, but those of whole nodes as sRGB.
     """
     share = shades / 255.0
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)

@@ -1,7 +1,8 @@
-"""Curves over time beside the picture, as SVG: joints in their ranges, joint speeds, and the frame's speed.
+"""Draw curves over time beside the picture, as SVG: joints in their ranges, joint speeds, and the frame's
+speed.
 
-The marker of the present instant is placed by a style in a node of its own, so that only few bytes are sent while
-time runs.
+The marker of the current instant is placed by a style in a separate node, so that only few bytes are sent
+while time runs.
 """
 
 from __future__ import annotations
@@ -18,13 +19,15 @@ from yarclang.view.stage import Stage
 from yarclang.view.track import followed
 
 _SAMPLES = 400
-"""Places on the time axis."""
+"""Number of places on the time axis."""
 _WIDTH, _HEIGHT, _GAP = 400.0, 70.0, 22.0
 """Size of a curve's picture, and the height of its text [pixels]."""
 _LEAST_SPEED = 1.0
-"""Least top of a speed's scale [mm/s]. Less would show rounding as motion."""
+"""Smallest upper end of a speed's scale [mm/s]. With a smaller scale, rounding errors would look like
+motion.
+"""
 _LEAST_SHARE = 1.0
-"""Least top of a share's scale [%]."""
+"""Smallest upper end of a share's scale [%]."""
 _DASHES = {"-": "", "--": ' stroke-dasharray="6 3"', ":": ' stroke-dasharray="2 3"'}
 
 
@@ -35,7 +38,7 @@ class Curve:
     Attributes:
         title: text above them.
         values: (N, k).
-        low: least value of the scale.
+        low: smallest value of the scale.
         high: largest value of the scale.
         names: (k,) names of the lines.
     """
@@ -48,7 +51,7 @@ class Curve:
 
 
 def curves_of(stage: Stage) -> tuple[Curve, ...]:
-    """Return the curves of a stage; none for a stage without time."""
+    """Return the curves of a stage; empty for a stage without time."""
     if stage.duration <= 0.0:
         return ()
     times = np.linspace(0.0, stage.duration, _SAMPLES)
@@ -110,7 +113,7 @@ def _picture(curve: Curve) -> str:
 
 
 def key_html(curves: tuple[Curve, ...]) -> str:
-    """Return the colours of the joints; nothing without curves."""
+    """Return the colours of the joints; empty if there are no curves."""
     names = curves[0].names if curves else ()
     swatches = (
         f'<span style="white-space:nowrap;margin-right:8px"><b style="color:{joint_style(number)[0]}">—</b> '
@@ -124,6 +127,6 @@ def instant_html(share: float) -> str:
     """Return the style that places the marker.
 
     Args:
-        share: of the time that has passed, from 0 to 1.
+        share: share of the time that has passed, from 0 to 1.
     """
     return f"<style>:root {{ --yarc-instant: {100.0 * share:.3f}%; }}</style>"

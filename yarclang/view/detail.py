@@ -1,4 +1,4 @@
-"""Levels of detail of a path: draw fewer of its points, without visible change of its shape or colours."""
+"""Draw fewer points of a path, without a visible change of its shape or colours."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Rows, Way
 
 FINEST = 5e-5
-"""Largest distance of drawn lines from the path [m], unless there are too many lines."""
+"""Largest distance of drawn lines from the path [m]. If there would be too many lines, a larger distance
+is allowed.
+"""
 _FINEST_SHADE, _COARSEST_SHADE = 0.02, 0.2
-"""Largest difference in colour as a share of the scale, without and with too many lines.
-
-The second value keeps short slow places visible.
+"""Largest difference in colour, as a share of the scale. The second value applies if there would be too many
+lines; it is small enough to keep short slow places visible.
 """
 MOST_LINES = 20_000
 """Largest number of lines that a browser draws easily, even without a graphics card."""
 _TOGETHER = 1e-9
-"""Largest distance of points that count as one place [m]."""
+"""Points whose distance is smaller count as one place [m]."""
 _BLOCK = 512
-"""Number of points that are thinned out together."""
+"""Number of points that are thinned together."""
 
 
 @frozen(eq=False)
@@ -41,13 +42,13 @@ class Drawn:
 
 
 def drawn_lines(way: Way, values: Array | None = None, most: float = 1.0, lines: int = MOST_LINES) -> Drawn:
-    """Choose the drawn lines of a path.
+    """Choose the lines to draw for a path.
 
     Args:
         way: the path.
         values: (N,) values that colour its points; None for a single colour.
         most: value at the end of the colour scale.
-        lines: largest number of lines. A path of more separate stretches has one line for each stretch.
+        lines: largest number of lines. If a path has more separate stretches, each stretch has one line.
 
     Returns:
         Lines in the order of the path.
@@ -69,7 +70,7 @@ _COARSEST = 4_096.0
 
 
 def exact_lines(way: Way) -> Rows:
-    """Return the points (L,) that have a line to the next one."""
+    """Return the points (L,) that are connected to the next point by a line."""
     first = np.arange(max(len(way.points) - 1, 0))
     kept: Rows = first[~np.isin(first + 1, way.breaks)]
     return kept
@@ -78,7 +79,7 @@ def exact_lines(way: Way) -> Rows:
 def _runs(way: Way) -> tuple[Rows, Rows]:
     """Return the first and last points of the connected stretches of a path.
 
-    A stretch that begins where the one before ends continues it.
+    A stretch that begins where the previous one ends continues it.
     """
     inner = way.breaks[1:-1]
     apart = np.abs(way.points[inner] - way.points[inner - 1]).max(axis=1, initial=0.0) > _TOGETHER
@@ -89,7 +90,7 @@ def _runs(way: Way) -> tuple[Rows, Rows]:
 def _kept(
     points: Array, shades: Array, begins: Rows, ends: Rows, off: float, shade: float
 ) -> NDArray[np.bool_]:
-    """Return (N,) True for the points to keep.
+    """Return a mask (N,) of the points to keep.
 
     Args:
         points: (N, 3) [m].
@@ -132,7 +133,7 @@ def _kept(
 def _wrong(
     points: Array, shades: Array, first: Rows, second: Rows, inside: Rows, off: float, shade: float
 ) -> Array:
-    """Return the deviations (M,) of points from lines, in place or colour, as multiples of the tolerances.
+    """Return the deviations (M,) of points from lines, in position or colour, as multiples of the tolerances.
 
     Args:
         points: (N, 3) points of the path [m].

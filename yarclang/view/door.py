@@ -36,12 +36,12 @@ class Door:
 
 
 class PortTakenError(Exception):
-    """The server can't listen at the address; the message says why."""
+    """The server can't listen at the address. The message has the reason."""
 
 
 @contextlib.contextmanager
 def opened(door: Door) -> Iterator[viser.ViserServer]:
-    """Yield a server that listens as long as the context lasts. Port 0 takes a free port.
+    """Yield a server that listens during the context. Port 0 means any free port.
 
     Raises:
         PortTakenError: the port is in use, or the address doesn't belong to this machine.
@@ -55,7 +55,8 @@ def opened(door: Door) -> Iterator[viser.ViserServer]:
 
 
 def _open(door: Door) -> viser.ViserServer:
-    # viser would silently take the next free port, and wait for ever for an address of another machine.
+    # Check this first: viser would silently use the next free port, and would wait for ever at another
+    # machine's address.
     try:
         family = socket.getaddrinfo(door.host, door.port, type=socket.SOCK_STREAM)[0]
         with socket.socket(family[0], socket.SOCK_STREAM) as probe:
@@ -71,7 +72,7 @@ def _open(door: Door) -> viser.ViserServer:
 
 
 def _names(door: Door) -> frozenset[str]:
-    """Return the names of this machine in the network, if the server listens on all addresses."""
+    """Return the names of this machine in the network if the server listens on all addresses."""
     if door.host not in _ALL:
         return frozenset()
     name = socket.gethostname()

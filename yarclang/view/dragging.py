@@ -1,4 +1,4 @@
-"""Frames that can be dragged in the picture, and the lines that declare them where they were put."""
+"""Frames that users can drag in the picture, and the lines that declare them at their new places."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from yarclang.source import SourceFile
 from yarclang.transforms import quaternion_rotation
 
 NEW = "NEW"
-"""Name of a frame that no file declares; another one if a file does."""
+"""Name of a frame that no file declares. If a file declares a frame with this name, another name is used."""
 
 _DIGITS = (4, 5)
-"""Decimals of lengths [mm] and angles [deg]."""
+"""Numbers of decimals of lengths [mm] and angles [deg]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,10 +27,10 @@ class Draggable:
 
     Attributes:
         name: name without braces.
-        parent: name of the frame in which the line gives it.
+        parent: name of the frame in which its line gives it.
         joint: number of joints that move it.
-        base_from_parent: (4, 4) of the parent with all joints at zero.
-        parent_from_frame: (4, 4) as declared.
+        base_from_parent: (4, 4) pose of the parent with all joints at zero.
+        parent_from_frame: (4, 4) pose as declared.
         source: file that declares it; empty for a new frame.
         line: its line in this file; 0 for a new frame.
     """
@@ -78,9 +78,10 @@ class Draggable:
 
 
 def draggables_of(robot: Robot, program: Program, base_from_new: Array) -> tuple[Draggable, ...]:
-    """Return the frames that the commands of a program use and a file declares, and a new one in {B}.
+    """Return the frames that the commands of a program use and a file declares, and a new frame in {B}.
 
-    A frame whose line has several results, as in a loop, is left out: no single line says where it was put.
+    If a frame's line is carried out with different results, as in a loop, the frame is left out: a single
+    line couldn't declare its new place.
 
     Args:
         robot: the robot.

@@ -1,4 +1,4 @@
-"""The texts beside the picture, as HTML: figures of an instant, of a command and of a finding, and the
+"""Format the texts beside the picture as HTML: figures of an instant, of a command and of a finding, and the
 legend.
 """
 
@@ -29,13 +29,14 @@ STYLE = """<style>
 [data-dock-tab] { padding-inline: 0.45em !important; }
 .mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
 </style>"""
-"""Style of buttons that show their whole text, because viser cuts off what doesn't fit in a line, and of tabs that
-fit in one line.
+"""Style of buttons and tabs. Buttons show their whole text, since viser cuts off what doesn't fit on a line;
+tabs fit on one line.
 """
 
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
-    """Return the robot's state at a time: its joints, the followed frame's pose in {B} and speed.
+    """Return the robot's state at a time: its joints, and the pose in {B} and the speed of the followed
+    frame.
 
     Args:
         stage: the stage.
@@ -104,7 +105,7 @@ def piece_html(piece: Piece) -> str:
 
 
 def plain_html(text: str) -> str:
-    """Return a line; nothing for an empty text."""
+    """Return a line; empty for an empty text."""
     return _BLOCK.format(escape(text)) if text else ""
 
 
@@ -123,7 +124,7 @@ def mark_html(mark: Mark) -> str:
 
 
 def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool = False) -> str:
-    """Return a colour ramp with the values of its ends. With `is_capped`, values may exceed the upper end."""
+    """Return a colour ramp with the values at its ends. With `is_capped`, values may exceed the upper end."""
     anchors = colours.RAMPS[ramp]
     stops = ", ".join(f"{_css(one)} {100.0 * at / (len(anchors) - 1):.0f}%" for at, one in enumerate(anchors))
     bar = f'<div style="height:12px;border-radius:3px;background:linear-gradient(90deg, {stops})"></div>'
@@ -141,7 +142,7 @@ def notes_html(stage: Stage) -> str:
 
 
 def robots_html(stage: Stage) -> str:
-    """Return which of the two robots of a run is which; nothing for other stages."""
+    """Return a text that distinguishes the two robots of a run; empty for other stages."""
     if stage.ghost is None:
         return ""
     planned = "planned robot (seen through) and planned path (thin)"

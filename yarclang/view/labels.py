@@ -1,7 +1,7 @@
-"""Labels and their places, chosen so that none covers another.
+"""Place labels such that none covers another.
 
-Places that are close together share a label. Of the findings, those of the current command and its neighbours
-have labels. Labels that would cover others in the first view are raised.
+Places that are close together share a label. Findings have labels only if they belong to the current command
+or its neighbours. Labels that would cover others in the first view are raised.
 """
 
 from __future__ import annotations
@@ -18,16 +18,18 @@ from yarclang.view.stage import Mark
 _MOST = 24
 """Largest number of findings with labels at a time."""
 SHARE = 0.1
-"""Places nearer than this share of half the picture's size are one spot: the height of three labels at first.
+"""Places nearer than this share of half the picture's size share a label. At first, this is the height of
+three labels.
 """
 
 _FOCUS = 400.0 / np.tan(np.deg2rad(37.5))
-"""Pixels of a metre at a distance of a metre: half of a usual window's height, by the camera's first angle.
+"""Number of pixels of a metre at a distance of a metre: half of a usual window's height, divided by the
+tangent of half the camera's first angle.
 """
 _WIDE, _HIGH = 9.0, 20.0
-"""Width of a character and height of a line with their surroundings [pixels], at scale 1."""
+"""Width of a character and height of a line, including the space around them [pixels], at scale 1."""
 _MOST_LINES = 40
-"""Largest number of lines by which a label is raised."""
+"""Largest height by which a label is raised, in lines."""
 
 Anchor = Literal["bottom-center", "bottom-left", "top-left"]
 
@@ -50,7 +52,7 @@ class Label:
 
 
 def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
-    """Return the heights [m] by which labels are raised so that each is clear of those before it.
+    """Return the heights [m] by which labels are raised, so that each is clear of those before it.
 
     Args:
         labels: the labels.
@@ -96,8 +98,8 @@ def _meets(box: Array, taken: Array) -> bool:
 def spots(places: Array, apart: float) -> list[list[int]]:
     """Group places (N, 3) that are close to each other.
 
-    A place belongs to the first group whose first place is nearer than `apart` [m]; otherwise it begins a
-    group.
+    A place belongs to the first group whose first place is nearer than `apart` [m]. If there is none, it
+    begins a new group.
     """
     found: list[list[int]] = []
     for number, place in enumerate(places):
@@ -113,14 +115,14 @@ def spots(places: Array, apart: float) -> list[list[int]]:
 def labelled(marks: Sequence[Mark], piece: int) -> frozenset[int]:
     """Return the findings that have labels during a command.
 
-    These are the findings of the command and its two neighbours, or with -1 of all commands, and those that
-    belong to no command.
+    These are the findings of the command and of its two neighbours (for -1, of all commands), and the
+    findings that belong to no command.
     """
     near = [
         number
         for number, one in enumerate(marks)
         if piece < 0 or one.piece < 0 or abs(one.piece - piece) <= 1
     ]
-    # The current command comes first.
+    # Findings of the current command come first.
     near.sort(key=lambda number: abs(marks[number].piece - piece))
     return frozenset(near[:_MOST])

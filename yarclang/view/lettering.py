@@ -1,4 +1,6 @@
-"""The fixed labels of a picture in viser: names of bodies and frames, and findings of the current command."""
+"""Write the fixed labels of a picture in viser: names of bodies and frames, and findings of the current
+command.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,7 @@ class Lettering:
 
     def write(self, eye: Array, middle: Array) -> None:
         """Write all labels for an eye (3,) that looks at the middle (3,) [m]."""
-        # Findings keep their places; the other labels make room.
+        # Findings keep their places, and the other labels are moved.
         labels = [*(label for label, _ in self._findings), *(label for label, _ in self._given)]
         nodes = []
         for number, (label, height) in enumerate(zip(labels, raised(labels, eye, middle), strict=True)):
@@ -64,7 +66,7 @@ class Lettering:
             self._label()
 
     def look(self) -> None:
-        """Show the labels that the switches allow."""
+        """Show the labels whose groups are switched on."""
         self._label()
 
     def _label(self) -> None:

@@ -1,4 +1,4 @@
-"""A long list that is shown page by page, filtered by a word."""
+"""Show a long list page by page, filtered by a word."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class Listing:
-    """A list of which a page is shown.
+    """A list of which one page is shown.
 
     Attributes:
         rows: all rows.
         size: number of rows on a page.
-        word: only rows that contain it are shown, regardless of case.
+        word: filter: only rows that contain this word are shown, regardless of case.
         page: number of the shown page, from 0.
         chosen: numbers of the rows that contain the word.
     """
@@ -46,11 +46,11 @@ class Listing:
         self.chosen = [number for number, row in enumerate(self.rows) if lower in row.lower()]
 
     def turn(self, pages: int) -> None:
-        """Turn pages, but not beyond the ends."""
+        """Turn pages, but not beyond the first or the last page."""
         self.page = min(max(self.page + pages, 0), self.pages - 1)
 
     def follow(self, row: int) -> None:
-        """Turn to the page with a row. If the row isn't among the chosen ones, stay."""
+        """Turn to the page with a row. If the row doesn't contain the word, don't turn."""
         at = bisect_left(self.chosen, row)
         if at < len(self.chosen) and self.chosen[at] == row:
             self.page = at // self.size

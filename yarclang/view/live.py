@@ -1,7 +1,7 @@
 """Show a running robot in a browser.
 
-Its coordinator's messages are drawn 20 times a second, and inputs can be set. While the robot is away, wait
-for it.
+The messages of its coordinator are drawn 20 times a second, and users can set inputs. While the robot isn't
+served, the page waits for it.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from yarclang.view.panel import Order
 from yarclang.view.reaching import Place, Whose, read_place
 
 _RATE = 20.0
-"""Pictures in a second while the robot moves."""
+"""Number of pictures per second while the robot moves."""
 _LOOKS_EACH, _LOOKS_EACH_REAL = 0.2, 1.0
 """Time between two requests for inputs and outputs [s], for a simulated and for a real controller."""
 _SILENT = 2.0
-"""Silence after which the robot's position counts as unknown [s]."""
+"""Time without a message after which the robot's position counts as unknown [s]."""
 _AGAIN_EACH = 1.0
-"""Time between two attempts to find a robot that is away [s]."""
+"""Time between two attempts to find a robot that isn't served [s]."""
 
 
 def show_live(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> None:
@@ -38,28 +38,28 @@ def show_live(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> N
 
     Args:
         whose: the robot.
-        door: address to serve the picture at; port 0 takes a free one.
-        ready: called with the real address and the name of the run once both exist.
+        door: address at which the picture is served; port 0 means any free port.
+        ready: called with the actual address and the name of the run when both exist.
 
     Raises:
-        Trouble: the robot isn't there, or its files can't be read.
+        Trouble: the robot isn't served, or its files can't be read.
         PortTakenError: the port is in use, or the address doesn't belong to this machine.
     """
     asyncio.run(_show(whose, door, ready))
 
 
 class _Link:
-    """A connection to a coordinator: a watching client, and the first messages it received."""
+    """A connection to a coordinator: a client that only watches, and the first messages that it received."""
 
     def __init__(self, run: Run, there: There, around: Surroundings, place: Place) -> None:
         self.run, self.there, self.around, self.place = run, there, around, place
 
     @classmethod
     async def attach(cls, run: Run) -> _Link:
-        """Connect as a client that watches.
+        """Connect as a client that only watches.
 
         Raises:
-            Trouble: the coordinator isn't there or is of another version, or its files can't be read.
+            Trouble: the coordinator isn't there or has another version, or its files can't be read.
         """
         there = await There.attach(run.path, "view")
         try:
@@ -140,7 +140,7 @@ class _Watch:
         """Draw all events until the connection ends.
 
         Raises:
-            Trouble: the connection has ended; the message says why.
+            Trouble: the connection has ended. The message has the reason.
         """
         self._page.attach(self._live, self._link.place, self._link.subtitle)
         self._page.show_around(self._link.around)
@@ -180,9 +180,9 @@ class _Watch:
             await asyncio.sleep(each)
 
     async def _look_for_parts(self, around: Surroundings) -> None:
-        """Request the places of the parts once nothing is running.
+        """Request the places of the parts when nothing is running any more.
 
-        Earlier, the coordinator doesn't know about the parts that the running program moves.
+        Before that, the coordinator doesn't know about the parts that the running program moves.
         """
         parts, is_busy = self._live.parts, self._live.is_under_way
         if parts is None or (is_busy and parts is self._parts) or around.cell is None:

@@ -1,4 +1,6 @@
-"""The page of a running robot: picture and panel, which receive only changes. It has no clock."""
+"""The page of a running robot: picture and panel, to which only changes are sent. It has no clock of its
+own.
+"""
 
 from __future__ import annotations
 
@@ -26,9 +28,9 @@ if TYPE_CHECKING:
     import viser
 
 _STILL = 1e-5
-"""Joints that move by less than this aren't moved in the picture [rad or m]."""
+"""If joints move by less than this, they aren't moved in the picture [rad or m]."""
 _TEXT_EACH = 5
-"""Number of pictures for one update of the figures."""
+"""Number of pictures after which the figures are updated."""
 
 
 class LivePage:
@@ -36,7 +38,7 @@ class LivePage:
 
     Args:
         server: server of the page.
-        give: receives the orders of people.
+        give: called with the orders of users.
     """
 
     _stage: Stage
@@ -55,7 +57,7 @@ class LivePage:
         self._changed = ""
 
     def attach(self, live: Live, place: Place, subtitle: str) -> None:
-        """Show a robot; build the picture anew if the robot or its cell has changed."""
+        """Show a robot. If the robot or its cell has changed, build a new picture."""
         before, self._live = self._place, live
         if place.cell is not None and place.cell.parts:
             live.parts = LiveParts(place.robot, place.cell)
@@ -94,7 +96,7 @@ class LivePage:
         """Draw the changes since the last call.
 
         Args:
-            lost: reason why the present state isn't known; empty if it is known.
+            lost: reason why the current state isn't known; empty if it is known.
         """
         live = self._live
         assert live is not None  # a robot is attached before anything is drawn
@@ -117,11 +119,11 @@ class LivePage:
             self._picture.colour_bodies(touching(self._stage.scene, stands))
 
     def lose(self, why: str) -> None:
-        """Report that the robot is away, and draw it grey."""
+        """Report that the robot isn't served, and draw it grey."""
         self._show_lost(why)
 
     def take(self, order: Order) -> None:
-        """Carry out an order about the picture. Inputs of a robot that is away stay unchanged."""
+        """Carry out an order about the picture. Inputs of a robot that isn't served stay unchanged."""
         if order.kind == "group":
             self._picture.show_group(order.value, order.more)
         elif order.kind == "input" and self._around is not None:

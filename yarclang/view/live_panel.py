@@ -1,5 +1,5 @@
-"""The controls beside a running robot: state, inputs to set, outputs. Clicks become orders; nothing is drawn
-here.
+"""The controls beside a running robot: state, inputs that can be set, outputs. Clicks become orders; nothing
+is drawn here.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Text:
         self._shown = ""
 
     def show(self, html: str) -> None:
-        """Show a text; nothing if it is empty."""
+        """Show a text; hide it if it is empty."""
         if html != self._shown:
             self._node.content, self._node.visible = html, bool(html)
             self._shown = html
@@ -37,9 +37,9 @@ class LivePanel:
 
     Args:
         gui: user interface of the page.
-        stage: the shown stage.
+        stage: the stage that is shown.
         switches: groups that can be hidden.
-        give: receives orders: `input` with a name and a value, `group` with a name and True to show it.
+        give: called with orders: `input` with a name and a value, `group` with a name and True to show it.
     """
 
     def __init__(self, gui: viser.GuiApi, stage: Stage, switches: Switches, give: Give) -> None:
@@ -69,22 +69,22 @@ class LivePanel:
         self._head.show(figures.STYLE + figures.notes_html(stage))
 
     def show_now(self, html: str) -> None:
-        """Show the present figures."""
+        """Show the current figures."""
         self._now.show(html)
 
     def show_said(self, text: str) -> None:
-        """Show a warning; none if it is empty."""
+        """Show a warning; hide it if it is empty."""
         self._said.show(figures.word_html(text, "warning") if text else "")
 
     def show_lost(self, text: str, severity: Severity = "error") -> None:
-        """Show the reason why the present state isn't known; nothing if it is empty."""
+        """Show the reason why the current state isn't known; hide it if it is empty."""
         self._stale = bool(text)
         self._lost.show(figures.word_html(text, severity) if text else "")
         for box in self._boxes.values():
             box.disabled = box.disabled or self._stale
 
     def show_around(self, around: Surroundings) -> None:
-        """Show the present inputs and outputs."""
+        """Show the current inputs and outputs."""
         if [*self._boxes] != [one.name for one in around.inputs]:
             self._make_boxes(around)
         for one in around.inputs:

@@ -1,7 +1,7 @@
-"""The parts of a cell while its robot runs: as the coordinator reported, and as grippers have moved them
-since.
+"""Follow the parts of a cell while its robot runs: from the coordinator's report, and by the grippers'
+actions since then.
 
-It has no clock.
+This module has no clock.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from yarclang.handling.walk import flange_pose
 from yarclang.robot.model import Array, Robot
 
 _LEFT = 0.05
-"""Distance from the place of gripping at which the next part may come [m]."""
+"""Distance that a gripper must have from the place of gripping before the next part may come [m]."""
 
 
 class LiveParts:
-    """The present places of a cell's parts.
+    """The current places of a cell's parts.
 
     Args:
         robot: the robot that carries the parts.
         cell: cell with the parts.
 
     Attributes:
-        parts: the parts, as far as they are known.
+        parts: the parts whose places are known.
         doubt: reason why their places aren't known; empty if they are.
         is_late: True if the places are those before the running program began.
     """
@@ -51,11 +51,13 @@ class LiveParts:
         return rows
 
     def told(self, told: replies.Parts, *, is_late: bool = False) -> None:
-        """Take over the places of parts from a coordinator. Names that the cell lacks are left out.
+        """Use the places of parts that a coordinator has reported. Names that the cell doesn't have are left
+        out.
 
         Args:
             told: the coordinator's message.
-            is_late: True if something is running, which the coordinator takes into account only at its end.
+            is_late: True if something is running whose effects the coordinator takes into account only at its
+                end.
         """
         self.doubt = told.doubt or ""
         self.is_late = is_late
@@ -81,7 +83,7 @@ class LiveParts:
             yield Item(part, count, pose.tobytes(), held, one.sure)
 
     def output_set(self, variable: str, value: float, q: Array) -> None:
-        """Follow an output that was set: a gripper closes or opens, or a machine removes parts.
+        """Process an output that was set: a gripper closes or opens, or a machine removes parts.
 
         Args:
             variable: variable of the output.
@@ -100,7 +102,7 @@ class LiveParts:
             self.parts = remove(self.parts, removal)
 
     def stands(self, q: Array) -> None:
-        """Follow the joint positions (n,) [rad or m]: the next part comes once the gripper has left its
+        """Process the joint positions (n,) [rad or m]: the next part comes when the gripper has left the
         place.
         """
         if self._took is None or not self.parts.expected:

@@ -1,5 +1,5 @@
-"""A running robot as a stage with figures beside it, made from the messages of its coordinator. It has no
-clock.
+"""Build a stage of a running robot, with figures beside it, from the messages of its coordinator. This module
+has no clock.
 """
 
 from __future__ import annotations
@@ -24,12 +24,14 @@ from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import way_of_track
 
 _UNDER_WAY = (State.INIT, State.MOVE, State.HOLD)
-"""States in which a status describes the running program; in others, the purpose of the process."""
+"""States in which a status describes the running program. In other states, it describes the purpose of the
+process.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Still:
-    """Joints that stand at `q` (n,) [rad or m]."""
+    """Joints at rest at `q` (n,) [rad or m]."""
 
     q: Array
 
@@ -42,12 +44,12 @@ class _Still:
 def stage_of_live(
     robot: Robot, cell: Cell | None, q: Array, *, subtitle: str = "", parts: Parts | None = None
 ) -> Stage:
-    """Show a robot at its present position.
+    """Show a robot at its current position.
 
     Args:
         robot: the running robot.
         cell: its cell; None if none is known.
-        q: (n,) present joint positions [rad or m].
+        q: (n,) current joint positions [rad or m].
         subtitle: source of the messages.
         parts: places of the cell's parts; None for the places in the cell's file.
     """
@@ -96,7 +98,7 @@ class Live:
         self.look(status)
 
     def look(self, status: Status) -> None:
-        """Start again from a complete status, for example after events were missed."""
+        """Replace the state by a complete status, for example after events were missed."""
         self._known = Picture(status)
         self._why = status.why
         if status.state in _UNDER_WAY:
@@ -133,7 +135,7 @@ class Live:
     def joints(self) -> Array | None:
         """Return the actual positions (n,) [rad or m].
 
-        None if they aren't known yet, or if the joints aren't those of the robot.
+        None if they aren't known yet, or if the message's joints aren't those of the robot.
         """
         told = self._known.joints
         if told is None or told.keys() != set(self.robot.joint_names):
@@ -144,7 +146,7 @@ class Live:
     def is_under_way(self) -> bool:
         """Return True while something is running.
 
-        Parts that it moves are followed here; the coordinator knows about them only afterwards.
+        The parts that it moves are followed here, since the coordinator updates their places only afterwards.
         """
         return bool(self._known.under_way)
 
@@ -154,7 +156,7 @@ class Live:
         return self._why if self._known.state is State.DISCONNECTED else ""
 
     def html(self, stage: Stage, q: Array) -> str:
-        """Return the present figures: state, command, times, pace, and the robot's position.
+        """Return the current figures: state, command, times, override, and the robot's position.
 
         Args:
             stage: the stage.

@@ -1,4 +1,4 @@
-"""A program as a stage: planned completely or, with errors, as far as possible."""
+"""Build the stage of a program. A program with errors is planned as far as possible."""
 
 from __future__ import annotations
 
@@ -55,11 +55,11 @@ from yarclang.view.track import Curves, way_of_curves
 _RANKS = {"error": 0, "warning": 1, "note": 2}
 """Severities in the order in which findings are listed."""
 _SHORT = 40
-"""Largest number of commands of a program without a list of its worst places: all of them are visible at
-once.
+"""Largest number of commands for which there is no list of the worst places, since all commands are visible
+at once.
 """
 _LOOKS = 200
-"""Number of samples of a motion at which a reported collision is searched."""
+"""Number of samples of a motion among which a reported collision is searched."""
 
 
 def stage_of_program(
@@ -72,7 +72,7 @@ def stage_of_program(
 
     Args:
         name: name of its file, for people.
-        plan: the plan, perhaps incomplete.
+        plan: the plan, which may be incomplete.
         certificate: what was proved; None for a program with errors.
         findings: all findings.
     """
@@ -206,8 +206,8 @@ def motion_facts(
         facts.append(("asked for", "a speed" if step.timing.speed is not None else share))
     limits, points, h = robot.limits, curve.points, curve.segment
     for name, order, limit in (("speed", 1, limits.velocity), ("acceleration", 2, limits.acceleration)):
-        # Differences of control points bound the derivatives everywhere. The limits are checked by these
-        # figures.
+        # Differences of control points bound the derivatives at all times. The checks of the limits use the
+        # same figures.
         shares = np.abs(np.diff(points, n=order, axis=0)).max(axis=0) / h**order / limit
         joint = int(np.argmax(shares))
         facts.append((f"largest joint {name}", f"{100.0 * shares[joint]:.0f} % ({robot.joint_names[joint]})"))
@@ -276,7 +276,7 @@ class _Stands:
     scenes: Scenes
 
     def mark(self, finding: Diagnostic) -> Mark:
-        """Return a finding with its command, time and place, as far as these are known."""
+        """Return a finding with its command, time and place, if these are known."""
         step = self._step(finding)
         piece = self.number_of.get(step, -1) if step is not None else -1
         time = self._time(finding, step, self.pieces[piece]) if step is not None and piece >= 0 else None
@@ -310,8 +310,9 @@ class _Stands:
     def _time(self, finding: Diagnostic, step: int | None, piece: Piece) -> float:
         """Return the time of a finding [s].
 
-        For bodies that collide, it is the worst moment; for other findings of a motion, its middle; for a
-        motion without a plan, the time at which it would begin.
+        For bodies that collide, it is the time at which they are nearest to each other, compared with their
+        margin. For other findings about a motion, it is the middle of the motion. For a motion without a
+        plan, it is the time at which it would begin.
         """
         if not piece.moves:
             return piece.begins
@@ -334,6 +335,6 @@ class _Stands:
         count = len(motions) if step is None else bisect_left(motions, step, key=lambda one: one.step)
         if step is not None and count < len(motions) and motions[count].step == step:
             return motions[count].curve.sample(times - self.plan.begins[count])[0]
-        # Before a motion without a plan, the robot stands at the end of the preceding one.
+        # Before a motion without a plan, the robot is at the end of the previous motion.
         q = motions[count - 1].curve.points[-1] if count else self.plan.program.start
         return np.tile(q, (len(times), 1))

@@ -1,4 +1,4 @@
-"""The log of a run as a stage: the actual motion beside the planned one."""
+"""Build the stage of a run's log: the actual motion beside the planned one."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> 
 
     Args:
         file: the log.
-        robot_name: robot named on the command line. By default the log names it, from the folder's yarc.toml
-            or from the library.
+        robot_name: robot named on the command line. By default it is the robot that the log names, from the
+            folder's yarc.toml or from the library.
         cell: path of a cell.toml named on the command line; by default that of the folder's yarc.toml.
 
     Returns:
@@ -148,7 +148,7 @@ class _AsPlanned:
 def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
     """Return times of the run and the corresponding times of the program, (K,) each [s].
 
-    Before the program begins, its time is that of its start. A second pass begins again.
+    Before the program begins, the time of the program is that of its start. In a second pass it begins again.
     """
     if not len(tracking.rows):
         return np.array([0.0]), np.array([0.0])
@@ -158,7 +158,7 @@ def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
 def _pieces(
     run: RecordedRun, tracking: Tracking, carries: Sequence[tuple[tuple[str, str], ...]]
 ) -> tuple[Piece, ...]:
-    """Return the commands at the times at which they ran; with several passes, at those of the last one.
+    """Return the commands with the times at which they ran; with several passes, the times in the last pass.
 
     Commands that weren't reached have no time and are left out.
     """
@@ -198,7 +198,7 @@ def _pieces(
 def _marks(
     run: RecordedRun, tracking: Tracking, track: Recorded, robot: Robot, flange_from_frame: Array
 ) -> tuple[Mark, ...]:
-    """Return the remarks of the run and its end, at the robot's positions at these times."""
+    """Return the remarks of the run and its end, with the robot's positions at these times."""
     told: list[tuple[float, str, Severity]] = [
         (one.time, one.text, "note") for one in marks_of(run, tracking)
     ]

@@ -1,4 +1,4 @@
-"""A controller text as a stage, with the frames and the cell of its program if these are found."""
+"""Build the stage of a controller text, with the frames and the cell of its program if these are found."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def stage_of_text(source: SourceFile, folder: Path, robot: Robot, cell: str | No
         cell: path of a cell.toml named on the command line.
 
     Returns:
-        None, with a finding, if yarcc hasn't written the text like this, or its cell can't be used.
+        None, with a finding, if the text isn't one that yarcc writes, or its cell can't be used.
     """
     read = executed(source.text, robot, source.name)
     if read.value is None:

@@ -21,11 +21,11 @@ _COMPILED = "; yarcc "
 
 
 RobotOf = Callable[[SourceFile, str | None], Result[Robot]]
-"""Finds the robot of a controller text by its header and the name on the command line."""
+"""Function that finds the robot of a controller text from its header and the name on the command line."""
 
 
 def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
-    """Return the stage of a file: a program, a controller text, or the log of a run; `-` is standard input.
+    """Return the stage of a file: a program, a controller text, or the log of a run. `-` is standard input.
 
     Returns:
         None, with findings, if there is nothing to show.

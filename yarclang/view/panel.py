@@ -31,7 +31,7 @@ _CURRENT: _Shade = "blue"
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """An order of a person.
+    """An order of a user.
 
     Attributes:
         kind: kind of the order.
@@ -63,7 +63,7 @@ Give = Callable[[Order], None]
 
 
 class Rows:
-    """A listing as buttons, with a search field and two buttons that turn pages."""
+    """A list shown as buttons, with a search field and two buttons that turn pages."""
 
     def __init__(
         self, gui: viser.GuiApi, rows: list[str], kind: Literal["piece", "mark", "worst"], give: Give
@@ -190,7 +190,7 @@ class Panel:
                 box.on_update(lambda _, name=name, box=box: give(Order("group", name, bool(box.value))))
 
     def _offer_frames(self, give: Give) -> None:
-        """Add the choice of a frame to drag, and the text of its line."""
+        """Add the list from which a frame to drag is chosen, and the text of its line."""
         gui = self._gui
         gui.add_html(_DRAG)
         texts = [f"{{{one.name}}} in {{{one.parent}}}{_where(one)}" for one in self._stage.draggable]
@@ -201,7 +201,7 @@ class Panel:
         self._line = gui.add_text("Line", "", multiline=True)
 
     def show_line(self, text: str) -> None:
-        """Show the line that declares the dragged frame; empty if none is dragged."""
+        """Show the line that declares the dragged frame; empty if no frame is dragged."""
         if self._line is not None and self._line.value != text:
             self._line.value = text
 
@@ -227,13 +227,13 @@ class Panel:
             self._slider.value = round(time, 3)
 
     def show_playing(self, plays: bool) -> None:
-        """Label the button with its next action."""
+        """Write on the button what it does next: start or stop."""
         label = "Pause" if plays else "Play"
         if self._play.label != label:
             self._play.label = label
 
     def show_now(self, html: str) -> None:
-        """Show the figures of the present instant."""
+        """Show the figures of the current instant."""
         self._now.content = html
 
     def show_legend(self, html: str) -> None:
@@ -241,7 +241,7 @@ class Panel:
         self._legend.content = html
 
     def show_piece(self, number: int) -> None:
-        """Show the figures of a command; of none for -1."""
+        """Show the figures of a command; for -1 show none."""
         self.pieces.choose(number)
         self._piece.content = figures.piece_html(self._stage.pieces[number]) if number >= 0 else ""
 
@@ -252,7 +252,7 @@ class Panel:
 
 
 def _where(one: Draggable) -> str:
-    """Return the file and the line of a frame that a file declares."""
+    """Return the file and the line that declare a frame."""
     return f", {PurePath(one.source).name}:{one.line}" if one.source else ", a new frame"
 
 
@@ -268,5 +268,5 @@ _NONE = '<div style="font-size:12px;padding:2px 10px">There are no findings.</di
 
 
 def _step(duration: float) -> float:
-    """Return a step of the slider [s] that is fine enough to stop anywhere."""
+    """Return a step of the slider [s] that is fine enough to stop at any instant."""
     return 0.001 if duration < 600.0 else 0.01

@@ -1,6 +1,6 @@
-"""Collisions in the motions of a program that can't be planned completely.
+"""Find collisions in the motions of a program that can't be planned completely.
 
-Its controller text isn't made, so that no certificate reports them.
+Such a program has no controller text, so that no certificate reports its collisions.
 """
 
 from __future__ import annotations
@@ -20,11 +20,15 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.robot.model import Array
 
 _TOGETHER = 1e-9
-"""Largest distance of a motion's beginning from the end of the one before [rad or m], if they connect."""
+"""A motion connects to the previous one if its beginning differs from the other's end by at most this [rad
+or m].
+"""
 
 
 def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
-    """Return the collisions and broken zones of the planned motions, by the proofs of a complete program."""
+    """Return the collisions of the planned motions, and the zones whose rules they break, by the same proofs
+    as for a complete program.
+    """
     found: list[Diagnostic] = []
     if not plan.motions:
         return ()
@@ -37,7 +41,7 @@ def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
 
 
 def _without_gaps(motions: Sequence[PlannedMotion]) -> Iterator[list[PlannedMotion]]:
-    """Yield the longest sequences of motions that connect. A motion is missing between two of them."""
+    """Yield the longest sequences of connected motions. Between two sequences a motion is missing."""
     stretch: list[PlannedMotion] = []
     for motion in motions:
         if stretch and np.abs(_ends(motion)[0] - _ends(stretch[-1])[1]).max() > _TOGETHER:
@@ -55,7 +59,7 @@ def _ends(motion: PlannedMotion) -> tuple[Array, Array]:
 
 
 def _layout(plan: MotionPlan, motions: Sequence[PlannedMotion]) -> Layout:
-    """Return planned motions as the segments of a text."""
+    """Return planned motions in the form of the segments of a text."""
     places: list[Place] = []
     at: list[NDArray[np.int64]] = []
     first = points = 0

@@ -1,4 +1,6 @@
-"""The parts of a cell as items: places over time, and the bodies of the collision check at these times."""
+"""The parts of a cell as items: their places over time, and the bodies of the collision check at these
+times.
+"""
 
 from __future__ import annotations
 
@@ -18,16 +20,18 @@ from yarclang.view import colours
 from yarclang.view.stage import Item, Scenes, Stage
 
 SURE, UNSURE = 1.0, 0.45
-"""Opacity of a part whose place is known, and of one that may be elsewhere."""
+"""Opacity of a part whose place is known, and of a part that may be elsewhere."""
 _NAMED = 8
 """Largest number of parts of a kind that all show their names.
 
-Of more parts, only the first and held ones do, because the others stand close together."""
+If there are more, only the first part and parts that are held show their names, because the others are close
+together.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """The state of the parts from a time on.
+    """A state of the parts, from a given time on.
 
     Attributes:
         begins: the time [s].
@@ -45,7 +49,7 @@ class ShownParts:
     Attributes:
         items: bodies of the parts.
         scenes: bodies of the collision check over time.
-        notes: what can't be shown.
+        notes: parts that can't be shown.
     """
 
     items: tuple[Item, ...]
@@ -69,7 +73,7 @@ def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> Sh
 
     Args:
         robot: the robot that carries them.
-        moments: states in order of time; of several at one time the last one counts.
+        moments: states in order of time. Of several states at one time, the last one counts.
         carried: the parts during the program.
     """
     moments = [
@@ -190,7 +194,9 @@ def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], .
 
 
 def facts_of_motion(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return the facts about the parts that a motion carries, and about the bodies that may touch on it."""
+    """Return the facts about the parts that a motion carries, and about the bodies that may touch during
+    it.
+    """
     if carried is None:
         return ()
     names = carried.names.get(step)

@@ -1,4 +1,4 @@
-"""Find the target of a click: the point nearest to the ray from the eye through the mouse."""
+"""Find what a click means: the point nearest to the ray from the eye through the mouse."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Way
 
 ANGLE = 0.02
-"""Largest angle between the ray and the target of a click [rad], about 12 pixels."""
+"""Largest angle between the ray of a click and the point that it means [rad], about 12 pixels."""
 
 
 def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
-    """Return the point with the smallest angle to the ray, and this angle [rad].
+    """Return the index of the point with the smallest angle to the ray, and this angle [rad].
 
     -1 and infinity if no point is in front of the eye.
 
     Args:
         points: (N, 3) [m].
         eye: (3,) [m].
-        direction: (3,) of the ray.
+        direction: (3,) direction of the ray.
     """
     if not len(points):
         return -1, np.inf
@@ -34,7 +34,7 @@ def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
 def picked_time(way: Way, eye: Array, direction: Array) -> float | None:
     """Return the time [s] at which the frame is at the clicked place of its path; None for clicks elsewhere.
 
-    Long straight pieces have points far apart, therefore the lines between points are searched.
+    Long straight pieces have only points that are far apart, so the lines between points are searched.
     """
     if len(way.points) < 2:
         return None

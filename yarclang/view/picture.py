@@ -1,4 +1,4 @@
-"""The stage in three dimensions, drawn by viser. Bodies and axes are drawn once, then only moved with the
+"""Draw the stage in three dimensions with viser. Bodies and axes are drawn once, and then only moved with the
 joints.
 """
 
@@ -27,17 +27,19 @@ if TYPE_CHECKING:
 
 _AXES_LENGTH = 0.12
 _HANDLES = 0.25
-"""Length of the handles of a frame that is dragged [m]."""
+"""Length of the handles of a frame that can be dragged [m]."""
 _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
-"""Widths of lines [pixels]: path, planned path beside it, chosen command."""
+"""Widths of lines [pixels]: of the path, of the planned path beside it, and of the chosen command."""
 
 
 _AROUND = 200
-"""Number of commands before and after the chosen one whose path is drawn exactly, if the whole is drawn
+"""Number of commands before and after the chosen one whose path is drawn exactly if the whole path is drawn
 coarsely.
 """
 _MOST_MARKS = 200
-"""Largest number of findings drawn on the path, the most severe first. The list contains all of them."""
+"""Largest number of findings that are drawn on the path, beginning with the most severe. The list contains
+all of them.
+"""
 
 
 class Picture:
@@ -144,7 +146,7 @@ class Picture:
             )
 
     def colour_bodies(self, touching: frozenset[str]) -> None:
-        """Colour the bodies that are too near to others, and restore the colours of all others."""
+        """Colour the bodies that are too near to others. All other bodies get their own colours back."""
         for name in touching ^ self._touching:
             for node, item in self._bodies.get(name, []):
                 node.color = colours.TOUCHING if name in touching else item.colour
@@ -167,7 +169,7 @@ class Picture:
             self.choose_piece(self._piece)
 
     def choose_piece(self, number: int) -> None:
-        """Highlight the path of a command; -1 for none."""
+        """Highlight the path of a command; for -1 highlight none."""
         self._piece = number
         self._lettering.follow(number)
         for node in self._chosen:
@@ -177,7 +179,7 @@ class Picture:
             return
         self._draw_exactly("/chosen", self._owners == number, _THICK)
         if self._drawn.off > FINEST:
-            # The neighbourhood is viewed from nearer than the whole path.
+            # Users look at this part of the path from nearer than at the whole path.
             self._draw_exactly("/around", np.abs(self._owners - number) <= _AROUND, _WIDTH)
 
     def _draw_exactly(self, name: str, wanted: NDArray[np.bool_], width: float) -> None:
@@ -201,7 +203,7 @@ class Picture:
             )
 
     def choose_mark(self, number: int) -> None:
-        """Write a finding at its place; -1 for none."""
+        """Write a finding at its place; for -1 write none."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -212,10 +214,10 @@ class Picture:
             )
 
     def drag(self, number: int, dragged: Callable[[Array, Array], object]) -> None:
-        """Draw the handles of a frame; none for -1.
+        """Draw the handles of a frame; for -1 draw none.
 
         Args:
-            number: of the frame among the stage's.
+            number: number of the frame among the stage's frames that can be dragged.
             dragged: called with position (3,) [m] and quaternion w x y z, with all joints at zero.
         """
         if self._handles is not None:
@@ -330,7 +332,7 @@ class Picture:
                 name.text,
                 position=name.place,
                 font_screen_scale=0.7,
-                # a frame that the robot brings to another one is labelled on the other side
+                # if the robot brings this frame to another one, its label is on the other side
                 anchor="top-right" if name.matters else "bottom-right",
             )
             self.switches.add(label, *groups)

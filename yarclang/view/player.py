@@ -1,4 +1,6 @@
-"""The shown time, which stands or runs at some speed from beginning to end. It has no clock."""
+"""The time that is shown. It stands still or runs from beginning to end at some speed. This module has no
+clock.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +9,12 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Player:
-    """The shown time.
+    """The time that is shown.
 
     Attributes:
         duration: the end [s].
-        time: the shown time [s].
-        factor: speed of the shown time relative to real time.
+        time: the time that is shown [s].
+        factor: speed of this time relative to real time.
         plays: True while the time runs.
     """
 
@@ -28,7 +30,7 @@ class Player:
             seconds: real time that has passed [s].
 
         Returns:
-            True if the shown time has changed.
+            True if the time that is shown has changed.
         """
         if not self.plays or seconds <= 0.0:
             return False
@@ -44,5 +46,5 @@ class Player:
             self.time = 0.0
 
     def jump(self, time: float) -> None:
-        """Go to a time [s], limited to the range."""
+        """Go to a time [s]. Times outside of the range are limited to it."""
         self.time = min(max(time, 0.0), self.duration)

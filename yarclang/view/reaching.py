@@ -1,4 +1,4 @@
-"""Find the running robot to show, at first and again after it was away."""
+"""Find the running robot to show, at first and again after it wasn't served for some time."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ class Whose:
         return the_run(self.name)
 
     def again(self, before: Run) -> Run:
-        """Return the run that replaces another one: with its controller or, without one, its robot.
+        """Return the run that replaces another run: the run with the same controller or, without one, with
+        the same robot.
 
         Raises:
             ControlError: there is none, or there are several.
@@ -81,7 +82,7 @@ class Place:
     notes: tuple[str, ...] = ()
 
     def is_as(self, other: Place) -> bool:
-        """Return True if another place looks equal."""
+        """Return True if another place looks the same."""
         texts = [None if one.cell is None else one.cell.source for one in (self, other)]
         return (
             self.robot.fingerprint == other.robot.fingerprint
@@ -91,10 +92,10 @@ class Place:
 
 
 def read_place(welcome: Welcome, around: Surroundings) -> Place:
-    """Read the files of a robot and its cell that a coordinator has named.
+    """Read the files of a robot and its cell, which a coordinator has named.
 
     Raises:
-        Trouble: the robot's files can't be read, or have changed since it is served.
+        Trouble: the robot's files can't be read, or have changed since the robot is served.
     """
     loaded = load_robot(around.robot)
     robot = loaded.value

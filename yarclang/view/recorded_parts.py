@@ -1,4 +1,4 @@
-"""The parts of a cell during a recorded run, from the times at which the robot reached the SETs."""
+"""Follow the parts of a cell during a recorded run, by the times at which the robot reached the SETs."""
 
 from __future__ import annotations
 
@@ -33,11 +33,13 @@ from yarclang.view.parts import Moment, ShownParts, shown_parts
 from yarclang.ways import Turn
 
 _BESIDE = 0.02
-"""Tolerance of a sample's time in the program while the robot stands [s]."""
+"""Tolerance of a sample's time in the program while the robot is at rest [s]."""
 _STANDS = 0.1
-"""Least time at one time of the program that counts as standing [s]."""
+"""Shortest duration at one time of the program that counts as rest [s]."""
 _BESIDE_WAY = 0.12
-"""Times in the program nearer than this to the end of a branch may be outside [s]."""
+"""Times in the program that are nearer than this to the end of a branch may belong to the steps after it
+[s].
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +61,7 @@ class _Pass:
 
     Attributes:
         real: (N,) times in the run [s].
-        told: (N,) times in the program [s], never falling.
+        told: (N,) times in the program [s], never decreasing.
         is_whole: True if the pass was completed.
     """
 
@@ -73,7 +75,7 @@ class _Pass:
 
         Args:
             time: time in the program [s].
-            leaves: if the robot stands there for a while, return the end of this stay rather than its
+            leaves: if the robot was at rest there for a while, True for the end of this rest, False for its
                 beginning.
         """
         if time > self.told[-1] + _BESIDE:
@@ -133,7 +135,7 @@ def _passes(run: RecordedRun, tracking: Tracking) -> Iterator[_Pass]:
 
 
 def _follows_wait(steps: Sequence[Step], number: int) -> bool:
-    """Return True if the robot waits for something between a step and the motion before it."""
+    """Return True if the robot waits for something between a step and the previous motion."""
     for step in reversed(steps[:number]):
         if isinstance(step, Motion):
             return False
@@ -143,11 +145,11 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
 
 
 def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Iterator[int]:
-    """Yield the steps that a pass left out, and those that only mark branches and loops.
+    """Yield the steps that a pass left out, and the steps that only mark branches and loops.
 
-    These are the branches of WHEN that weren't taken with their WHEN, ELSE and END; the skipped rests of
-    loops; and the steps at which loops begin and end. If both branches of a WHEN take no time, neither is
-    yielded.
+    These are the branches of a WHEN that weren't taken, with their WHEN, ELSE and END; the rests of loops
+    that were skipped; and the steps at which loops begin and end. If both branches of a WHEN take no time,
+    neither is yielded.
     """
     open_: list[tuple[int, int | None]] = []
     loops: list[list[int]] = []
@@ -167,7 +169,7 @@ def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Ite
                 if first is None and second is None:
                     continue
                 yield from {when, middle, number}
-                # A branch without duration was taken if the other one wasn't.
+                # A branch without duration was taken if the other branch wasn't.
                 takes_first = first if first is not None else not second
                 yield from range(middle, number) if takes_first else range(when, middle)
             case Loop():
@@ -186,7 +188,7 @@ def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Ite
 
 
 def _was_in(one: _Pass, begins: float, ends: float) -> bool | None:
-    """Return True if a pass was between two times of the program [s]; None if they are equal."""
+    """Return True if a pass was between two times of the program [s]; None if the two times are equal."""
     if ends <= begins:
         return None
     margin = min(_BESIDE_WAY, 0.4 * (ends - begins))

@@ -1,4 +1,4 @@
-"""viser's server, restricted to pages that it has served itself (`yarclang.hosts`)."""
+"""viser's server, restricted to pages that this server itself has served (`yarclang.hosts`)."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from websockets.asyncio import server as websocket_server
 from yarclang.hosts import HERE, is_called, is_own
 
 Request = Callable[[Any, Any], Any]
-"""Callback of websockets for a connection and its request: returns a response, or None to continue."""
+"""Callback that websockets calls with a connection and its request. It returns a response, or None to
+continue.
+"""
 
 
 class GuardedServer(viser.ViserServer):
-    """A viser server without tunnels that refuses other host names and pages of other sites.
+    """A viser server that refuses other host names and pages of other sites, and opens no tunnels.
 
     Args:
         host: address to listen on, or its name.
@@ -34,15 +36,17 @@ class GuardedServer(viser.ViserServer):
             raise RuntimeError("this version of viser can't be guarded")
 
     def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002  (viser's signature)
-        """Return None: a tunnel, which any client could request, would make the picture public."""
+        """Return None, so that no tunnel is opened. Any client could request a tunnel, which would make
+        the picture public.
+        """
         return None
 
 
 class _Guard:
-    """Decides on each request for a file or a connection before it is answered.
+    """Decides about each request for a file or a connection before it is answered.
 
     Attributes:
-        is_asked: True once the server has called it.
+        is_asked: True if the server has called it at least once.
     """
 
     def __init__(self, names: frozenset[str]) -> None:
@@ -50,7 +54,7 @@ class _Guard:
         self._names = names
 
     def before(self, answer: Request | None) -> Request:
-        """Return a callback that asks this guard first, and then the given one."""
+        """Return a callback that asks this guard first, and then the given callback."""
         self.is_asked = True
 
         def process(connection: Any, request: Any) -> Any:
@@ -74,7 +78,9 @@ class _Guard:
 
 @contextlib.contextmanager
 def _guarded(guard: _Guard) -> Iterator[None]:
-    """Let new servers ask a guard first. viser has no option to pass such a callback to websockets."""
+    """Let new servers ask a guard first. viser has no option by which such a callback can be passed to
+    websockets.
+    """
     serve = websocket_server.serve
 
     def guarded(*arguments: Any, process_request: Request | None = None, **options: Any) -> Any:

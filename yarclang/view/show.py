@@ -1,4 +1,4 @@
-"""Show a stage in a browser: take orders, advance the time, and update the picture."""
+"""Show a stage in a browser: process orders, advance the time, and update the picture."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     import viser
 
 _RATE = 30.0
-"""Pictures in a second while time runs."""
+"""Number of pictures per second while time runs."""
 _TEXT_RATE = 8.0
-"""Updates of figures and slider in a second."""
+"""Number of updates of figures and slider per second."""
 _MOST_CLEARANCES = 3_000
-"""Largest number of places at which clearances are computed; the colours between are interpolated."""
+"""Largest number of places at which clearances are computed. Colours between them are interpolated."""
 _PASSES = 20.0
-"""Longest wait for an order [s], so that an interrupt is noticed."""
+"""Longest wait for an order [s]. It is bounded so that an interrupt is noticed."""
 
 
 def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
@@ -40,8 +40,8 @@ def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
 
     Args:
         stage: the stage.
-        door: address to serve it at; port 0 takes a free one.
-        ready: called with the real address once it is open.
+        door: address at which it is served; port 0 means any free port.
+        ready: called with the actual address when it is open.
 
     Raises:
         PortTakenError: the port is in use, or the address doesn't belong to this machine.
@@ -53,7 +53,7 @@ def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
 
 
 class _Showing:
-    """The present picture. Only its own thread draws; the threads of viser add orders."""
+    """The picture that is shown. Only its own thread draws; the threads of viser add orders."""
 
     def __init__(self, server: viser.ViserServer, stage: Stage) -> None:
         self._stage = stage
@@ -76,7 +76,7 @@ class _Showing:
         self._follow(figures_too=True)
 
     def run(self) -> None:
-        """Take orders and advance the time, for ever."""
+        """Process orders and advance the time, without end."""
         last = written = time.monotonic()
         while True:
             due = last + 1.0 / _RATE - time.monotonic() if self._player.plays else _PASSES
@@ -127,7 +127,7 @@ class _Showing:
                 self._lists[order.value].draw()
 
     def _drag(self, number: int) -> None:
-        """Let a frame be dragged; none for -1."""
+        """Let the user drag a frame; for -1 none."""
         self._dragged = number
         self._picture.drag(number, lambda position, wxyz: self._orders.put(Order("dragged", position, wxyz)))
         one = self._stage.draggable[number] if number >= 0 else None
@@ -198,7 +198,7 @@ class _Showing:
 
 
 def ramps_of(stage: Stage) -> dict[str, str]:
-    """Return the values that can colour the path, with their names for people."""
+    """Return the kinds of values that can colour the path, with their names for people."""
     if len(stage.way.points) < 2:
         return {}
     ramps = {"speed": "speed"}

@@ -33,15 +33,15 @@ class Item:
     """A body, or the border of a zone.
 
     Attributes:
-        name: name of the body. Items with one name are one body of the collision check.
+        name: name of the body. Items with the same name are one body of the collision check.
         kind: kind of the item.
         joint: number of joints that move the item.
-        base_from_item: (4, 4) with all joints at zero.
+        base_from_item: (4, 4) pose with all joints at zero.
         solid: its surface.
         colour: its colour.
         opacity: from 0 to 1.
-        begins: time from which it is shown [s].
-        ends: time from which it isn't shown any more [s].
+        begins: time from which on it is shown [s].
+        ends: time from which on it isn't shown any more [s].
         is_named: True if its name is written beside it.
     """
 
@@ -64,10 +64,10 @@ class Axes:
     Attributes:
         name: name without braces.
         joint: number of joints that move the frame.
-        base_from_frame: (4, 4) with all joints at zero.
+        base_from_frame: (4, 4) pose with all joints at zero.
         of_program: True if the program declares the frame.
-        matters: True for {B}, the followed frame and the first place of each frame that the program uses;
-            without a program, for each frame of the cell.
+        matters: True for {B}, for the followed frame, and for the first place of each frame that the program
+            uses; without a program, for each frame of the cell.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Track(Protocol):
     def at(self, times: Array) -> tuple[Array, Array]:
         """Return positions [rad or m] and velocities, (N, n) each, at times (N,) [s].
 
-        Outside of its range, the track stands still.
+        Before and after its range, the track is at rest.
         """
         ...
 
@@ -96,8 +96,8 @@ class Way:
         times: (N,) [s].
         points: (N, 3) the frame's origin [m].
         speed: (N,) [m/s].
-        breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are connected; nothing is drawn between two
-            such stretches.
+        breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are one connected stretch. Nothing is drawn
+            between two stretches.
         piece: (M,) the command of each stretch, -1 for none.
     """
 
@@ -109,10 +109,11 @@ class Way:
 
 
 class Later:
-    """Names and values that are computed at each use. Of very many commands, only few are ever shown.
+    """Names and values that are computed each time they are used, because only a few of a long program's
+    commands are ever shown.
 
     Args:
-        make: returns them.
+        make: computes them.
     """
 
     __slots__ = ("_make",)
@@ -147,9 +148,9 @@ class Piece:
         line: line in the source; 0 if it isn't known.
         begins: time at which it begins [s].
         ends: time at which it ends [s].
-        moves: False if it only waits or sets, or is a motion without a plan.
+        moves: False for a command without motion, and for a motion without a plan.
         planned: False for a motion without a plan.
-        facts: names and values to show; in a long program computed when needed (`Later`).
+        facts: names and values to show. In a long program, they are computed when they are needed (`Later`).
     """
 
     label: str
@@ -196,8 +197,8 @@ class Scenes:
 
     Attributes:
         robot: the robot.
-        begins: (K,) times from which each cell applies [s], never falling.
-        cells: (K,) the cells. The first one applies before its time as well.
+        begins: (K,) times from which on each cell applies [s], never decreasing.
+        cells: (K,) the cells. The first cell also applies before its time.
     """
 
     robot: Robot
@@ -209,7 +210,7 @@ class Scenes:
         return np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
 
     def scene(self, number: int) -> Scene | None:
-        """Return the bodies with a cell; None if there is nothing to collide with."""
+        """Return the bodies with a cell; None if there is no body that could collide."""
         found = scene_of(self.robot, self.cells[number]).value
         return found if found is not None and len(found.pairs.first) else None
 
@@ -226,19 +227,19 @@ class Stage:
         items: bodies and borders of zones.
         axes: frames.
         frame: name of the followed frame.
-        flange_from_frame: (4, 4) of the followed frame.
+        flange_from_frame: (4, 4) pose of the followed frame.
         track: the joints over time.
-        ghost: the planned joints beside the actual ones; None without both.
+        ghost: the planned joints beside the actual ones; None unless both are known.
         way: path of the followed frame.
         ghost_way: planned path of the followed frame; None without a ghost.
         pieces: commands in order of time.
         marks: findings and events.
-        scene: bodies of the collision check at the beginning; None if there is nothing to collide with.
+        scene: bodies of the collision check at the beginning; None if there is no body that could collide.
         duration: the last time that is shown [s].
         cell: the robot's cell; None if none is known.
-        scenes: bodies of the collision check over time; None if they stay those of `scene`.
-        worst: places nearest to their limits, the nearest first; empty for a short program.
-        draggable: frames whose lines are shown when they are dragged.
+        scenes: bodies of the collision check over time; None if they are always those of `scene`.
+        worst: places nearest to their limits, beginning with the nearest; empty for a short program.
+        draggable: frames that can be dragged. The line that declares a dragged frame is shown.
     """
 
     title: str
@@ -284,7 +285,8 @@ class Stage:
     def piece_at(self, time: float) -> int:
         """Return the command that runs at a time [s].
 
-        Of several at once, return the moving one or, without one, the first. -1 before the first command.
+        If several commands run then, return the one that moves or, if there is none, the first. -1 before the
+        first command.
         """
         count = bisect_right(self.pieces, time + 1e-9, key=lambda piece: piece.begins)
         first = count
@@ -293,13 +295,15 @@ class Stage:
         found = -1
         for number, piece in enumerate(self.pieces[max(first - 1, 0) : count], max(first - 1, 0)):
             if time <= piece.ends + 1e-9 or piece.moves:
-                # At the end of one command and the beginning of the next, the next one counts.
+                # At the end of a command, which is the beginning of the next one, return the next one.
                 found = number if piece.moves or found < 0 or self.pieces[found].ends < time else found
         return found
 
 
 def moved_by(chain: Chain, q: Array) -> Array:
-    """Return the displacements (n + 1, 4, 4) by the first 0 to n joints, from zero to `q` (n,)."""
+    """Return the displacements (n + 1, 4, 4) that the first 0 to n joints cause when they move from zero
+    to `q` (n,).
+    """
     moved = np.tile(np.eye(4), (chain.size + 1, 1, 1))
     for joint in range(chain.size):
         turn, shift = joint_transform(chain.screws[joint], q[joint : joint + 1])

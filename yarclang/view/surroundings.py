@@ -1,4 +1,4 @@
-"""Surroundings that all pictures show: the robot, its cell, the program's frames, and notes."""
+"""The surroundings that all pictures show: the robot, its cell, the program's frames, and notes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Surroundings:
     Attributes:
         items: bodies and borders of zones.
         axes: frames.
-        scene: bodies of the collision check; None if there is nothing to collide with.
+        scene: bodies of the collision check; None if there is no body that could collide.
         notes: contents that can't be shown.
         cell: the cell; None without one.
     """
@@ -63,8 +63,8 @@ def surroundings_of(
 
 
 def followed_frame(robot: Robot, program: Program | None) -> DrawnFrame:
-    """Return the frame that the first Cartesian motion of a program moves; without one {TCP}, else the
-    flange.
+    """Return the frame that the first Cartesian motion of a program moves. If there is none, return {TCP}, or
+    else the flange.
     """
     for step in program.steps if program is not None else ():
         if (led := led_by(step)) is not None:

@@ -1,4 +1,4 @@
-"""Switches of a picture: each node belongs to groups, and is visible if none of them is switched off."""
+"""Switches of a picture. Each node belongs to groups, and is visible if all of them are switched on."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Switches:
         return frozenset(self._hidden)
 
     def is_shown(self, *groups: str) -> bool:
-        """Return True if none of some groups is switched off."""
+        """Return True if all of the given groups are switched on."""
         return self._hidden.isdisjoint(groups)
 
     def add(self, node: Any, *groups: str) -> None:
@@ -65,20 +65,20 @@ class Switches:
             node.visible = False
 
     def switch(self, name: str, is_shown: bool) -> None:
-        """Switch a group on or off with its nodes, except those of parts, which `Parts` shows."""
+        """Switch a group on or off together with its nodes, except nodes of parts, which `Parts` shows."""
         (self._hidden.discard if is_shown else self._hidden.add)(name)
         for node, groups in self._nodes[name]:
             if "part" not in groups:
                 node.visible = self.is_shown(*groups)
 
     def forget(self, name: str) -> None:
-        """Forget the nodes of a group, which are removed from the picture. The group keeps its switch."""
+        """Drop the nodes of a group, which are removed from the picture. The group's switch is kept."""
         for each, nodes in self._nodes.items():
             self._nodes[each] = [(node, groups) for node, groups in nodes if name not in groups]
 
 
 class Parts:
-    """The nodes of parts, each visible while its part is there. Only changes are sent.
+    """The nodes of parts. Each is visible while its part is there. Only changes are sent.
 
     Args:
         switches: switches of the picture.
@@ -93,7 +93,7 @@ class Parts:
         self._time = 0.0
 
     def give(self, item: Item, node: Any, *groups: str) -> None:
-        """Add a node of a part, which isn't visible yet."""
+        """Add a node of a part. It isn't visible yet."""
         self._nodes.append((node, groups))
         self._begins.append(item.begins)
         self._ends.append(item.ends)
@@ -110,7 +110,7 @@ class Parts:
         self._visible = wanted
 
     def look(self) -> None:
-        """Show the parts that the switches allow."""
+        """Show the parts whose groups are switched on."""
         shown = [self._switches.is_shown(*groups) for _, groups in self._nodes]
         self._switched = np.array(shown, dtype=np.bool_)
         self.move_to(self._time)

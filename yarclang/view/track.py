@@ -25,7 +25,7 @@ _AT_ONCE = 4_096
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Planned motions over time. Between the motions, the robot stands.
+    """Planned motions over time. Between the motions, the robot is at rest.
 
     Attributes:
         start: (n,) joint positions before the first motion [rad or m].
@@ -67,7 +67,7 @@ class Recorded:
     """Recorded samples, connected by straight lines.
 
     Attributes:
-        times: (N,) [s], never falling.
+        times: (N,) [s], never decreasing.
         q: (N, n) [rad or m].
     """
 
@@ -90,12 +90,12 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shifted:
-    """A track with another time. Velocities are per second of the inner time.
+    """A track over another time. Velocities are per second of the track's own time.
 
     Attributes:
         track: the track.
-        outer: (N,) times here [s], never falling.
-        inner: (N,) corresponding times in the track [s], never falling.
+        outer: (N,) times of the shifted track [s], never decreasing.
+        inner: (N,) corresponding times of `track` [s], never decreasing.
     """
 
     track: Track
@@ -110,13 +110,13 @@ class Shifted:
 def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces: Sequence[int]) -> Way:
     """Return the path of a frame during motions.
 
-    Points are distributed by how far the joints move. The more motions there are, the fewer points a short
-    one has; of very many, only start and end.
+    The points are distributed by the distances that the joints move. The more motions there are, the fewer
+    points a short motion has; if there are very many, it has only its start and end.
 
     Args:
         curves: the motions.
         chain: the robot's joints.
-        flange_from_frame: (4, 4) of the frame.
+        flange_from_frame: (4, 4) pose of the frame.
         pieces: the command of each motion.
     """
     if not curves.curves:
@@ -146,7 +146,7 @@ def way_of_track(track: Track, times: Array, chain: Chain, flange_from_frame: Ar
         track: the joints over time.
         times: (N,) [s].
         chain: the robot's joints.
-        flange_from_frame: (4, 4) of the frame.
+        flange_from_frame: (4, 4) pose of the frame.
     """
     q, v = track.at(times)
     points, speed = followed(chain, q, v, flange_from_frame)
@@ -160,7 +160,7 @@ def followed(chain: Chain, q: Array, v: Array, flange_from_frame: Array) -> tupl
         chain: the robot's joints.
         q: (N, n) joint positions [rad or m].
         v: (N, n) joint velocities.
-        flange_from_frame: (4, 4) of the frame.
+        flange_from_frame: (4, 4) pose of the frame.
     """
     poses, jacobians = poses_and_jacobians(chain, q, flange_from_frame)
     speed: Array = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, :3], v), axis=1)

@@ -1,4 +1,4 @@
-"""The drawn frames: one triad for each place, and each name once."""
+"""Choose the frames that are drawn: one triad of axes for each place, and each name once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from yarclang.view.labels import spots
 from yarclang.view.stage import Axes
 
 _SAME = 1e-6
-"""Largest difference of poses that coincide [m, and entries of rotation matrices]."""
+"""Poses that differ by less count as equal [m, and entries of rotation matrices]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +22,7 @@ class Triad:
 
     Attributes:
         joint: number of joints that move them.
-        base_from_frame: (4, 4) with all joints at zero.
+        base_from_frame: (4, 4) pose with all joints at zero.
         matters: True if one of the frames there matters.
     """
 
@@ -37,7 +37,7 @@ class Name:
 
     Attributes:
         joint: number of joints that move the place.
-        place: (3,) with all joints at zero [m].
+        place: (3,) position with all joints at zero [m].
         matters: True if one of the frames there matters.
         text: the text.
     """
@@ -49,8 +49,8 @@ class Name:
 
 
 def triads_of(axes: Sequence[Axes]) -> list[Triad]:
-    """Return one triad for all frames that coincide. Frames that matter come first, so that others don't hide
-    them.
+    """Return one triad for all frames that coincide. Frames that matter come first, so that other frames
+    don't hide them.
     """
     found: list[Triad] = []
     for one in sorted(axes, key=lambda one: not one.matters):
@@ -66,9 +66,10 @@ def _coincide(triad: Triad, one: Axes) -> bool:
 
 
 def names_of(axes: Sequence[Axes], apart: float) -> list[Name]:
-    """Return the names of frames: each once, at its first place, joined if nearer than `apart` [m].
+    """Return the names of frames. Each name is written once, at its first place. Names nearer than `apart`
+    [m] are joined.
 
-    The name of a frame with several places tells their number, such as "{CELL} 1 of 24".
+    If a frame has several places, its name includes their number, such as "{CELL} 1 of 24".
     """
     counts = Counter(one.name for one in axes)
     firsts: dict[str, Axes] = {}

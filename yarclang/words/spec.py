@@ -1,8 +1,8 @@
 """Specifications of words that begin a line and are neither motions nor actions: a `WordSpec` for each.
 
-Each stands in a file of words/builtin. The parser's tables, the checks of its place, completion, hover,
-snippets and the highlighter read it. Its effect is implemented in `semantics/`, since such a word declares
-names or decides which lines are carried out.
+Each specification is in a file of words/builtin. The parser's tables, the checks of where the word is
+allowed, completion, hover, snippets and the highlighter use it. The word's effect is implemented in
+`semantics/`, since such a word declares names or decides which lines are carried out.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ class Slot(Enum):
     """Text in quotes."""
     REGISTER = "register"
     REACTION = "reaction"
-    """Reaction to a watched input: HOLD; or CALL, with the name of a SUB after it."""
+    """Reaction to a watched input: HOLD, or CALL followed by the name of a SUB."""
     TAUGHT = "taught"
-    """Name of a place that is taught while the program runs."""
+    """Name of a place that is taught at run time."""
     TOOL = "tool"
     """A tool of the cell that can be changed, or NONE."""
 
@@ -48,14 +48,14 @@ class WordSpec:
         opens_block: True if it begins a block, up to END.
         takes_else: True if the block may have an ELSE.
         ends_block: True if it ends the block of another word.
-        in_blocks: True if it may stand in a block, although it is a declaration.
-        at_the_top: True if it must stand before the first command.
+        in_blocks: True if it is allowed in a block, although it is a declaration.
+        at_the_top: True if it must come before the first command.
         once: True if a file has at most one such line.
         of_programs: True if it isn't allowed in a module.
         declares: kind of the name after it; empty without one. Names that are never used are reported.
         proposes: kind of names that completion proposes after it.
         slots: kinds of its values, if each line has the same number of them.
-        wants: these values in words.
+        wants: description of these values.
     """
 
     name: str

@@ -1,9 +1,10 @@
 """Proof that a blend stays inside a ball round the programmed corner.
 
-A blend is proved in two parts. Between the points at which the programmed paths are left and joined, the
-executed motion stays in the ball; and so do those parts of both paths that it does not follow. For the
-distance from the corner, e(t) = p(q(t)) - c is at most its largest Bezier point plus d^4/384 M4, as along a
-path. Joints have their extremes in closed form.
+Two things are proved for each blend. First, the executed motion stays in the ball between the point at which
+it leaves the first path and the point at which it joins the second one. Second, the parts of both paths that
+it does not follow stay in the ball as well. The distance from the corner is |e| with e(t) = p(q(t)) - c. On
+a piece of duration d it is at most the largest Bezier point of e's Hermite cubic, plus d^4/384 M4 with a
+bound M4 of |e''''| (see `yarclang.certify.motion.bounds`). Joints have their extremes in closed form.
 
 The frame may turn in a blend. Its angle from the corner's orientation is at most the sum of two turns: that
 of the first motion from where its path is left to the corner, and that of the second motion from the corner
@@ -25,16 +26,16 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
-"""Pieces of a segment: first, and again if the first bound is not sufficient."""
+"""Number of pieces per segment: `_COARSE` first, `_FINE` if the first bound exceeds the ball."""
 _SAMPLES = 513
-"""Points of a path of the moving frame."""
+"""Number of points at which a path of the moving frame is sampled."""
 _STEPS = 16
 """Least number of cubics into which a part of a path in joint space is cut."""
 
 
 @frozen(eq=False)
 class Balls:
-    """B balls round the corners of moving frames.
+    """Balls round the corners of B moving frames.
 
     Attributes:
         flange_from_moving: (B, 4, 4) frames on the flange.
@@ -52,13 +53,17 @@ class Balls:
 def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[Array, Array]:
     """Bound the distances (B,) [m] and turns (B,) [rad] of moving frames from their corners, at any instant.
 
+    Where a bound exceeds the ball, a sharper one is computed with finer pieces.
+
     Args:
         cubics: N segments.
-        owner: (N,) ball of each segment, in order; every ball has some.
-        balls: the balls. If a bound exceeds the ball, a sharper one is computed.
+        owner: (N,) ball of each segment, in ascending order; every ball has at least one segment.
+        balls: the balls.
         robot: the arm.
     """
     position, angle = _away(cubics, owner, balls, robot, _COARSE)
+    # Cut only those segments finer whose rough bound exceeds the ball; both bounds are valid, so take the
+    # smaller.
     (rough,) = np.nonzero((position > balls.radius[owner]) | (angle > balls.angle[owner]))
     if len(rough):
         finer = _away(cubics.take(rough), owner[rough], balls, robot, _FINE)
@@ -71,7 +76,7 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """Bound distances and turns segment by segment; arguments as in `farthest`."""
+    """Bound distances (N,) [m] and turns (N,) [rad] segment by segment, with `pieces` pieces per segment."""
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
@@ -82,6 +87,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     left, right = cut.left, cut.left + 1
     # Bezier hull of the distance and of the rotation difference, each with the Hermite remainder.
     position = hull(motion.p - corner[:, :3, 3], motion.velocity, left, right, cut.d)
+    # R' = [omega]x R, column by column. The turn is measured by the Frobenius norm of R - R_corner.
     spin = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     turn = (motion.rotation - corner[:, :3, :3]).reshape(-1, 9)
     chord = hull(turn, spin, left, right, cut.d) + rest * rotation[cut.segment]
@@ -92,11 +98,12 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
 
 @frozen(eq=False)
 class Away:
-    """Part of a programmed path near a corner.
+    """Bounds of a part of a programmed path near a corner.
 
     Attributes:
         position: upper bound of the distance from the corner [m].
-        angle: turn from the corner's orientation [rad], at least.
+        angle: largest turn from the corner's orientation at sampled points, a lower bound of the real one
+            [rad].
     """
 
     position: float
@@ -124,21 +131,28 @@ def away_on_path(
     s = np.linspace(*part, count)
     owner = np.full(count, own)
     poses = paths.at(owner, s)
+    # The blend's frame is rigidly attached to the path's frame, at `offset`.
     p = poses.p + poses.rotation @ offset
     most = np.linalg.norm(p - corner[:3, 3], axis=1).max()
     bend = 0.0
     if count > 2:
         bounds = paths.bounds(owner[:1], np.array([part[0]]), np.array([part[1]]))
+        # |p''| of a point at the distance `far`: that of the origin, plus `far` times that of the rotation. A
+        # line without an offset is its own chord and needs no bound.
         bend = bounds.position[0, 1] + far * bounds.rotation[0, 1]
     step = (part[1] - part[0]) / (count - 1)
     rotation = poses.rotation @ moving_from_frame[:3, :3]
     turned = np.linalg.norm((rotation - corner[:3, :3]).reshape(count, -1), axis=1)
+    # A curve leaves its chord by at most step^2 / 8 of its second derivative.
     return Away(float(most + bend * step**2 / 8.0), float(angle_of_chord(turned).max()))
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
-    """Return the part of a path in joint space between two shares as cubics over its parameter."""
+    """Return the part of a path in joint space between two shares `low` and `high` as cubics over its
+    parameter.
+    """
     end = spline.s[-1]
+    # Include the way-points, where the third derivative jumps, so that each piece is one cubic.
     inner = spline.s[(spline.s > low * end) & (spline.s < high * end)]
     s = np.unique(np.concatenate([np.linspace(low, high, _STEPS + 1) * end, inner]))
     s, step = s[:-1], np.diff(s)

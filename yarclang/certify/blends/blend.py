@@ -35,7 +35,9 @@ NOTHING = Away(0.0, 0.0)
 
 
 def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Blended]:
-    """Prove each blend, by the step of the motion before it; report those that leave their balls."""
+    """Prove each blend and report those that leave their balls; results are keyed by the step before the
+    blend.
+    """
     found: dict[int, Blended] = {}
     rounded: list[Corner] = []
     for corner in proofs.flows.corners:
@@ -79,7 +81,7 @@ def _blend_of(layout: Layout, corner: Corner) -> hir.Reading:
 
 
 def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> Blended:
-    """Judge a blend between two motions in joint space: each joint stays near the corner by itself."""
+    """Judge a blend between two motions in joint space, where each joint must stay near its own corner."""
     robot = judged.robot
     rows = _overlap(layout, corner)
     middle = proofs.starts.q[corner.second]
@@ -105,15 +107,17 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
 
 
 def _how(away: float, left: float, joined: float) -> str:
-    """Return in words the part of the blend that is farthest from the corner."""
-    # At the ends of the blend, `away` and the other two bound the same points, and differ in the last digits.
+    """Return in words which part of the blend is farthest from the corner."""
+    # At the ends of the blend, `away` bounds the same points as `left` and `joined`, and differs from them in
+    # the last digits.
     if away > 1.001 * max(left, joined):
         return "on the way between both paths"
     return "where the path is left" if left >= joined else "where the next path is joined"
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
-    """Bound the distance (n,) of the joints from the corner on the part of a path that is not followed.
+    """Bound the distance (n,) of the joints from the corner on the part of a path that is not followed [rad
+    or m].
 
     Args:
         proofs: the proofs so far.
@@ -152,7 +156,7 @@ def _of_frames(
 ) -> Iterator[tuple[int, Blended]]:
     """Judge blends in which a moving frame stays near the corner.
 
-    It is the frame of the first motion, or of the second if the first is in joint space.
+    The frame is that of the first motion, or that of the second one if the first is in joint space.
     """
     balls = [_ball(judged, layout, proofs, corner) for corner in corners]
     rows = [np.arange(*_overlap(layout, ball.corner).indices(len(layout.time))[:2]) for ball in balls]
@@ -162,6 +166,7 @@ def _of_frames(
     radius = np.array([_blend_of(layout, ball.corner).length or 0.0 for ball in balls])
     slack = [judged.tolerance_of(layout.places[ball.corner.first].motion) for ball in balls]
     turn = np.array([ball.left.angle + ball.joined.angle for ball in balls])
+    # The ball may be left by the tolerance: the paths themselves may be missed by this amount.
     together = Balls(
         np.array([ball.flange_from_moving for ball in balls]),
         np.array([ball.pose for ball in balls]),

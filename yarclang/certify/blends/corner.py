@@ -1,6 +1,6 @@
 """Start of each motion's programmed path.
 
-This is the current position, or the programmed end of the motion that flows into it.
+A path starts at the current position, or at the programmed end of the motion that flows into it.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ SAME_JOINTS = 1e-9
 _ROUNDS = 20
 """Most iterations of Newton's method."""
 NEARLY_KEPT = 5e-4
-"""Largest relative loss of a programmed speed for which a claim is ignored.
+"""Loss of a programmed speed, as a share, up to which a claim of a lower speed is ignored.
 
-The motion must then reach the whole speed.
+The motion must then reach the programmed speed.
 """
 
 
 def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
-    """Return the tolerance of a motion: its own, or else the general `tolerance`."""
+    """Return the motion's own tolerance, or the general `tolerance` if it has none."""
     return tolerance.of_motion(motion.tolerance, leads_frame=motion.leads_frame)
 
 
@@ -54,17 +54,17 @@ class Judged:
     find: Callable[[str, str, int | None], None]
 
     def tolerance_of(self, motion: hir.Motion) -> Tolerance:
-        """Return the tolerance of a motion: its own, or else the general one."""
+        """Return the motion's own tolerance, or the general one if it has none."""
         return tolerance_of(motion, self.tolerance)
 
     def share_of(self, step: int) -> float:
-        """Return the share of its programmed speed that a motion must reach: 1, or the planner's claim."""
+        """Return the share of the programmed speed that a motion must reach: the planner's claim, or 1."""
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the share of its programmed speed below which a motion must not fall.
+        """Return the share of the programmed speed below which a motion must not fall.
 
-        This is `share_of`, or the planner's claim if less.
+        This is `share_of`, or the planner's claim `least` if that is smaller.
         """
         return min(self.share_of(step), _share(self.claims.least.get(step, 1.0)))
 
@@ -109,7 +109,8 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
     end: _End | None = None
     ahead: tuple[int, Place] | None = None
     for row, place in enumerate(layout.places):
-        # A motion that flows on from another one, or does not move, begins at the last exact programmed end.
+        # A motion that another one flows into, or that does not move, begins at the exact programmed end
+        # before it.
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
             if end.q is None and not place.motion.leads_frame:
@@ -162,14 +163,14 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
 def _inverse(pose: bytes) -> Array:
     """Return the inverse (4, 4) of a pose (4, 4) given as bytes.
 
-    It is cached, since most motions of a program move one frame.
+    Results are cached, since most motions of a program move the same frame.
     """
     inverse: Array = np.asarray(np.linalg.inv(np.frombuffer(pose).reshape(4, 4)), dtype=np.float64)
     return inverse
 
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
-    """Return the joint positions (count, n) that the planner claims; None without a well-formed claim."""
+    """Return the joint positions (count, n) claimed by the planner; None without a well-formed claim."""
     claimed = judged.claims.witnesses.get(place.step)
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
         return None
@@ -177,9 +178,9 @@ def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
 
 
 def claimed_way(judged: Judged, place: Place) -> Array | None:
-    """Return the way-points (k, n) of a motion, as claimed by the planner.
+    """Return the way-points (k, n) of a motion, as claimed by the planner; None without a well-formed claim.
 
-    An AvoidMove has as many as the planner claims to have found, a SplineMove as many as are programmed.
+    An AvoidMove has as many way-points as the planner claims, a SplineMove as many as are programmed.
     """
     motion = place.motion
     if isinstance(motion, hir.SplineMove):
@@ -191,7 +192,8 @@ def claimed_way(judged: Judged, place: Place) -> Array | None:
 def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Array) -> Array:
     """Return the joints (n,) at the end of a Cartesian motion.
 
-    They are the claimed ones, or else those nearest to the middle of the blend.
+    These are the joints claimed by the planner, or those nearest to the middle of the blend if it claims
+    none.
     """
     claimed = claimed_joints(judged, place, 1)
     if claimed is not None:
@@ -211,10 +213,12 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
 def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
     """Return joints (n,) that bring the flange to a pose (4, 4), by Newton's method from q.
 
-    A wrong result proves nothing.
+    The result need not be exact: a wrong corner makes the proof fail, and never makes it wrong.
     """
     for _ in range(_ROUNDS):
         here, jacobian = poses_and_jacobians(robot.chain, q[None], np.eye(4))
+        # Error of position, and of orientation as the sine of the angle times the axis (from the
+        # antisymmetric part).
         turn = here[0, :3, :3] @ flange[:3, :3].T
         vee = np.array([turn[1, 2] - turn[2, 1], turn[2, 0] - turn[0, 2], turn[0, 1] - turn[1, 0]]) / 2.0
         error = np.concatenate([flange[:3, 3] - here[0, :3, 3], vee])
@@ -225,9 +229,10 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
 
 
 def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
-    """Return the largest distances of claimed goals from programmed ones [m], [rad]; report excesses.
+    """Return the largest distances of claimed goals from programmed ones [m], [rad]; report those beyond
+    tolerance.
 
-    Both are infinite without a well-formed claim.
+    Both distances are infinite without a well-formed claim.
     """
     motion = place.motion
     assert isinstance(motion, hir.JointMove | hir.AvoidMove | hir.SplineMove)

@@ -1,4 +1,4 @@
-"""The motions that flow into each other, and the segments that follow each motion's own path."""
+"""Find the motions that flow into each other, and the segments that follow each motion's own path."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHORTEST = 1e-6
 """Least time between two passed corners without a blend radius [s]."""
 
 _TOGETHER = 4096
-"""Corners that are computed in one step."""
+"""Number of corners computed in one step."""
 
 IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
 """Motions in joint space."""
@@ -36,9 +36,10 @@ class Corner:
         first: row of the first motion in the layout.
         second: row of the second motion in the layout.
         segments: number of segments of the blend.
-        rounded: True if a ball is allowed. Otherwise both paths are followed up to the corner.
+        rounded: True if the corner may be rounded within a ball. Otherwise both paths are followed up to the
+            corner.
         joints: True between two motions in joint space, where each joint has a ball of its own. Otherwise the
-            moving frame has one.
+            ball is that of the moving frame.
     """
 
     first: int
@@ -87,8 +88,8 @@ class Flows:
         Args:
             cubics: all segments.
             rows: (K,) the motions.
-            begins: (K,) first segment of each motion in `cubics`.
-            stops: (K,) segment after its last one.
+            begins: (K,) index in `cubics` of each motion's first segment.
+            stops: (K,) index in `cubics` after each motion's last segment.
         """
         starts, ends = np.zeros(len(cubics.h)), cubics.h.copy()
         since, until = np.isfinite(self.since[rows]), np.isfinite(self.until[rows])
@@ -99,11 +100,11 @@ class Flows:
 
 
 def covered_by_balls(free: NDArray[np.bool_]) -> Array:
-    """Return the share of a path (...) that divides it between two balls, if blends take the whole path.
+    """Return the share (...) of a path that divides it between two balls, if blends cover the whole path.
 
-    The ball at the start must hold the path up to this share, the ball at the end from there on.
-
-    A path with a cut at its start has a ball at its end only, and the other way round.
+    The ball at the start must contain the path up to this share, and the ball at the end must contain the
+    rest. A path that is cut at its start has a ball at its end only, so the share is 0; a path that is cut at
+    its end has the share 1.
 
     Args:
         free: (..., 2) True if the path is joined after its start, and if it is left before its end.
@@ -130,18 +131,20 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
     passed = dict(_passed(judged, layout, starts, [corner for corner in corners if not corner.rounded]))
     for corner in corners:
         first, second, half = corner.first, corner.second, corner.segments // 2
-        # In a blend with a ball, half of its segments belong to either motion, and follow neither path.
+        # In a blend with a ball, half of the segments belong to either motion, and follow neither path.
         if corner.rounded:
             follow[first, 1] -= half
             follow[second, 0] += half
             free[first, 1] = free[second, 0] = True
             continue
-        # Without a ball, the segment in which the corner is passed belongs to both motions, up to that time.
+        # Without a ball, the first motion owns its last segment up to the time at which it passes the corner,
+        # and the second motion owns the rest of that segment.
         segment, time = passed[corner]
         earliest = int(follow[first, 0])
         if segment < earliest:
-            # Leave out segments that belong to the corner before.
+            # Leave out segments that belong to the previous corner.
             segment, time = earliest, SHORTEST
+        # Both corners are passed in one segment: the second one must be passed after the first.
         if segment == earliest and np.isfinite(since[first]):
             time = max(time, float(since[first]) + SHORTEST)
         follow[first, 1], follow[second, 0] = segment + 1, segment
@@ -166,8 +169,11 @@ def _corners(layout: Layout, robot: Robot) -> list[Corner]:
 def _passed(
     judged: Judged, layout: Layout, starts: Starts, corners: list[Corner]
 ) -> Iterator[tuple[Corner, tuple[int, float]]]:
-    """Yield for each corner without a ball its segment and the time after the segment's start [s]."""
+    """Yield each corner without a ball, with the segment that passes it and the time after the segment's
+    start [s].
+    """
     robot, tolerance = judged.robot, judged.tolerance
+    # Corners of the same moving frame are computed together.
     groups: dict[bytes, tuple[Array | None, list[Corner]]] = {}
     for corner in corners:
         motions = layout.places[corner.first].motion, layout.places[corner.second].motion
@@ -193,9 +199,8 @@ def _passed(
 
 
 def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, float]:
-    """Return the weights of distance [1/m] and angle [1/rad] at a corner.
-
-    The stricter tolerance of both motions applies.
+    """Return the weights of distance [1/m] and angle [1/rad] at a corner, from the stricter tolerance of both
+    motions.
     """
     one, other = (judged.tolerance_of(layout.places[row].motion) for row in (corner.first, corner.second))
     return 1.0 / min(one.position, other.position), 1.0 / min(one.angle, other.angle)
@@ -204,8 +209,8 @@ def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, flo
 def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
     """Return the range of segments in which a corner is searched.
 
-    These are the segments of its overlap and one more on either side, without those of the corners at the
-    other ends of both motions.
+    The range contains the segments of the corner's overlap and one more on either side. It excludes the
+    segments of the corners at the other ends of both motions.
     """
     one, other = layout.places[corner.first], layout.places[corner.second]
     reach = corner.segments // 2 + 1
@@ -214,7 +219,9 @@ def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
 
 
 def frame_of(*motions: hir.Motion) -> Array | None:
-    """Return the moving frame on the flange (4, 4) of the first Cartesian motion; None without one."""
+    """Return the moving frame on the flange (4, 4) of the first Cartesian motion; None if all are in joint
+    space.
+    """
     return next((motion.flange_from_moving for motion in motions if motion.leads_frame), None)
 
 
@@ -232,11 +239,11 @@ class Asked:
     """Requirements on the speeds of P motions.
 
     Attributes:
-        top: (P, 2) speed limit of the frame's origin [m/s] and of its turn [rad/s]; NaN without one.
-        share: (P,) share of `top` below which the speed must not fall after it has been reached.
+        top: (P, 2) speed limit of the frame's origin [m/s] and of its turn [rad/s]; NaN without a limit.
+        share: (P,) share of `top` below which the speed must not fall after `top` has been reached.
         around: (P, 2) largest speed in the blend before, and in the blend after [m/s].
-        held: (P, 2) True if the motion begins, and ends, at its speed: it flows on without a ball, and its
-            neighbour is not slower.
+        held: (P, 2) True if the motion must have its speed already at its start, and still at its end: there
+            it flows through a corner without a ball, and its neighbour is not slower.
     """
 
     top: Array
@@ -254,12 +261,15 @@ def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
         if speed is None or isinstance(place.motion, IN_JOINTS):
             continue
         kept = judged.share_of(place.step)
+        # The speed must reach `kept` of the programmed one, and never fall below `least` of it after that.
         share[row] = judged.least_of(place.step) / kept
         top[row] = (
             np.nan if speed.length is None else speed.length * kept,
             np.nan if speed.angle is None else speed.angle * kept,
         )
     around, held = np.full((count, 2), np.inf), np.zeros((count, 2), dtype=np.bool_)
+    # Each motion of a blend may have the higher of both speeds there. At a corner without a ball, the slower
+    # of both speeds is held up to the corner.
     cruise = top[:, 0] * share
     for corner in flows.corners:
         pair = [corner.first, corner.second]

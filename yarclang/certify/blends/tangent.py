@@ -1,7 +1,7 @@
 """Times at which motions pass corners without a blend radius, and go over from one path to the next.
 
-A proof accepts any time: the first path is proved up to it, the second path from it on. A good choice gives a
-sharp bound.
+Any time is valid for the proof: the first path is proved up to it, and the second path from it on. A good
+choice makes the proved bound sharp.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 _LOOKS = 8
-"""Points at which a segment is examined."""
+"""Number of points at which a segment is examined."""
 _ROUNDS = 48
 """Most rounds of the search for a zero."""
 _FALSE_POSITIONS = 12
@@ -30,7 +30,7 @@ _LEAST = 1e-7
 
 @frozen(eq=False)
 class Corners:
-    """K corners, as joint positions, or as poses of one frame.
+    """K corners: joint positions, or poses of a moving frame.
 
     Attributes:
         q: (K, n) joint positions [rad or m].
@@ -52,12 +52,16 @@ class Corners:
             return square
         off = tool_poses(chain, x, self.flange_from_moving)[:, :3] - self.poses[own, :3]
         far_weight, turn_weight = self.weights[own].T ** 2
+        # The squared Frobenius norm of a rotation difference is 8 sin^2(angle / 2), about twice the squared
+        # angle.
         far, turn = _sum(off[:, :, 3] ** 2), _sum(_sum(off[:, :, :3] ** 2))
         found: Array = far * far_weight + turn * turn_weight / 2.0
         return found
 
     def closing(self, chain: Chain, own: Rows, x: Array, v: Array) -> Array:
-        """Return half the rate of the squared distance (N,) for joints `x` and velocities `v` (N, n)."""
+        """Return half the rate of the squared weighted distance (N,) from the corners, for joints `x` and
+        velocities `v`.
+        """
         if self.flange_from_moving is None or self.poses is None:
             rate: Array = ((x - self.q[own]) * self.weights[own] ** 2 * v).sum(axis=1)
             return rate
@@ -66,13 +70,14 @@ class Corners:
         twist = (jacobians @ v[:, :, None])[:, :, 0]
         off = poses[:, :3] - self.poses[own, :3]
         spin = np.cross(twist[:, 3:, None], poses[:, :3, :3], axis=1)
+        # Half the derivative of a squared norm |off|^2 is off . off', here for position and rotation matrix.
         along, around = _sum(off[:, :, 3] * twist[:, :3]), _sum(_sum(off[:, :, :3] * spin))
         found: Array = along * far_weight + around * turn_weight / 2.0
         return found
 
 
 def _sum(values: Array) -> Array:
-    """Return sums (N, ...) over three rows (N, 3, ...), with a last bit that does not depend on N."""
+    """Return sums (N, ...) over three rows (N, 3, ...); the last bit of a result does not depend on N."""
     found: Array = values[:, 0] + values[:, 1] + values[:, 2]
     return found
 
@@ -81,13 +86,13 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
     """Find the times at which corners are passed.
 
     Args:
-        cubics: the segments to search.
-        owner: (N,) corner of each segment, in order; each corner has some.
+        cubics: the N segments to search.
+        owner: (N,) corner of each segment, in ascending order; each corner has at least one segment.
         corners: the K corners.
         chain: the arm.
 
     Returns:
-        The segment (K,) in which each corner is passed, and the time after its start [s] (K,).
+        The segment (K,) in which each corner is passed, and the time after the segment's start [s] (K,).
     """
     begins = np.flatnonzero(np.diff(owner, prepend=-1))
     sizes = np.diff(np.append(begins, len(owner)))
@@ -96,7 +101,8 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
     far = corners.away(chain, owner[segment], _at(cubics, segment, share)[0])
     first = begins * _LOOKS
     nearest = _first_least(far, first)
-    # The squared distance falls before the corner and grows after it.
+    # The squared distance falls before the corner and grows after it: search for the zero of its rate between
+    # the neighbours of the nearest examined point.
     low, high = np.maximum(nearest - 1, first), np.minimum(nearest + 1, first + sizes * _LOOKS - 1)
     last, own = sizes - 1, np.arange(len(begins))
 
@@ -105,17 +111,17 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
 
         Args:
             rows: (K,) the corners.
-            place: (K,) segments after the corner's first one, and shares of them.
+            place: (K,) segments after the corner's first one, plus shares of a segment.
         """
         behind = np.minimum(place.astype(np.int64), last[rows])
         return corners.closing(chain, rows, *_at(cubics, begins[rows] + behind, place - behind))
 
-    # Count places from each corner's own first segment, so that the result does not depend on its place in
-    # the text.
+    # Count places from each corner's own first segment, so that a result does not depend on where the corner
+    # is in the text.
     edges = (segment[edge] - begins + share[edge] for edge in (low, high))
     place = _crossing(rate, own, *edges)
     found = np.minimum(place.astype(np.int64), last)
-    # Both parts of the segment must have a duration.
+    # Both parts of the divided segment must have a duration.
     part = np.clip(place - found, _LEAST, 1.0 - _LEAST)
     return begins + found, part * cubics.h[begins + found]
 
@@ -123,7 +129,7 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
 def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high: Array) -> Array:
     """Find where a rate becomes positive in each row (K,).
 
-    The method is false position with the Illinois rule, and bisection if this takes long.
+    The method is false position with the Illinois rule, followed by bisection if that is slow.
 
     Args:
         rate: returns the rates of rows (M,) at places (M,).
@@ -134,7 +140,7 @@ def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high
     found = low.copy()
     before, behind = rate(rows, low), rate(rows, high)
     falls = before <= 0.0
-    # The distance falls up to the end of the search.
+    # If the distance falls up to the end of the search, the corner is passed there.
     found[falls & (behind <= 0.0)] = high[falls & (behind <= 0.0)]
     (inner,) = np.nonzero(falls & (behind > 0.0) & (high - low > _CLOSE))
     rows, fell, at = rows[inner], np.zeros(len(inner), dtype=np.int64), inner
@@ -143,12 +149,13 @@ def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high
         if not len(rows):
             break
         part = before / (before - behind) if turn < _FALSE_POSITIONS else np.full(len(rows), 0.5)
-        # If the zero is close to one end, step just past it, so that the other end gets there at once.
+        # If the zero is close to one end, step just past it, so that the other end reaches it in the next
+        # round.
         aside = 0.4 * _CLOSE
         middle = np.clip(low + part * (high - low), low + aside, high - aside)
         now = rate(rows, middle)
         falls = now <= 0.0
-        # Illinois rule: halve the value at an end that stays for a second time.
+        # Illinois rule: halve the value at an end that is kept twice in a row.
         before = np.where(falls, now, np.where(fell < 0, 0.5 * before, before))
         behind = np.where(falls, np.where(fell > 0, 0.5 * behind, behind), now)
         low, high, fell = np.where(falls, middle, low), np.where(falls, high, middle), np.where(falls, 1, -1)
@@ -160,7 +167,7 @@ def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high
 
 
 def _first_least(values: Array, begins: Rows) -> Rows:
-    """Return the first minimum of each group; groups begin at `begins` (K,)."""
+    """Return the index of the first minimum of each group; groups begin at `begins` (K,)."""
     least = np.minimum.reduceat(values, begins)
     size = np.diff(np.append(begins, len(values)))
     hits = np.flatnonzero(values == np.repeat(least, size))

@@ -29,6 +29,8 @@ def extent(region: Region, directions: Array) -> Array:
         # The half-space n . p >= offset is bounded in the direction -n only.
         return np.where(-(region.normal @ directions) >= _ALONG, -region.offset, np.inf)
     placed, shape = region.base_from_shape, region.shape
+    # Support function of the shape: the support of its center plus that of the shape around it, in its own
+    # axes.
     at_center: Array = np.asarray(placed[:3, 3] @ directions)
     own = placed[:3, :3].T @ directions
     if isinstance(shape, Box):
@@ -45,7 +47,7 @@ def extent(region: Region, directions: Array) -> Array:
 def directions_to(region: Region, points: Array) -> Array:
     """Return unit directions (3, P) from the nearest point of a region to points (3, P) in {B}.
 
-    For a point inside, the direction is that from the region's axis or center.
+    For a point inside, the direction leads from the region's axis or center to the point.
     """
     if isinstance(region, HalfSpace):
         return np.repeat(-region.normal[:, None], points.shape[1], axis=1)
@@ -53,6 +55,7 @@ def directions_to(region: Region, points: Array) -> Array:
     own = placed[:3, :3].T @ (points - placed[:3, 3:4])
     away = own - _nearest(shape, own)
     length = np.sqrt((away**2).sum(axis=0))
+    # A point inside is its own nearest point: use the direction from the axis or center instead.
     inside = length < _NO_LENGTH
     away[:, inside], length[inside] = own[:, inside], np.sqrt((own[:, inside] ** 2).sum(axis=0))
     nowhere = length < _NO_LENGTH
@@ -62,9 +65,9 @@ def directions_to(region: Region, points: Array) -> Array:
 
 
 def _nearest(shape: Box | Sphere | Capsule | Cylinder, own: Array) -> Array:
-    """Return the points of a shape nearest to points (3, P) in the shape's own axes.
+    """Return the points of a shape nearest to points (3, P), all in the shape's own axes.
 
-    For a sphere or capsule, points of the center or the axis serve as well.
+    For a sphere or capsule these are points of its center or axis, which give the same direction.
     """
     if isinstance(shape, Box):
         half = shape.size[:, None] / 2.0

@@ -1,4 +1,4 @@
-"""Proof that motions respect their own speed limits (`[V<=250]`)."""
+"""Proof that motions respect their own speed limits, their ceilings (`[V<=250]`)."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class _Stretches:
 def find_ceilings(
     layout: Layout, robot: Robot, moved: dict[int, Moving]
 ) -> tuple[dict[int, ZoneSpeed], list[Diagnostic]]:
-    """Return the frame's speed of every command with a ceiling, by step, and findings where it is too fast.
+    """Return the frame's speed of every command with a ceiling, by step, and findings about excessive speeds.
 
-    In a corner between two motions, the larger of both ceilings applies; if one motion has no ceiling, the
+    In a corner between two motions, the larger of both ceilings applies. If one motion has no ceiling, the
     corner has none.
 
     Args:
@@ -83,7 +83,7 @@ def find_ceilings(
 
 
 def _runs(layout: Layout, moved: dict[int, Moving]) -> Iterator[list[Place]]:
-    """Yield runs of consecutive commands with ceilings that move one frame."""
+    """Yield runs of consecutive commands with ceilings that all move the same frame."""
     run: list[Place] = []
     for place in layout.places:
         if not place.size:
@@ -104,9 +104,10 @@ def _is_same(one: Moving, other: Moving) -> bool:
 
 
 def _with_neighbours(layout: Layout) -> Iterator[tuple[Place, tuple[float, float]]]:
-    """Yield each command with the ceilings of the neighbours that it flows out of, and into [m/s].
+    """Yield each command with the ceilings [m/s] of the motion that flows into it, and of the one it flows
+    into.
 
-    The value is infinite for a neighbour without a ceiling, and 0 without such a neighbour.
+    A ceiling is infinite if that motion has none, and 0 if there is no such motion.
     """
     moving = [place for place in layout.places if place.size]
     for row, place in enumerate(moving):
@@ -125,7 +126,8 @@ def _stretches(places: list[Place], neighbours: dict[int, tuple[float, float]]) 
     allowed = np.empty(3 * len(places))
     for row, place in enumerate(places):
         own = _allowed(place)
-        # A corner without a ball is passed only approximately where the map says.
+        # The map gives the place of a corner without a ball only approximately: count one more segment to the
+        # corner.
         head = min(place.size, 0 if place.before is None else place.before // 2 + 1)
         tail = min(place.size - head, 0 if place.behind is None else place.behind // 2 + 1)
         edges = place.first, place.first + head, place.last - tail, place.last

@@ -1,4 +1,4 @@
-"""Proof that the bodies of robot and cell stay apart while the text runs, with the least distances."""
+"""Proof that the bodies of robot and cell stay apart while the text runs, with their least distances."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from yarclang.units import MM
 
 @frozen
 class Apart:
-    """Least distances of a command.
+    """Least distances of bodies during a command.
 
     Attributes:
-        cell: distance of the robot from the cell; None if there is nothing to approach.
-        own: distance of the robot from itself; None if there is nothing to approach.
-        touching: pairs of bodies that may touch and come nearer to each other than their margin, by their
-            names in upper case.
+        cell: distance of the robot from the cell; None if no body of the cell is compared.
+        own: distance of the robot's bodies from each other; None if no such pair is compared.
+        touching: pairs of bodies that are allowed to touch and come nearer to each other than their margin,
+            by their names in upper case.
     """
 
     cell: Clearance | None
@@ -123,14 +123,14 @@ def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
 
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:
-    """Return the kinds of those own pairs that must not touch: 1 with the cell, 0 of the robot alone."""
+    """Return the kinds of those pairs of `own` that must not touch: 1 with the cell, 0 of the robot alone."""
     return {int(one) for one in scene.pairs.of_cell[own][~scene.pairs.touching[own]]}
 
 
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
     """Return the proved clearance of a motion over its pairs of one kind."""
     near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
-    # Beyond the distance that is examined closely, the bound says little and the names nothing.
+    # Distances beyond `KNOWN` are only bounds, whose nearest bodies mean nothing.
     return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
 
 

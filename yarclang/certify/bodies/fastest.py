@@ -1,12 +1,12 @@
 """The judge's own bound of the speed of bodies in a slow zone.
 
-It shares no code with `yarclang.collision.zones.speed`, which the planner uses.
+The planner uses `yarclang.collision.zones.speed` instead; the two modules share no code.
 
-Pieces of segments are halved until each is proved to be outside of the zone, or not faster than the known
-speed, or is too short to decide. Three bounds settle a piece of duration d. A point moves by at most V d. In
-any direction, a point is lower than the lowest of its places at both ends and in the middle by at most A d^2
-/ 32. Its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three
-derivatives of all points of the body (`_derivatives`).
+Pieces of segments are halved until each of them is settled: it is proved to be outside of the zone, or not
+faster than the largest speed known so far, or it is too short to decide. Three bounds settle a piece of
+duration d. A point moves by at most V d. In any direction, a point is lower than the lowest of its places at
+both ends and in the middle by at most A d^2 / 32. Its speed exceeds the larger one of both ends by at most
+J d^2 / 8. V, A and J bound the first three derivatives of all points of the body (`_derivatives`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Rows = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 SHARP = 2e-4
-"""Share of the largest speed by which its bound may be too large."""
+"""Share of the largest speed by which its bound may exceed it."""
 NEAR = 1e-5
 """Distance within which a place counts as on a zone's border [m]."""
 SAME = 1e-10
@@ -46,8 +46,8 @@ class Fastest:
 
     Attributes:
         speed: (G,) upper bounds [m/s]; 0 if the body is never inside.
-        segment: (G,) segment in which the body is fastest, -1 for none.
-        time: (G,) middle of the piece in question, after the start of the first segment [s].
+        segment: (G,) segment in which the body is fastest, -1 if it is never inside.
+        time: (G,) middle of the fastest piece, after the start of the first segment [s].
     """
 
     speed: Array
@@ -57,7 +57,7 @@ class Fastest:
 
 @frozen(eq=False)
 class Joints:
-    """Placement and velocity at P instants of the bodies that the first few joints move.
+    """Placement and velocity, at P instants, of the bodies moved by the first few joints.
 
     Attributes:
         turn: (3, 3, P) rotation from the place with all joints at zero.
@@ -76,7 +76,7 @@ class Joints:
         return Joints(self.turn[:, :, rows], self.shift[:, rows], self.spin[:, rows], self.drift[:, rows])
 
     def joined(self, other: Joints) -> Joints:
-        """Return these instants followed by those of another object."""
+        """Return these instants followed by those of `other`."""
         return Joints(
             np.concatenate([self.turn, other.turn], axis=2),
             np.concatenate([self.shift, other.shift], axis=1),
@@ -85,14 +85,13 @@ class Joints:
         )
 
     def point(self, own: Array) -> Array:
-        """Return the places (3, P) [m] of a point (3,) given with all joints at zero."""
+        """Return the places (3, P) [m] of a body's point (3,), given by its place with all joints at zero."""
         placed: Array = np.tensordot(self.turn, own, axes=(1, 0)) + self.shift
         return placed
 
     def lowest(self, item: Item, directions: Array) -> Array:
-        """Compute the smallest d .
-
-        p (P,) [m] over the points p of a body, for one unit direction per instant (3, P).
+        """Compute the smallest dot product d.p (P,) [m] over the points p of a body, for unit vectors d (3,
+        P).
         """
         own = (self.turn * directions[:, None, :]).sum(axis=0)
         low = (item.points @ own).min(axis=0) + (directions * self.shift).sum(axis=0) - item.radius
@@ -101,7 +100,7 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Return a bound (P,) [m/s] of the speeds of a body's points, exact without round parts."""
+        """Bound the speeds (P,) [m/s] of a body's points; the bound is exact for a body without round parts."""
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
             x, y, z = self.point(own)
@@ -115,7 +114,7 @@ class Joints:
 
 
 class Motions:
-    """The segments of some motions, with the arm at their ends, computed once for all bodies."""
+    """The segments of some motions and the arm at their ends, computed once for all bodies."""
 
     def __init__(self, chain: Chain, cubics: Cubics, spans: NDArray[np.int64]) -> None:
         self.chain, self.cubics, self.spans = chain, cubics, spans
@@ -123,9 +122,9 @@ class Motions:
 
     @cached_property
     def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
-        """Compute the arm at all begins, and at the ends that differ from the next begin.
+        """Compute the arm at the begins of all segments, and at those ends that differ from the next begin.
 
-        Returns the rows of the ends as well.
+        The second value has the segments of these ends.
         """
         before, after = self.cubics.at(np.zeros(len(self.cubics.h))), self.cubics.at(self.cubics.h)
         count = len(self.cubics.h)
@@ -140,13 +139,15 @@ class Motions:
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return the bodies of the first `joint` joints at the begins and at the ends of all segments."""
+        """Return the bodies moved by the first `joint` joints, at the begins and at the ends of all segments."""
         found, stops = self._ends
         arm = _of(found, joint)
         return arm.take(np.arange(len(stops))), arm.take(stops)
 
     def at(self, joint: int, segment: Rows, time: Array) -> Joints:
-        """Return the bodies of the first `joint` joints at times (P,) after the starts of segments (P,)."""
+        """Return the bodies moved by the first `joint` joints, at times (P,) after the starts of segments
+        (P,).
+        """
         return _of(motions(self.chain, *self.cubics.take(segment).at(time)), joint)
 
 
@@ -188,8 +189,9 @@ class _Search:
             rows = np.flatnonzero(~self._is_far(segment, begin, end, arms))
             segment, begin, end = segment[rows], begin[rows], end[rows]
             arms = arms[0].take(rows), arms[1].take(rows)
-            # A comparison with NaN is false: such a piece is never settled by it.
+            # A comparison with NaN is False, so a piece with NaN is never settled.
             bound = np.maximum(arms[0].speed(self.item), arms[1].speed(self.item))
+            # |p'| is convex along a chord of velocities, and p' leaves its chord by at most J d^2 / 8.
             bound = bound + self.third[segment] * (end - begin) ** 2 / 8.0
             rows = np.flatnonzero(~(bound <= self._known(segment)))
             segment, begin, end, bound = segment[rows], begin[rows], end[rows], bound[rows]
@@ -197,7 +199,10 @@ class _Search:
             half = (begin + end) / 2.0
             middle = self.all.at(self.item.joint, segment, half)
             out, inside = self._where(segment, end - begin, half, (arms[0], middle, arms[1]))
+            # A body that is inside in the middle of a piece has its speed there: it raises the known speed,
+            # which settles other pieces.
             self._learn(segment[inside], half[inside], middle.take(np.flatnonzero(inside)).speed(self.item))
+            # On a piece with a motion below `NEAR`, it is undecided if the body is inside: count its bound.
             short = ~out & ~(self.first[segment] * (end - begin) > NEAR)
             self._learn(segment[short], half[short], bound[short])
             rows = np.flatnonzero(~out & ~short & ~(bound <= self._known(segment)))
@@ -208,12 +213,16 @@ class _Search:
         return Fastest(np.where(self.segment >= 0, self.best * (1.0 + SHARP), 0.0), self.segment, self.time)
 
     def _known(self, segment: Rows) -> Array:
-        """Return the speeds up to which pieces need not be examined."""
+        """Return the speeds that pieces must exceed to be examined further: the largest known ones, plus
+        `SHARP`.
+        """
         known: Array = self.best[self.motion[segment]] * (1.0 + SHARP)
         return known
 
     def _is_far(self, segment: Rows, begin: Array, end: Array, arms: tuple[Joints, Joints]) -> Flags:
-        """Return True for pieces that are outside by a ball around the body, or by the joints' ranges."""
+        """Return True for pieces that are outside, as shown by a ball around the body or by the joints'
+        ranges.
+        """
         region, long = self.region, end - begin
         if isinstance(region, JointWindow):
             # A function exceeds its chord by at most d^2 / 8 of its second derivative.
@@ -223,6 +232,8 @@ class _Search:
             sag = most * (long**2 / 8.0)[:, None] + NEAR_JOINT
             below = np.maximum(before, after) + sag < region.lower
             return np.asarray((below | (np.minimum(before, after) - sag > region.upper)).any(axis=1))
+        # A signed distance changes by at most V d on the piece, so it is nowhere less than half of the sum of
+        # both ends less V d.
         gaps = np.zeros(len(segment))
         for arm in arms:
             center = arm.point(self.item.middle)
@@ -234,7 +245,7 @@ class _Search:
     def _where(
         self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
     ) -> tuple[Flags, Flags]:
-        """Return True for pieces completely outside, and True for pieces whose middles are inside."""
+        """Return True for pieces that are completely outside, and True for pieces whose middle is inside."""
         region = self.region
         if isinstance(region, JointWindow):
             q = self.all.cubics.take(segment).at(half)[0]
@@ -244,7 +255,7 @@ class _Search:
         out, seen = self._beyond(region, segment, long, arms, toward)
         if self.item.of_coal is not None and not isinstance(region, HalfSpace):
             # For a body beside a region, the direction from its middle may show no gap although another
-            # direction does.
+            # direction does: try the direction that coal proposes.
             rows = np.flatnonzero(~out)
             toward = self._proposed(region, arms[1].take(rows))
             few = arms[0].take(rows), arms[1].take(rows), arms[2].take(rows)
@@ -255,10 +266,12 @@ class _Search:
     def _beyond(
         self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
     ) -> tuple[Flags, Array]:
-        """Return True for pieces beyond planes, and the gaps in their middles (P,) [m].
+        """Return True for pieces beyond planes, and the gaps (P,) [m] in the middles of all pieces.
 
         `toward` (3, P) are the normals of the planes.
         """
+        # The lowest value of d . p at both ends and in the middle, less the largest value in the region, is
+        # the gap.
         low = [arm.lowest(self.item, toward) for arm in arms]
         reach = extent(region, toward)
         seen = low[1] - reach
@@ -271,7 +284,7 @@ class _Search:
     def _proposed(self, region: Region, arm: Joints) -> Array:
         """Return normals (3, P) proposed by coal.
 
-        A wrong normal does no harm: the gap that it shows is proved here.
+        A wrong normal does no harm, since `_beyond` proves the gap along it.
         """
         normal = np.empty((arm.shift.shape[1], 3))
         distance_outside(region, self.item, Posed(arm.turn, arm.shift, arm.spin, arm.drift), normal)
@@ -285,6 +298,8 @@ class _Search:
         motion = self.motion[segment]
         most = self.best.copy()
         np.maximum.at(most, motion, speed)
+        # Rows that reach the new maximum of their motion, if that is a new one; written as negations because
+        # of NaN.
         new = np.flatnonzero(~(speed < most[motion]) & ~(most[motion] <= self.best[motion]))
         self.segment[motion[new]] = segment[new]
         self.time[motion[new]] = self.all.starts[segment[new]] + time[new]

@@ -1,4 +1,4 @@
-"""Places of the cell's parts while a text runs, and checks of how they are picked up and put down."""
+"""Places of the cell's parts while a text runs, and checks that parts are picked up and put down correctly."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 ON = 5e-3
-"""Distance [m], in addition to its margin, beyond which a released part counts as falling."""
+"""Distance [m] from the nearest body, in addition to the margin, beyond which a released part counts as
+falling.
+"""
 
 
 @frozen(eq=False)
@@ -30,9 +32,9 @@ class Handled:
 
     Attributes:
         cell: the program's cell.
-        cells: the cell's state by the step of the motion; empty without parts and bodies that may touch.
+        cells: the cell's state by the step of the motion; empty if the state never changes.
         carried: names of the carried parts by the step of the motion; empty without parts.
-        allowances: the bodies that may touch because the program or the cell allows it, by the step.
+        allowances: the lines that allow bodies to touch, of the program or of the cell, by the step.
     """
 
     cell: Cell | None
@@ -50,7 +52,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
 
     Args:
         layout: the whole text; in a partial plan, motions may be missing.
-        program: its steps set outputs, and its cell tells which outputs move grippers.
+        program: the program. Its steps set outputs, and its cell defines which outputs move grippers.
             `yarclang.certify.flow` proves that the text sets the same outputs at the same places.
         robot: the robot whose flange carries the parts.
     """
@@ -106,7 +108,9 @@ def _findings(
 
 
 def _computed(handling: Handling) -> list[Diagnostic]:
-    """Return findings about SETs of computed values that move parts, whose places are then unknown."""
+    """Return findings about SET lines with computed values that move parts: the parts' places are then
+    unknown.
+    """
     found = []
     cell = handling.cell
     moving = set() if cell is None else {*cell.grips, *cell.removals}
@@ -124,9 +128,9 @@ def _computed(handling: Handling) -> list[Diagnostic]:
 
 
 def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagnostic]:
-    """Return findings about loops that leave a part in another place.
+    """Return findings about loops that leave a part in a place other than at their begin.
 
-    Their later passes would differ from the proved one.
+    Later passes of such a loop would differ from the pass that is proved.
     """
     found = []
     for number, name in unlike.items():
@@ -165,9 +169,8 @@ def _nothing(grasp: Grasp, origin: hir.Origin) -> Diagnostic:
 
 
 def _taken(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
-    """Return findings about picked parts.
-
-    A part may start in the air or inside a body, or a gripper may be deep in a part.
+    """Return findings about picked parts: one that is in the air or inside a body, or that overlaps its
+    gripper.
     """
     cell = handling.cell
     if cell is None:

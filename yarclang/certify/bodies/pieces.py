@@ -1,10 +1,11 @@
 """Proof that the convex pieces of a mesh contain it.
 
-The judge cuts the mesh again, in another way than the division does. For each cell, a little smaller than it was
-made, it computes all points that can be extreme ones of the solid's part in it: corners of triangles in the cell,
-points where edges of triangles meet its borders, points where its own edges meet triangles, and its own corners
-if they are inside the solid. All of them must be in the cell's piece, and the solid's part then is as well. The
-cells must fill the box around the mesh without overlapping.
+The judge cuts the mesh a second time, by a method that differs from that of the division. Each piece has a
+cell, a box that is made a little smaller here. The judge computes all points that can be extreme points of
+the solid's part in the cell: corners of triangles inside the cell, points where edges of triangles meet the
+cell's borders, points where the cell's edges meet triangles, and those corners of the cell that are inside
+the solid. A piece is convex: if it contains all of these points, it contains the solid's part in its cell.
+The cells must fill the box around the mesh without overlapping.
 """
 
 from __future__ import annotations
@@ -28,9 +29,12 @@ from yarclang.units import MM
 ALLOWED = 1e-8
 """Distance by which a point may be outside of its piece because of rounding [m]."""
 _BORDER = 1e-6
-"""Thickness of the borders between cells, where nothing is proved [m]. Distances are not more exact."""
+"""Thickness of the borders between cells, where nothing is proved [m].
+
+It is no larger than the error of computed distances.
+"""
 _ROUNDED = 1e-9
-"""Share of the volume of a box by which the cells in it may differ from it."""
+"""Share of a box's volume by which the summed volume of its cells may differ."""
 
 
 def incomplete(robot: Robot, cell: Cell | None, source: SourceFile) -> Iterator[Diagnostic]:
@@ -60,16 +64,16 @@ def _off(shape: Mesh) -> float:
         skin = geometry_of(replace(shape, pieces=0)).skin
     except UnreadableError:
         skin = None
-    # a mesh that has changed or can't be read is reported with the scene
+    # A mesh that has changed or can't be read is reported with the scene.
     return 0.0 if skin is None or isinstance(pieces, UnreadableError) else lacking(skin, pieces)
 
 
 def lacking(triangles: Array, pieces: tuple[Geometry, ...]) -> float:
-    """Return the largest distance of a point that pieces must contain from them [m].
+    """Return the largest distance [m] by which the solid leaves its pieces.
 
     Args:
         triangles: (T, 3, 3), which enclose the solid.
-        pieces: each with its cell.
+        pieces: the convex pieces, each with its cell.
 
     Returns:
         The distance; infinite if the cells don't fill the box around the triangles, or overlap.
@@ -85,19 +89,28 @@ def lacking(triangles: Array, pieces: tuple[Geometry, ...]) -> float:
 
 
 def _fill(low: Array, high: Array, lower: Array, upper: Array) -> bool:
-    """Return True if cells (N, 3), (N, 3) fill a box (3,), (3,) without overlapping."""
+    """Return True if cells fill a box without overlapping.
+
+    Args:
+        low: (N, 3) lower corners of the cells [m].
+        high: (N, 3) upper corners of the cells [m].
+        lower: (3,) lower corner of the box [m].
+        upper: (3,) upper corner of the box [m].
+    """
     if (low < lower).any() or (high > upper).any() or (low > high).any():
         return False
     for number in range(len(low) - 1):
+        # Two boxes overlap if they share an interval on all three axes.
         shared = np.minimum(high[number], high[number + 1 :]) - np.maximum(low[number], low[number + 1 :])
         if (shared > 0.0).all(axis=1).any():
             return False
+    # Cells in the box that don't overlap fill it if their volumes add up to that of the box.
     whole = float(np.prod(upper - lower))
     return abs(float(np.prod(high - low, axis=1).sum()) - whole) <= _ROUNDED * whole
 
 
 def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> float:
-    """Return how far a point of the solid's part in a cell is outside of the cell's piece [m]."""
+    """Return the largest distance [m] by which the solid's part in a cell leaves the cell's piece."""
     border = np.minimum(_BORDER, (high - low) / 4.0)
     low, high = low + border, high - border
     near = ((triangles.max(axis=1) >= low) & (triangles.min(axis=1) <= high)).all(axis=1)
@@ -108,8 +121,9 @@ def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> floa
 
 
 def _points(triangles: Array, low: Array, high: Array) -> Array:
-    """Return the extreme points (P, 3) of triangles' parts in a cell."""
+    """Return the points (P, 3) of triangles' surfaces that can be extreme points of their part in a cell."""
     found = [triangles.reshape(-1, 3)]
+    # Points at which edges of triangles cross the planes of the cell's faces.
     for axis, at in product(range(3), (low, high)):
         for one, other in ((0, 1), (1, 2), (2, 0)):
             first, second = triangles[:, one], triangles[:, other]
@@ -117,6 +131,8 @@ def _points(triangles: Array, low: Array, high: Array) -> Array:
             cut = below * above < 0.0
             share = below[cut] / (below[cut] - above[cut])
             found.append(first[cut] + share[:, None] * (second[cut] - first[cut]))
+    # Points at which triangles meet the lines of the cell's edges; triangles parallel to a line are left out,
+    # since their edges are covered above.
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     for axis in range(3):
         side, top = (axis + 1) % 3, (axis + 2) % 3
@@ -130,7 +146,13 @@ def _points(triangles: Array, low: Array, high: Array) -> Array:
 
 
 def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
-    """Return the points (P, 3) of triangles on a line along an axis."""
+    """Return the points (P, 3) at which a line parallel to an axis meets triangles.
+
+    Args:
+        triangles: (T, 3, 3).
+        axis: index of the axis.
+        at: the line's other two coordinates, in cyclic order after `axis` [m].
+    """
     side, top = (axis + 1) % 3, (axis + 2) % 3
     flat = triangles[:, :, [side, top]] - np.array(at)
     turns = np.stack(
@@ -139,6 +161,8 @@ def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
             for one, other in ((1, 2), (2, 0), (0, 1))
         ]
     )
+    # In the projection along the axis, the point is inside if it is on the same side of all three edges. The
+    # same areas are the barycentric coordinates of the point.
     hit = (turns >= 0.0).all(axis=0) | (turns <= 0.0).all(axis=0)
     weights = turns[:, hit] / turns[:, hit].sum(axis=0)
     points: Array = np.einsum("it,tix->tx", weights, triangles[hit])
@@ -147,8 +171,12 @@ def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
 
 
 def _is_filled(triangles: Array, point: Array) -> bool:
-    """Return True if a point is inside: triangles turn around it (Van Oosterom and Strackee 1983)."""
+    """Return True if a point is inside a solid: its triangles' solid angles add up to 4 pi.
+
+    A triangle's solid angle is 2 atan2(volume, rest) (Van Oosterom and Strackee 1983).
+    """
     a, b, c = (triangles[:, number] - point for number in range(3))
+    # tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|).
     one, other, third = (np.sqrt((arm * arm).sum(axis=1)) for arm in (a, b, c))
     volume = (a * np.cross(b, c)).sum(axis=1)
     rest = one * other * third + (a * b).sum(axis=1) * third

@@ -16,9 +16,9 @@ _EDGE = 1e-6
 def remedy(
     motion: hir.Motion, otherwise: str, when: tuple[float, float], lasts: float
 ) -> tuple[str, Fix | None]:
-    """Return the remedy for a motion that comes too close to something, and a fix if there is one.
+    """Return a remedy for a motion that comes too close to something, and a fix if there is one.
 
-    A way round helps only if the motion neither begins nor ends there.
+    A way round helps only if the motion is clear at its start and at its end.
 
     Args:
         motion: the motion.
@@ -44,7 +44,7 @@ def remedy(
 
 
 def _correction(otherwise: str) -> str:
-    """Return the remedy other than moving the motion: the part after the last semicolon, or all of it."""
+    """Return the remedy that doesn't move the motion: the part after the last semicolon, or the whole text."""
     return otherwise.rpartition("; ")[2].removeprefix("or ")
 
 

@@ -1,10 +1,10 @@
-"""A second proof of clearances, as reported by `yarclang.collision.proof` for convex bodies.
+"""A second proof of the clearances of convex bodies that `yarclang.collision.proof` reports.
 
-It uses placements, support functions and bounds of the judge's own. For each pair on each piece of a motion,
-the second body is seen from the first. Three bounds settle a piece of duration d: the gap between spheres
-around both bodies, less the motion of the joints between them; the gap of a plane in the middle, less that
-motion; and the gaps of the plane at both ends and in the middle, less A d^2 / 32. Unsettled pieces are
-halved. If bodies are anywhere closer than reported, the reporting proof is wrong.
+The proof uses the judge's own placements, support functions and bounds. It compares each pair of bodies on
+pieces of a motion, in the frame of the first body. Three bounds settle a piece of duration d: the gap between
+spheres around both bodies, less the motion of the joints between them; the gap of a plane in the middle, less
+that motion; and the smallest gap of the plane at both ends and in the middle, less A d^2 / 32. Unsettled
+pieces are halved. If bodies are closer than reported anywhere, the first proof is wrong.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Chain
 
 STEP = 0.08
-"""Motion of the joints on a piece at the beginning [rad or m]."""
+"""Largest motion of a joint on a piece before any halving [rad or m]."""
 EQUAL = 5e-6
-"""Allowed disagreement between both proofs [m]; the distances by coal are off by less than a tenth of it."""
+"""Allowed disagreement between both proofs [m]; coal's distances are off by less than a tenth of it."""
 SHORT = 2e-4
 """Pieces on which nothing moves by more than this [m] are not halved: the distance in the middle decides."""
 
@@ -56,11 +56,14 @@ def refuted(
 ) -> list[Nearer]:
     """Prove clearances again and return the places that refute them, at most one for each motion and pair.
 
+    Pairs that may touch, meshes that are not their own hulls, and motions that are rejected anyway because of
+    their meetings are not examined.
+
     Args:
-        scene: bodies and pairs. Pairs that may touch, and meshes that are not their own hulls, are left out.
+        scene: bodies and pairs.
         course: segments of all motions.
         spans: (G, 2) range of the segments of each motion.
-        found: the reported clearances. Motions with meetings are left out, as they are rejected anyway.
+        found: the reported clearances.
         own: pairs of each motion; None for all pairs.
     """
     pairs, count = scene.pairs, len(spans)
@@ -70,6 +73,8 @@ def refuted(
         reported = np.full((count, len(pairs.first)), -np.inf)
         for motion, rows in enumerate(own):
             reported[motion, rows] = pairs.margin[rows]
+    # A pair is reported to keep its margin; the nearest pair of each kind is reported to keep its least
+    # distance.
     decided, kind = np.nonzero((found.nearest[:, :2] >= 0) & (found.least[:, :2] < KNOWN))
     deciding = decided, found.nearest[decided, kind]
     reported[deciding] = np.maximum(reported[deciding], found.least[decided, kind])
@@ -84,12 +89,13 @@ class _Second:
         self.scene, self.course, self.reported = scene, course, reported
         asked = np.flatnonzero((reported > -np.inf).any(axis=0))
         one, other = scene.pairs.first, scene.pairs.second
-        # Whatever the order of the pair, let the body that fewer joints move be the first.
+        # The first body of a pair is the one that fewer joints move, whatever the order in the scene.
         joint = np.array([body.joint for body in scene.bodies])
         turned = joint[one] > joint[other]
         self.first, self.second = np.where(turned, other, one), np.where(turned, one, other)
         bodies = np.unique(np.concatenate([one[asked], other[asked]])).tolist()
         self.items = {body: room_of(scene.bodies[body]) for body in bodies}
+        # Largest |q| of each joint: at the start of a segment, plus its travel within the segment.
         far = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
         self.lengths, self.reach = np.zeros((2, len(one), scene.chain.size))
         for pair in asked.tolist():
@@ -102,6 +108,7 @@ class _Second:
         course = self.course
         begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
         way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
+        # Begin with equal pieces on which no joint moves by more than about `STEP`.
         count = np.maximum(1, np.ceil(way / STEP)).astype(np.int64)
         motion = np.repeat(np.arange(len(spans)), count)
         number = np.arange(len(motion)) - np.repeat(np.cumsum(count) - count, count)
@@ -121,7 +128,7 @@ class _Second:
         return list(self.refuting.values())
 
     def _left(self, motion: Rows, begin: Array, end: Array, at: Rows, pair: Rows) -> Rows:
-        """Return the pairs on pieces that are not settled."""
+        """Return the rows of `at` and `pair` that are not settled."""
         chain, course = self.scene.chain, self.course
         half = (begin + end) / 2.0
         # Bound the motion of a pair on either half of a piece by that of the joints between its bodies.
@@ -138,7 +145,7 @@ class _Second:
         # First bound: spheres around both bodies.
         apart = np.sqrt(((centers[second, :, at] - centers[first, :, at]) ** 2).sum(axis=1))
         least = self.reported[motion[at], pair]
-        # A comparison with NaN is false: such a piece is never settled by it.
+        # A comparison with NaN is False, so a piece with NaN is never settled.
         near = np.flatnonzero(~(apart - bound[first] - bound[second] - way >= least))
         if not len(near):
             return near
@@ -157,6 +164,8 @@ class _Second:
             arms = [seen(placed, *joints, pieces) for placed in (ends[0], middle, ends[1])]
             sag = self._bend(one, *(peak[pieces] for peak in peaks)) * (end - begin)[pieces] ** 2 / 32.0
             settled, distance = self._settled(one, arms, way[rows], sag, least[rows])
+            # coal's distance in the middle is really there: if it is below the reported one, the first proof
+            # is refuted.
             wrong = distance < least[rows] - EQUAL
             for row in np.flatnonzero(wrong).tolist():
                 key = int(motion[at[rows[row]]]), one
@@ -171,22 +180,24 @@ class _Second:
         w, a, bend = (np.zeros(len(speed)) for _ in range(3))
         for joint in range(self.items[int(self.first[pair])].joint, self.items[int(self.second[pair])].joint):
             turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
-            # A slide adds its Coriolis and its own acceleration; its length is part of `lengths`.
+            # A sliding joint adds its Coriolis acceleration and its own acceleration; its distance is part of
+            # `lengths`.
             if slide:
                 bend = bend + slide * (2.0 * w * speed[:, joint] + strength[:, joint])
             w, a = w + turn * speed[:, joint], a + turn * strength[:, joint]
+            # Step from this axis to the next, turned by all joints up to this one: |u''| <= W^2 + A.
             bend = bend + self.lengths[pair, joint] * (w**2 + a)
         return bend
 
     def _settled(
         self, pair: int, arms: list[Joints], way: Array, sag: Array, least: Array
     ) -> tuple[NDArray[np.bool_], Array]:
-        """Return True where planes prove a pair apart, and upper bounds of its distances in the middles.
+        """Return True where planes prove a pair apart, and upper bounds of its distances in the middles [m].
 
-        The bounds are infinite where they were not needed.
+        A bound is infinite if the first plane already proves the pair apart.
         """
         one, other = self.items[int(self.first[pair])], self.items[int(self.second[pair])]
-        # Try the direction between the middles first, then the direction of coal.
+        # Try the direction between the middles first, then coal's direction.
         toward = arms[1].point(other.middle) - one.middle[:, None]
         toward /= np.maximum(np.sqrt((toward**2).sum(axis=0)), 1e-12)
         settled = self._is_apart(one, other, arms, toward, way, sag, least)
@@ -202,15 +213,25 @@ class _Second:
         self, one: Item, other: Item, arms: list[Joints], toward: Array, way: Array, sag: Array, least: Array
     ) -> NDArray[np.bool_]:
         still = Joints(np.eye(3)[:, :, None], np.zeros((3, 1)), np.zeros((3, 1)), np.zeros((3, 1)))
+        # The farthest point of the first body along the normal; the first body rests in its own frame.
         reach = -still.lowest(one, -toward)
         begin, middle, end = (arm.lowest(other, toward) - reach for arm in arms)
+        # The second and the third bound of the module's text; the sharper one counts.
         proved = np.maximum(np.minimum(np.minimum(begin, end), middle) - sag, middle - way)
         return np.asarray(proved >= least - EQUAL)
 
 
 def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
-    """Return the placements on some pieces of what `other` joints move, seen from what `one` joints move."""
+    """Return the placements of bodies moved by `other` joints, in the frame of bodies moved by `one` joints.
+
+    Args:
+        placed: placements of the bodies that 0, 1, ... joints move, at all instants.
+        one: number of joints that move the observing body.
+        other: number of joints that move the observed body.
+        pieces: the instants.
+    """
     base, arm = placed[one][:, :, pieces], placed[other][:, :, pieces]
+    # Relative placement: B' A for the rotations, B' (a - b) for the translations.
     turn = np.einsum("kip,kjp->ijp", base[:, :3], arm[:, :3])
     shift = np.einsum("kip,kp->ip", base[:, :3], arm[:, 3] - base[:, 3])
     nothing = np.zeros_like(shift)
@@ -218,7 +239,10 @@ def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
 
 
 def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
-    """Return directions (3, P) and distances (P,) [m] of two bodies by coal; not positive in an overlap."""
+    """Compute by coal the unit directions (3, P) between two bodies, and their distances (P,) [m].
+
+    A distance is not positive if the bodies overlap.
+    """
     import coal
 
     assert one.base_from_body is not None  # points are not in any pair
@@ -240,17 +264,17 @@ def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
 
 
 def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Array]:
-    """Compute bounds of the motion of a body, seen from what the first `base` joints move.
+    """Compute bounds of the motion of a body, in the frame of the bodies that the first `base` joints move.
 
     Args:
         chain: n joints.
-        base: number of joints without effect.
+        base: number of joints that move both bodies, and so don't count.
         item: the body.
         far: (n,) largest |q| [rad or m].
 
     Returns:
         The lengths (n,) of the steps from axis to axis, slides included [m], and the largest distance (n,) by
-        which its points move per unit of each joint [m].
+        which a point of the body moves per unit of each joint [m].
     """
     lines, ways = axes_of(chain), _ways(chain, item)
     lengths, reach = np.zeros(chain.size), np.zeros(chain.size)
@@ -268,9 +292,10 @@ def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Arra
 
 @lru_cache(maxsize=512)
 def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
-    """Return the distances (n,) [m] from axis to axis at zero, the last to the body's farthest point.
+    """Return the distances (n,) [m] from axis to axis at zero; the last one leads to the body's farthest
+    point.
 
-    Cached by identity.
+    Cached by the identity of chain and item.
     """
     lines = axes_of(chain)
     found = [0.0] * chain.size
@@ -278,6 +303,7 @@ def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
     for joint in range(item.joint - 1, -1, -1):
         if lines.turn[joint]:
             axis, on_axis = lines.axes[joint], lines.points[joint]
+            # Foot of the perpendicular from the last point to this axis.
             foot = on_axis + axis * float(axis @ (here - on_axis))
             found[joint] = rest + float(np.sqrt(((here - foot) ** 2).sum()))
             here, rest = foot, 0.0

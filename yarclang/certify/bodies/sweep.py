@@ -1,4 +1,4 @@
-"""Motions of a text, prepared for the checks against bodies and zones, in chunks."""
+"""Motions of a text in chunks, prepared for the checks of bodies and zones."""
 
 from __future__ import annotations
 

@@ -1,14 +1,13 @@
 """Proof that axes of the flange stay within their angles (KEEP ... UPRIGHT) while the text runs.
 
-It shares no code with `yarclang.collision.zones.tilts`, which the planner uses: it has the judge's own
-kinematics.
+The planner uses `yarclang.collision.zones.tilts` instead; this proof shares no code with it, and uses the
+judge's own kinematics.
 
-An axis is a unit vector u that the turning joints turn about axes of length 1. Its derivatives with respect to
-the joints are nested cross products with these axes, so that |u'| <= W and |u''| <= W^2 + A, with the sums W
-and A of the joints' largest velocities and accelerations on a segment. On a piece of duration d, the angle
-to a fixed direction is therefore at most half of the sum of its values at both ends and W d; and the cosine
-is nowhere below the smaller one of both ends by more than (W^2 + A) d^2 / 8. Pieces are halved until one of
-the two bounds settles them.
+The axis is a unit vector u that turns about the axes of the turning joints, which have length 1. Its
+derivatives with respect to the joints are nested cross products with these axes, so |u'| <= W and
+|u''| <= W^2 + A. W and A are the sums of the joints' largest velocities and accelerations on a segment.
+Two bounds follow for a piece of duration d. The angle to a fixed direction is at most half of the sum of
+W d and the angles at both ends. The cosine is never more than (W^2 + A) d^2 / 8 below that of the larger end angle. Pieces are halved until one of the bounds settles them.
 """
 
 from __future__ import annotations
@@ -24,11 +23,11 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 SLACK = 1e-5
-"""Angle by which an axis may exceed its limit and counts as within it [rad]."""
+"""Angle by which an axis may exceed its limit and still count as within it [rad]."""
 KNOWN = 0.1
-"""Share of the limit up to which angles aren't told apart."""
+"""Share of the limit below which an angle is not bounded more sharply."""
 SHARP = 0.02
-"""Share of the largest angle seen by which its bound may be larger."""
+"""Share of the largest sampled angle by which the bound may exceed it."""
 MOST = 1_000_000
 """The largest number of pieces. If more are needed, the limit counts as exceeded."""
 
@@ -39,7 +38,7 @@ class Tilted:
 
     Attributes:
         most: (G,) upper bounds [rad]. Infinite for a motion that exceeds the limit.
-        seen: (G,) the largest angle of a sample [rad].
+        seen: (G,) the largest sampled angle [rad].
         when: (G,) the time of that sample after the start of the first segment [s].
         exceeds: (G,) True for motions that exceed the limit, or aren't proved to keep it.
     """
@@ -60,7 +59,7 @@ def tilted(motions: Motions, tilt: Tilt) -> Tilted:
     chain, cubics, spans = motions.chain, motions.cubics, motions.spans
     count = len(spans)
     motion = np.repeat(np.arange(count), np.diff(spans, axis=1)[:, 0])
-    # cubics have exactly the segments of the spans
+    # `cubics` has exactly the segments of the spans.
     first = int(spans[0, 0])
     turns = axes_of(chain).turn
     speed = np.abs(cubics.velocity_peaks()) @ turns
@@ -100,13 +99,17 @@ def tilted(motions: Motions, tilt: Tilt) -> Tilted:
     while len(segment):
         go_on()
         own, long = motion[segment - first], end - begin
-        # A comparison with NaN is false: such a piece is never settled.
+        # A comparison with NaN is False, so a piece with NaN is never settled.
         worst = np.maximum(before, after)
+        # u . up is nowhere below the smaller cosine of both ends by more than d^2 / 8 of its second
+        # derivative.
         chord = np.cos(worst) - bend[segment] * long**2 / 8.0
         bound = np.minimum(
             (before + after + speed[segment] * long) / 2.0, np.arccos(np.clip(chord, -1.0, 1.0))
         )
         exceeds |= ~(seen <= tilt.limit + SLACK / 2.0)
+        # A bound is good enough at the limit, or if it is hardly larger than the largest sample, or far below
+        # the limit.
         enough = np.minimum(
             tilt.limit + SLACK, np.maximum(seen[own] * (1.0 + SHARP) + SLACK, tilt.limit * KNOWN)
         )

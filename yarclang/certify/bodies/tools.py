@@ -1,4 +1,4 @@
-"""Checks of the tools that a text changes: which is on the flange when, and if that is what its program says."""
+"""Checks of tool changes in a text: which tool is on the flange at each motion, as the program says."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NOBODY = "no tool"
 
 
 def changed(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
-    """Return findings about the lock of a tool changer that opens or closes."""
+    """Return findings about a tool changer's lock that opens or closes in the wrong place."""
     if not grasp.closes:
         return list(_put_back(grasp, origin))
     step = handling.steps[grasp.step]
@@ -46,7 +46,7 @@ def _put_back(grasp: Grasp, origin: hir.Origin) -> Iterator[Diagnostic]:
 
 
 def _away(name: str, grasp: Grasp) -> str:
-    """Return how far the flange is from a tool's place, and how far it may be."""
+    """Return in words the distance of the flange from a tool's place, and the allowed distance."""
     rack = next(one.part.rack for one in grasp.before.items if one.name == name)
     assert rack is not None  # a tool by its name
     distance, turn = apart(rack, grasp.base_from_flange)
@@ -59,14 +59,17 @@ def _away(name: str, grasp: Grasp) -> str:
 def tool_findings(
     handling: Handling, found: Followed, robot: Robot, again: Mapping[int, str]
 ) -> list[Diagnostic]:
-    """Return findings about what TOOL says, ways that meet with different tools, and frames of tools that aren't
-    on the flange.
+    """Return findings about the tools of a text.
+
+    There are three kinds: TOOL lines that are not true, branches that meet with different tools on the
+    flange, and frames of tools that aren't on the flange.
 
     Args:
         handling: the program.
-        found: the result of following it by the text's motions.
+        found: the cell's states that result from the text's motions.
         robot: the robot.
-        again: the tool on the flange during each motion, by its step, as `yarclang.certify.read.tools` has it.
+        again: the tool on the flange during each motion, by its step, as `yarclang.certify.read.tools`
+            computes it.
     """
     if handling.cell is None or not handling.cell.tools:
         return []
@@ -122,9 +125,7 @@ def dropped_at_stops(program: hir.Program) -> Iterator[Diagnostic]:
 def _contradicted(
     handling: Handling, before: Mapping[int, Parts], again: Mapping[int, str]
 ) -> Iterator[Diagnostic]:
-    """Yield a finding for the first motion on which another tool is on the flange when the ways of the text are
-    followed a second time.
-    """
+    """Yield a finding for the first motion at which the second computation finds another tool on the flange."""
     for number in sorted(before):
         step, on = handling.steps[number], before[number].tools
         if number in again and on != ((again[number],) if again[number] else ()):
@@ -152,8 +153,8 @@ def _not_agreed(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
 
 
 def _frames(handling: Handling, before: Mapping[int, Parts], robot: Robot) -> Iterator[Diagnostic]:
-    """Yield findings about motions that lead a frame of a tool that isn't on the flange, or for which zones watch
-    one.
+    """Yield findings about frames of tools that aren't on the flange, but that a motion moves or a zone
+    watches.
     """
     cell = handling.cell
     assert cell is not None  # it has tools

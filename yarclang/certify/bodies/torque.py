@@ -1,4 +1,4 @@
-"""Joint torques along the text's segments, compared with efforts, and bounded between the computed points."""
+"""Joint torques along the text's segments: compared with efforts, and bounded between the sampled points."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from yarclang.units import UNITS
 from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
-"""Approximate share of an effort that bounds between computed points may add."""
+"""Approximate share of an effort up to which the bound between sampled points may add to a torque."""
 PARTS = 64
 """Most parts into which a segment is cut."""
 ROOM = 0.03
 """Share that is added to a proposed time.
 
-With another time, a law has another number of segments and other ramps.
+The law of a longer motion has another number of segments and other ramps, so the torques don't scale exactly.
 """
 
 
@@ -59,7 +59,7 @@ class _Samples:
 
 
 def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
-    """Return the largest load of an effort of every command by its step, and findings about excesses.
+    """Return the most used effort of every command by its step, and findings about exceeded efforts.
 
     Args:
         layout: the segments of the text.
@@ -78,11 +78,11 @@ def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[i
 
 
 def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynamics, list[Place]]]:
-    """Return the distinct loads, each with all commands with moves that carry it."""
+    """Return the distinct loads, each with all moving commands that carry it."""
     found: dict[int, tuple[Dynamics, list[Place]]] = {}
     for place in layout.places:
         if place.size:
-            # Cases are cached, so that equal ones are one object.
+            # Load cases are cached, so equal cases are the same object.
             for case in load_cases(robot, handled.at(place.step)):
                 found.setdefault(id(case), (case, []))[1].append(place)
     return list(found.values())
@@ -91,7 +91,7 @@ def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynam
 def _judge_load(
     layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
 ) -> None:
-    """Judge the torques of commands with one load; of several loads, keep the worst for each step."""
+    """Judge the torques of commands with one load. If a command has several loads, the worst one is kept."""
     dynamics, (loads, findings) = robot.dynamics, found
     assert dynamics is not None  # torques are only judged with dynamics
     cubics = layout.cubics_of(np.concatenate([np.arange(place.first, place.last) for place in places]))
@@ -111,7 +111,9 @@ def _judge_load(
 
 
 def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
-    """Compute torques so closely that the bounds between them hardly matter, where they could."""
+    """Compute torques on a grid: finer in segments whose bound could exceed the largest torque of their
+    motion.
+    """
     lower, upper = cubics.position_range()
     travel = np.maximum(np.abs(lower), np.abs(upper))
     peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
@@ -119,12 +121,13 @@ def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: 
     # A function exceeds the chord between two of its values by at most d^2 / 8 of its second derivative.
     whole = bends * (cubics.h[:, None] ** 2 / 8.0)
     coarse = _looked_at(cubics, starts, whole, np.ones(len(cubics.h), dtype=np.int64), robot)
-    # Only where the bound exceeds the largest torque found in the motion, a finer sampling is useful.
+    # A finer grid is useful only in segments whose bound exceeds the largest sampled torque of the motion.
     seen = segment_max((np.abs(coarse.torque) / dynamics.effort).max(axis=1), coarse.first)
     motion = np.repeat(np.arange(len(starts)), np.diff(np.append(coarse.first, len(coarse.row))))
     beyond = coarse.share.max(axis=1) > seen[motion] + REMAINDER
     if not beyond.any():
         return coarse
+    # The bound falls with the square of the number of parts.
     wanted = np.ceil(np.sqrt((whole / (REMAINDER * dynamics.effort)).max(axis=1)))
     close = np.zeros(len(cubics.h), dtype=np.bool_)
     close[coarse.row[beyond]] = True
@@ -160,6 +163,7 @@ def _looked_at(
     bound = (whole / (parts**2)[:, None])[row]
     bound[offsets[ends + 1] - 1] = 0.0
     size = np.abs(torque)
+    # Between two instants the torque is at most the larger of both, plus the bound.
     there = size + bound
     there[:-1] = np.maximum(there[:-1], np.where(bound[:-1] > 0.0, size[1:] + bound[:-1], 0.0))
     return _Samples(row, time, q, torque, bound, there / dynamics.effort, offsets[starts])
@@ -168,7 +172,7 @@ def _looked_at(
 def _finding(
     layout: Layout, place: Place, samples: _Samples, chosen: slice, robot: Robot, dynamics: Dynamics
 ) -> Diagnostic:
-    """Return the finding Y1801, or Y1802 if the arm could not even stand still there."""
+    """Return the finding Y1801, or Y1802 if the arm could not even hold still at that place."""
     origin = place.motion.origin
     torque, bound, q = samples.torque[chosen], samples.bound[chosen], samples.q[chosen]
     holding = holding_torques(robot.chain, dynamics, q)
@@ -214,14 +218,16 @@ def _unit(robot: Robot, joint: int) -> str:
 
 
 def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
-    """Return the factor by which a motion must take longer to keep all efforts; infinite if none is enough.
+    """Return the factor by which a motion must be slower to keep all efforts; infinite if no factor is
+    enough.
 
-    On one path in s times the duration, all torques except gravity's are s^2 times smaller.
+    On the same path with s times the duration, all torques except gravity's are s^2 times smaller.
     """
+    # Solve |moving| / s^2 + gravity + bound <= effort for s, at the worst instant.
     moving = torque - holding
     against = np.where(moving >= 0.0, holding, -holding)  # gravity in the direction of the other torques
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The bound shrinks as well, but less where gravity changes, so it is left as it is.
+        # The bound is left as it is: it shrinks as well, but by less where gravity changes.
         least = np.where(moving != 0.0, (dynamics.effort - bound - against) / np.abs(moving), np.inf)
     share = float(least.min())
     return math.sqrt(max(1.0, 1.0 / share)) * (1.0 + ROOM) if share > 0.0 else math.inf

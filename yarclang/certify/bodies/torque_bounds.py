@@ -58,6 +58,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
         for joint in range(body + 1):
             # The axis of a joint is turned only by the joints before it.
             before = _Rates(*(one[joint - 1] if joint else nothing for one in turning), *([nothing] * 3))
+            # Leibniz' rule for z . F of a sliding joint, and for z . (r x F) + z . N of a turning joint.
             axis = before.grown(1.0)[:3]
             if prismatic[joint]:
                 bend = _product(axis, force)
@@ -72,7 +73,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
 
 @frozen(eq=False)
 class _Rates:
-    """Sums over joints of the largest rates (N,).
+    """Sums of the largest rates over some joints, (N,) each.
 
     Attributes:
         w: sum of |velocity| of the turning joints [rad/s].
@@ -91,10 +92,11 @@ class _Rates:
     j_slide: Array
 
     def grown(self, length: Array | float) -> Derivatives:
-        """Return the Bell polynomials (N,) of order 0 to 4.
+        """Return the Bell polynomials (N,) of order 0 to 4 for a vector of `length` [m].
 
-        They bound the derivatives of a vector of `length` [m], relative to its length.
+        They bound the vector's derivatives as multiples of its length.
         """
+        # Relative to the vector's length, a slide acts like a turn by its distance over this length.
         scale = 1.0 / np.maximum(length, 1e-9)  # lengths of slides are at least LEAST_LENGTH
         w, a, j = (
             turn + scale * slide
@@ -104,7 +106,7 @@ class _Rates:
 
 
 def _bell(w: Array, a: Array, j: Array) -> Derivatives:
-    """Return the complete Bell polynomials of order 0 to 4, with a fourth derivative of zero."""
+    """Return the complete Bell polynomials of order 0 to 4 of w, a, j and a fourth rate of zero."""
     return (
         np.ones_like(w),
         w,
@@ -115,7 +117,8 @@ def _bell(w: Array, a: Array, j: Array) -> Derivatives:
 
 
 def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
-    """Bound the rate of a body's angular momentum about its centre, and this rate's first two derivatives.
+    """Bound the rate of a body's angular momentum about its centre, and the first two derivatives of this
+    rate.
 
     Args:
         stiff: largest moment of inertia of the body [kg m^2].
@@ -133,6 +136,7 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
         3.0 * first * j + 3.0 * second * a + third * w,
     ]
     return (
+        # Leibniz' rule for the derivatives of the product of inertia tensor and angular velocity.
         tensor[1] * spin[0] + tensor[0] * spin[1],
         tensor[2] * spin[0] + 2.0 * tensor[1] * spin[1] + tensor[0] * spin[2],
         tensor[3] * spin[0] + 3.0 * tensor[2] * spin[1] + 3.0 * tensor[1] * spin[2] + tensor[0] * spin[3],
@@ -158,10 +162,10 @@ def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
 def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Array]:
     """Bound the distance of a body's centre from each turning axis before it, on N pieces.
 
-    The method is that of `reaches` in bounds.py. A sliding joint gets the value of the joint after it.
+    The method is that of `reaches` in bounds.py. The entry of a sliding joint is that of the joint after it.
 
     Returns:
-        For each of the body + 1 joints (N,) [m].
+        One bound (N,) [m] for each of the `body` + 1 joints.
     """
     point, length = center, np.zeros(len(travel))
     least = LEAST_LENGTH if chain.is_prismatic[: body + 1].any() else 0.0

@@ -1,4 +1,7 @@
-"""Bodies that may touch on a motion and really come too near: whether an allowance is needed."""
+"""Pairs of bodies that are allowed to touch, and that really come closer than their margins on a motion.
+
+They show which allowances are needed.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +22,15 @@ from yarclang.units import MM
 def find_touching(
     sweep: Sweep, scenes: Sequence[Scene]
 ) -> tuple[Mapping[int, frozenset[tuple[str, str]]], list[Diagnostic]]:
-    """Find the pairs that may touch and come nearer to each other than their margins.
+    """Find the pairs that are allowed to touch and come closer to each other than their margins.
 
     Args:
         sweep: the M commands.
         scenes: the bodies during each of the commands.
 
     Returns:
-        The names of these pairs by the number of the command, as `allowed_name` gives them, and warnings
-        about those that are bodies of the robot.
+        The names of these pairs by the number of the command, in the form of `allowed_name`, and a warning
+        about each pair of bodies of the robot.
     """
     found: dict[int, set[tuple[str, str]]] = {}
     warnings: list[Diagnostic] = []
@@ -51,7 +54,7 @@ def find_touching(
 
 
 def _of_itself(scene: Scene, sweep: Sweep, row: int, meeting: Meeting) -> Diagnostic:
-    """Return the warning about two bodies of the robot that collide, and may."""
+    """Return the warning about two bodies of the robot that collide and are allowed to."""
     moving, other = scene.names(meeting.pair)
     origin = sweep.places[row].motion.origin
     found = contact(scene, sweep.course, sweep.span(row), meeting)
@@ -68,10 +71,10 @@ def may_touch(handled: Handled, step: int, touching: frozenset[tuple[str, str]])
     """Yield the pairs of bodies whose distance isn't checked during a command.
 
     Args:
-        handled: the cell's state during each command, and what allows the pairs. A pair of a part of a
-            program may be allowed by a line outside of the part.
-        step: of the command.
-        touching: the pairs that come too near.
+        handled: the cell's state during each command, and the lines that allow the pairs. In a partial plan,
+            the line may be outside of the planned part.
+        step: the step of the command.
+        touching: the pairs that come closer than their margins.
     """
     cell = handled.at(step)
     givers = {one.pair: one.giver for one in handled.allowances.get(step, ())}

@@ -1,10 +1,8 @@
-"""A second check of zones to stay in or out of, with the judge's own placements and distances.
+"""A second check of zones, except slow ones, with the judge's own placements and distances.
 
-It examines the ends of all segments.
-
-It does not prove that a zone is respected: `yarclang.collision.zones.proof`, which the planner uses too, does
-that. It can only refute that proof. What it sees beyond a border is really there: points of the watched
-bodies, and balls around them.
+It examines only the ends of segments, so it can refute the proof of `yarclang.collision.zones.proof`, which
+the planner uses too, but it proves nothing itself. What it reports beyond a border is certain: it examines
+points of the watched bodies, and balls around these points.
 """
 
 from __future__ import annotations
@@ -47,11 +45,12 @@ class Seen:
 
 
 def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
-    """Return each motion's place farthest beyond a zone's border, at the ends of segments; None without one.
+    """Return, for each motion, the place farthest beyond a zone's border among the ends of segments; None
+    without one.
 
     Args:
         motions: the segments, and the range of each motion.
-        watch: a zone other than a slow one, with a body, or without one if only joints are watched.
+        watch: a zone other than a slow one, with the watched body, or no body if only joints are watched.
     """
     cubics = motions.cubics
     q = [cubics.at(np.zeros(len(cubics.h)))[0], cubics.at(cubics.h)[0]]
@@ -76,7 +75,9 @@ def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
 
 
 def _joints_beyond(watch: Watch, q: Array) -> Array:
-    """Return the distance (N,) by which joints (N, n) are surely beyond a window; not positive if inside."""
+    """Return the distance (N,) by which joints (N, n) are certainly beyond a window; not positive if
+    inside.
+    """
     region = watch.zone.region
     assert isinstance(region, JointWindow)
     inside = np.minimum(q - region.lower, region.upper - q).min(axis=1)
@@ -84,7 +85,7 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 
 
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
-    """Return the distance (N,) [m] by which a body is surely beyond a border; not positive if it is not."""
+    """Return the distance (N,) [m] by which a body is certainly beyond a border; not positive otherwise."""
     zone, region = watch.zone, watch.zone.region
     assert not isinstance(region, JointWindow | Tilt)
     points = _points(item)
@@ -95,7 +96,7 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
         rows = np.arange(begin, min(begin + step, count))
         part = arms.take(rows)
         for own in points:
-            # Points of the body with a ball around each are really there; other points are not examined.
+            # Points of the body with a ball around each are certain; other points are not examined.
             away = distances(region, part.point(own))
             if zone.rule == "allowed":
                 beyond = away + item.radius + zone.margin
@@ -123,9 +124,9 @@ def _points(item: Item) -> Array:
 
 
 def distances(region: Region, points: Array) -> Array:
-    """Return the signed distances (N,) [m] of points (3, N) in {B} from a region.
+    """Return the signed distances (N,) [m] of points (3, N) in {B} from a region; negative inside.
 
-    They are exact outside; inside, they refer to the nearest border of the region.
+    A distance inside is that from the nearest border of the region.
     """
     if isinstance(region, HalfSpace):
         return np.asarray(region.offset - region.normal @ points)

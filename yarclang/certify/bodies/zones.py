@@ -42,8 +42,8 @@ class InZones:
     Attributes:
         clearance: distance of the watched bodies from borders that they must not cross; None without such
             zones.
-        speed: speed in slow zones, where it is nearest to the allowed speed; None if the command is in none.
-        kept: the rules of KEEP that the command keeps to, with the bounds that are proved.
+        speed: speed in the slow zone in which it is nearest to its limit; None if the command enters none.
+        kept: the rules of KEEP to which the command keeps, with the proved bounds.
     """
 
     clearance: Clearance | None
@@ -93,7 +93,7 @@ def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int
 
 
 def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Place]]]:
-    """Yield runs of consecutive commands that move one frame, which zones watch as the tool."""
+    """Yield runs of consecutive commands that move the same frame, which zones watch as the tool."""
     run: list[Place] = []
     before: Moving | None = None
     for place in places:
@@ -113,7 +113,7 @@ def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Plac
 
 
 def moving_of(motion: hir.Motion, robot: Robot) -> Moving:
-    """Return the frame that a motion moves, or its tool; {TCP} if it names none."""
+    """Return the frame that a motion moves, or its tool; {TCP} if the motion names none."""
     link = motion.origin.tool
     if link is None:
         return tool_frame(robot)
@@ -127,7 +127,7 @@ def moving_of(motion: hir.Motion, robot: Robot) -> Moving:
 
 
 class _Judge:
-    """Judgement of commands that all move one frame."""
+    """Judgement of commands that all move the same frame."""
 
     def __init__(self, scene: Scene, robot: Robot, sweep: Sweep, watches: Sequence[Watch]) -> None:
         self.scene, self.robot, self.sweep, self.watches = scene, robot, sweep, watches
@@ -159,7 +159,7 @@ class _Judge:
         return [tuple(one) for one in told]
 
     def _too_tilted(self, row: int, rule: Keep, tilt: Tilt, when: float) -> None:
-        """Report a command on which an axis leaves its angle, with the part of the way and the worst place."""
+        """Report a command on which an axis exceeds its angle: for how long, and where most."""
         place, watch = self.places[row], next(one for one in self.watches if one.zone.keep is rule)
         stay = beyond(self.scene, self.course, self.sweep.span(row), watch, when)
         q = self._at(self.sweep.starts(row) + stay.worst)
@@ -176,7 +176,7 @@ class _Judge:
     def _borders(self) -> list[Clearance | None]:
         if not any(one.zone.rule != "slow" for one in self.watches):
             return [None] * len(self.places)
-        # Tilts have a proof of the judge's own.
+        # Tilts are proved by `yarclang.certify.bodies.tilts`.
         watches = [one for one in self.watches if not isinstance(one.zone.region, Tilt)]
         found = kept(self.scene, self.course, self.spans, watches)
         broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
@@ -202,7 +202,7 @@ class _Judge:
     def _look_again(self, watches: Sequence[Watch], broken: Container[tuple[int, str]]) -> None:
         """Check borders again by arithmetic that the proof does not use.
 
-        A violation that the proof missed is a bug of yarclang.
+        A violation that only this check finds is a bug of yarclang.
         """
         for watch in watches:
             if watch.zone.rule == "slow":
@@ -272,7 +272,7 @@ class _Judge:
         self._find(code, message, place, *remedy(place.motion, _REMEDIES[code], when, self.sweep.lasts(row)))
 
     def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
-        """Return the code of a violation, and its description where it is worst."""
+        """Return the code of a violation, and a description of its worst place."""
         zone = watch.zone
         if isinstance(zone.region, JointWindow):
             if zone.rule == "allowed":

@@ -1,8 +1,8 @@
-"""The judge's own kinematics, from the texts of robot.toml and URDF.
+"""The judge's own kinematics, computed from the texts of robot.toml and the URDF.
 
-It uses no code of `yarclang.robot.kinematics`.
+The room uses no code of `yarclang.robot.kinematics`.
 
 `described` reads the numbers, `rotations` defines the conventions, `arm` computes the forward kinematics,
-`motors` the motor positions, `elbow` the elbow. `pinocchio` compares the results with a third party's,
-`poses` compares the program's poses with the written numbers.
+`motors` the motor positions, `elbow` the elbow. `pinocchio` compares the results with those of Pinocchio,
+and `poses` compares the program's poses with the written numbers.
 """

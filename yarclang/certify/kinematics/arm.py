@@ -1,7 +1,7 @@
 """Forward kinematics of the judge.
 
-Each joint turns or slides along the z axis of its own frame; constant transforms lie between these frames.
-Samples are the last dimension, in blocks.
+Each joint turns or slides along the z axis of its own frame; constant transforms lead from one of these
+frames to the next. Samples are the last dimension of arrays, and are computed in blocks.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Lines
 
 _BLOCK = 1024
-"""Samples that are computed in one step, so that its arrays stay in the processor's cache."""
+"""Samples that are computed in one step, few enough for the processor's cache."""
 
 _NO_PITCH = 1e-11
-"""Largest pitch [m/rad] of a joint that only turns.
+"""Largest pitch [m/rad] of a joint that counts as turning only.
 
-If its axis is more than 1 m from the origin of {B}, this is a share of the distance.
+If its axis is more than 1 m from the origin of {B}, the limit is this share of the distance.
 
 No joint of a URDF both turns and slides. Rounding leaves a small pitch, such as 1e-14 m for an arm 100 m from
 its URDF's root.
@@ -53,7 +53,7 @@ def _steps(chain: Chain) -> _Steps:
     size = chain.size
     hinges = np.zeros((size, 4, 4))
     for joint, (axis, point) in enumerate(zip(lines.axes, lines.points, strict=True)):
-        # Any frame with the axis as z will do: project the unit vector least aligned with the axis.
+        # The x and y axes are arbitrary: project the unit vector that is least aligned with the axis.
         least = int(np.argmin(np.abs(axis)))
         side = np.eye(3)[least] - axis * axis[least]
         side = side / np.sqrt(side @ side)
@@ -109,8 +109,8 @@ def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
         q: (n, P) joint positions [rad or m].
 
     Returns:
-        The frames of the joints before each has moved (n, 4, 3, P), as three axes and the origin, and the
-        flange (4, 3, P), all in {B}.
+        The joint frames (n, 4, 3, P), each without the movement of its own joint, as three axes and the
+        origin, and the flange (4, 3, P), all in {B}.
     """
     steps = _steps(chain)
     turns, slides = steps.lines.turn, steps.lines.slide
@@ -160,8 +160,9 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
         flange_from_tool: (4, 4) frame on the flange.
 
     Returns:
-        base_from_tool (P, 4, 4), and the Jacobians (P, 6, n): for each joint the velocity of the frame's
-        origin [m] above its angular velocity [rad], per unit of joint velocity, in the axes of {B}.
+        base_from_tool (P, 4, 4), and the Jacobians (P, 6, n). A column is the velocity of the frame's origin
+        [m], followed by its angular velocity [rad], both per unit of the joint's velocity and in the axes of
+        {B}.
     """
     lines = _steps(chain).lines
     simple = bool((lines.turn == 1.0).all() and not lines.slide.any())
@@ -208,7 +209,7 @@ def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
         axis = np.tensordot(turn, lines.axes[joint], axes=(1, 0))
         x, y, z = np.tensordot(turn, lines.points[joint], axes=(1, 0)) + shift
         spin[joint + 1] = axis * (lines.turn[joint] * rate[:, joint])
-        # A turn w about an axis through o gives the body's point at the origin the velocity o x w.
+        # A turn w about an axis through o gives the body's point at the origin of {B} the velocity o x w.
         u, v, w = spin[joint + 1]
         drift[joint + 1] = np.stack([y * w - z * v, z * u - x * w, x * v - y * u])
         drift[joint + 1] += axis * (lines.slide[joint] * rate[:, joint])
@@ -221,7 +222,7 @@ def _blocks(count: int) -> Iterator[slice]:
 
 
 class Kinematics:
-    """The judge's kinematics in the form that shared code for distances, zones and parts uses."""
+    """The judge's kinematics in the form used by the shared code for distances, zones and parts."""
 
     __slots__ = ()
 

@@ -1,9 +1,8 @@
-"""The judge's description of a robot, from the texts of robot.toml and URDF.
+"""The judge's description of a robot, read from the texts of robot.toml and the URDF.
 
-The judge has its own readers and conventions.
-
-The texts come with the robot (`Robot.written`) as they were first read, so that a later change of the files
-has no effect. A robot that was made without files is taken as it is, with the judge's own kinematics.
+The judge has its own readers and conventions. The texts come with the robot (`Robot.written`) as they were
+first read, so that a later change of the files has no effect. The numbers of a robot without files are
+used as they are, with the judge's own kinematics.
 """
 
 from __future__ import annotations
@@ -70,8 +69,8 @@ class _Tree:
 
     Attributes:
         above: for each link, the joint above it.
-        shapes: for each link, its collision shapes with their places in the link (4, 4); None as the shape of
-            a mesh.
+        shapes: for each link, its collision shapes with their places in the link (4, 4); None in place of a
+            mesh.
         efforts: effort limits of the joints that have one [N m or N].
     """
 
@@ -82,7 +81,7 @@ class _Tree:
 
 @frozen
 class Ends:
-    """Names of the links that are {B} and {FLANGE}."""
+    """Names of the links that define {B} and {FLANGE}."""
 
     base: str
     flange: str
@@ -116,6 +115,8 @@ def own_robot(robot: Robot) -> Robot:
         moving = [joint for joint in _between(tree, base, flange) if joint.kind in _MOVING]
         if tuple(joint.name for joint in moving) != robot.joint_names:
             raise ContradictionError("the joints between base and flange are others")
+        # All transforms are with the joints at zero: from the root of the URDF to the base, and from there to
+        # each joint.
         base_from_root = inverse(_place(tree, base)[0])
         screws = np.array([_screw(base_from_root @ _place(tree, joint.child)[0], joint) for joint in moving])
         chain = Chain(_sealed(screws), _sealed(base_from_root @ _place(tree, flange)[0]), KINEMATICS)
@@ -144,7 +145,7 @@ def own_robot(robot: Robot) -> Robot:
 
 
 def _read_urdf(text: str) -> _Tree:
-    # Like other readers of URDF: no namespaces, and always UTF-8, whatever the text declares.
+    # Like other readers of URDF: ignore namespaces, and decode as UTF-8 even if the text declares otherwise.
     builder = ElementTree.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
@@ -196,7 +197,7 @@ def _origin(element: ElementTree.Element) -> Array:
 
 
 def _size(element: ElementTree.Element) -> Shape | None:
-    """Return the shape of a <collision> by its own numbers [m]; None for a mesh."""
+    """Return the shape of a <collision> [m]; None for a mesh."""
     for one in element.findall("geometry/*"):
         if one.tag == "box":
             return Box(_sealed(np.array(_numbers(one, "size", ()))))
@@ -234,6 +235,7 @@ def _screw(base_from_joint: Array, joint: _Joint) -> Array:
     axis = base_from_joint[:3, :3] @ joint.axis
     if joint.kind == "prismatic":
         return np.concatenate([axis, np.zeros(3)])
+    # Screw of a turn about an axis through p: linear part p x axis (Lynch and Park, ch. 3.3).
     return np.concatenate([np.cross(base_from_joint[:3, 3], axis), axis])
 
 
@@ -244,7 +246,9 @@ def _link_shapes(
     moving: tuple[str, ...],
     pieces: Mapping[str, int],
 ) -> tuple[LinkShape, ...]:
-    """Compute places and sizes of the links' shapes again; a mesh itself is taken from the known shapes."""
+    """Compute the places and sizes of the links' shapes again. Only the content of meshes is taken from
+    `known`.
+    """
     count: dict[str, int] = {}
     found = []
     for one in known:
@@ -274,6 +278,7 @@ def _frames(table: Mapping[str, Any]) -> dict[str, Array]:
         while above not in placed:
             if above in waiting:
                 raise ContradictionError(f"the frame {above} is given in itself")
+            # Follow the parents up to a known frame, and then place the frames on the way back.
             waiting[above] = None
             above = tables[above].get("parent", _FLANGE).upper()
         for one in reversed(waiting):
@@ -289,7 +294,7 @@ def _in_millimetres(entry: Mapping[str, Any]) -> Array:
 
 
 def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str, Array]) -> tuple[Tool, ...]:
-    """Compute the places of tools and their shapes, and their masses, again."""
+    """Compute again the places of tools and of their shapes, and their masses."""
     tables = {name.upper(): tool for name, tool in table.get("tools", {}).items()}
     bodies: dict[str, list[Array]] = {name: [] for name in tables}
     for body in table.get("bodies", ()):
@@ -306,6 +311,7 @@ def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str,
         )
         turned = frame[:3, :3]
         center = turned @ (np.array(own.get("center_of_mass", (0.0, 0.0, 0.0))) * _MILLIMETRE) + frame[:3, 3]
+        # robot.toml gives center of mass and inertia in the tool's frame; turn both into the flange's axes.
         xx, yy, zz, xy, xz, yz = own.get("inertia", (0.0,) * 6)
         inertia = turned @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turned.T
         own_tool = replace(

@@ -12,7 +12,7 @@ from yarclang.robot.model import Array, Lines
 LEAST = 0.01
 """Least distance of the elbow from the shoulder and the flange [m]."""
 _EQUAL = 1.0 + 1e-9
-"""Distances within this ratio count as equal: the first axis is taken."""
+"""Ratio up to which distances count as equal; the first axis then wins."""
 
 
 def find_elbow(lines: Lines, flange: Array) -> tuple[int, Array] | None:
@@ -32,6 +32,7 @@ def find_elbow(lines: Lines, flange: Array) -> tuple[int, Array] | None:
     found, most = None, LEAST
     for joint in turning[1:]:
         elbow = _foot(lines, joint, shoulder)
+        # The elbow is on the axis whose distance from the nearer one of shoulder and flange is largest.
         nearer = min(_length(elbow - shoulder), _length(_foot(lines, joint, flange) - flange))
         if nearer > most * _EQUAL:
             found, most = (joint, elbow), nearer

@@ -1,9 +1,9 @@
 """Comparison with Pinocchio at a few points of each motion.
 
-It must place all links alike and need the same torques.
+Pinocchio must place all links in the same way and compute the same torques.
 
-The points are the begin of each motion, the knot in its middle, and the end of the last motion. A motion
-takes about 0.1 ms.
+The points are the begin of each motion, the knot in its middle, and the end of the last motion. The
+comparison takes about 0.1 ms for each motion.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class _Witness:
 
 
 def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
-    """Yield the first step at whose points Pinocchio disagrees, with the reason.
+    """Yield the first step at which Pinocchio disagrees, with the reason.
 
     Args:
         layout: the commands of the text.

@@ -20,7 +20,7 @@ For a frame farther than 1 m, this is a share of its distance.
 
 
 def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None, str]]:
-    """Yield the steps with wrong poses, and the wrong places of the cell, each with the reason.
+    """Yield the steps whose poses are wrong, and the wrong places of the cell, each with the reason.
 
     Args:
         program: the program.
@@ -62,7 +62,7 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
 
 
 class _Frames:
-    """Frames computed from the numbers of their declarations, each once."""
+    """Frames computed from the numbers of their declarations. Each frame is computed once."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -88,7 +88,7 @@ class _Frames:
         return link.parent_from_frame if own is None else own
 
     def wrong(self, link: hir.FrameLink | None) -> Iterator[str]:
-        """Yield what is wrong with a frame and its parents, skipping those that were checked before."""
+        """Yield the faults of a frame and its parents, except of frames that were checked before."""
         while link is not None and id(link) not in self._seen:
             self._seen.add(id(link))
             self.placed(link)  # keeps a reference to the frame, so that no other object gets its id
@@ -134,7 +134,7 @@ def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
 
 
 def _wrong_tools(cell: Cell, robot: Robot) -> Iterator[str]:
-    """Yield the tools of a cell that aren't where its numbers put them, or aren't those of the robot."""
+    """Yield the tools of a cell that differ from the cell's numbers, or from the tools of the robot."""
     known = {one.name: one for one in robot.tools}
     for part in cell.parts:
         rack, body = part.rack, part.body
@@ -176,7 +176,10 @@ def _are_one(one: Array, other: Array) -> bool:
 
 
 def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
-    """Return whether all pairs of transforms (n, 4, 4) are equal up to rounding; False if a value isn't finite."""
+    """Return True (n,) for pairs of transforms (n, 4, 4) that are equal up to rounding.
+
+    A pair with a value that isn't finite is not equal.
+    """
     allowed = SAME * np.maximum(1.0, np.abs(others[:, :3, 3]).max(axis=1))
     made: NDArray[np.bool_] = np.abs(ones - others).max(axis=(1, 2)) <= allowed
     return made

@@ -8,7 +8,7 @@ from yarclang.robot.model import Array
 
 
 def cross_matrix(vectors: Array) -> Array:
-    """Return the cross product matrices (..., 3, 3) of vectors (..., 3).
+    """Return the matrices (..., 3, 3) [v]x that compute the cross product v x y for vectors v (..., 3).
 
     Column i is the product with unit vector i.
     """

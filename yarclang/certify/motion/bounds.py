@@ -1,4 +1,4 @@
-"""Closed forms and theorems that the proofs are based on. They work on whole arrays, without sampling.
+"""Closed forms and theorems that the proofs are based on. All of them work on whole arrays, without sampling.
 
 Hermite remainder: let e be a function on an interval of length d, and c the cubic with the same values and
 derivatives at both ends. Then |e - c| <= d^4/384 max|e''''|. A jump G of e''' inside the interval adds at
@@ -35,10 +35,10 @@ class Fuzz:
     A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers of a
     text are known to 3 M (decimal number, unit, product). The third difference has 8 such errors, plus
     roundings of the steps by 4 + 4 + 4 S and a relative one of 12. With h known to 2, the jerk is off by less
-    than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns. In the same way the
+    than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns. In the same way, the
     acceleration at the start is off by (16 M + 128 S) / h^2, the velocity by (4 M + 32 S) / h and the
-    position by 8 M. A peak is a value somewhere in [0, h] of the polynomial with these coefficients: its
-    error is at most the sum of theirs, plus the rounding of its own evaluation.
+    position by 8 M. A peak is a value of the polynomial with these coefficients somewhere in [0, h]. Its
+    error is at most the sum of the errors of the coefficients, plus the rounding of its own evaluation.
 
     Attributes:
         size: (N, n) the sizes M.
@@ -74,7 +74,8 @@ class Fuzz:
     def acceleration(self) -> Array:
         """Bound for the peak acceleration (N, n).
 
-        It is that at the start, plus h times that of the jerk, plus 32 S for the evaluation.
+        It is the sum of the bound for the acceleration at the start, h times that for the jerk, and 32 S for
+        the evaluation.
         """
         found: Array = (48.0 * self.size + 416.0 * self.step) / self.h[:, None] ** 2
         return found
@@ -83,8 +84,8 @@ class Fuzz:
     def velocity(self) -> Array:
         """Bound for the peak velocity (N, n).
 
-        It is that at the start, plus h times that of the acceleration and h^2 / 2 times that of the jerk,
-        plus 64 S for the evaluation.
+        It is the sum of the bound for the velocity at the start, h times that for the acceleration, h^2 / 2
+        times that for the jerk, and 64 S for the evaluation.
         """
         found: Array = (36.0 * self.size + 352.0 * self.step) / self.h[:, None]
         return found
@@ -93,7 +94,7 @@ class Fuzz:
     def position(self) -> Array:
         """Bound for the least and the greatest position (N, n).
 
-        It contains 8 M for the evaluation and the place of the extremes.
+        It includes 8 M for the evaluation and for the time of the extremes.
         """
         found: Array = 40.0 * self.size + 256.0 * self.step
         return found
@@ -133,7 +134,7 @@ class Cubics:
         step0, step1, step2 = f1 - f0, f2 - f1, f3 - f2
         fuzz = Fuzz.of(np.abs([f0, f1, f2, f3]).max(axis=0), np.abs([step0, step1, step2]).max(axis=0), time)
         first, second = step1 - step0, step2 - step1
-        # Write x as f1 plus a difference, so that at rest it is exactly f1.
+        # Write x as f1 plus a difference, so that it is exactly f1 at rest.
         # Derivatives of the uniform cubic B-spline at the start of a segment: x = (f0 + 4 f1 + f2) / 6,
         # v = (f2 - f0) / 2h, a = (f0 - 2 f1 + f2) / h^2, and the jerk is the third difference over h^3.
         return Cubics(
@@ -186,6 +187,7 @@ class Cubics:
         h = self.h[:, None]
         end = self.v + h * (self.a + h * self.j / 2.0)
         peak = np.maximum(np.abs(self.v), np.abs(end))
+        # The acceleration changes its sign, so the velocity has its vertex v - a^2 / 2j inside.
         inside = self.a * (self.a + h * self.j) < 0.0  # the vertex is inside, and the jerk is not zero
         peak[inside] = np.maximum(
             peak[inside], np.abs(self.v[inside] - self.a[inside] ** 2 / (2.0 * self.j[inside]))
@@ -195,7 +197,7 @@ class Cubics:
     def position_range(self) -> tuple[Array, Array]:
         """Return bounds (N, n) of the least and the greatest position.
 
-        They are at an end, or where the velocity is zero.
+        The extremes are at an end, or at a zero of the velocity.
         """
         h = self.h[:, None]
         end = self.x + h * (self.v + h * (self.a / 2.0 + h * self.j / 6.0))
@@ -344,12 +346,12 @@ def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -
 def catch_up(
     bezier: Array, group: NDArray[np.int64], end: float = 1.0, covered: Array | None = None
 ) -> Array:
-    """Bound the distance of a path parameter from one that covers the whole path and never decreases.
+    """Bound the distance of a path parameter from a parameter that covers the whole path and never decreases.
 
-    Clip the Bezier points of s(t) to the path, replace each by the largest so far, the first by the path's
-    start and the last by its end. The result is a parameter that never decreases, and its distance from s(t)
-    is at most that of the Bezier points. The path distance at this parameter is then one in order of time and
-    of the whole path (Frechet distance), not to the nearest point.
+    This second parameter is defined by its Bezier points. They are those of s(t), clipped to the path, each
+    replaced by the largest one so far, with the first moved to the path's start and the last to its end. Its
+    distance from s(t) is at most that of the Bezier points. A deviation at this parameter is therefore a
+    deviation from the whole path in order of time (Frechet distance), not from the nearest point.
 
     Args:
         bezier: (P, 4) Bezier points of s on each piece, in order of time.
@@ -368,7 +370,7 @@ def catch_up(
         share = np.clip(share, covered[group, :1], covered[group, 1:])
         share[opens, 0], share[closes, 3] = covered[:, 0], covered[:, 1]
     share = np.ascontiguousarray(share)
-    # each command by itself: what is proved of it must not depend on the others, not even by rounding
+    # Treat each command by itself: its proof must not depend on other commands, not even by rounding.
     for begin, stop in zip(opens.tolist(), (closes + 1).tolist(), strict=True):
         forward = share[begin:stop].reshape(-1)
         np.maximum.accumulate(forward, out=forward)

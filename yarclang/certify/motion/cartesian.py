@@ -31,11 +31,11 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
-"""Pieces are short enough that the remainder of the proof is at most this share of the tolerance."""
+"""Share of the tolerance that the remainder of the proof may take; pieces are short enough for it."""
 _AT_ONCE = 8_192
 """Pieces that are bounded in one step, so that memory does not grow with the length of a motion."""
 MOST_PIECES = 32
-"""Most pieces of a segment. A motion that needs more is far beyond any limit."""
+"""Largest number of pieces of a segment. A motion that needs more is far beyond any limit."""
 
 
 @frozen(eq=False)
@@ -68,8 +68,8 @@ class Followed:
     Attributes:
         position: (C,) largest deviations in position [m].
         angle: (C,) largest deviations in angle [rad].
-        rest: (C,) part of `position` that bounds the error between computed points [m].
-        angle_rest: (C,) part of `angle` that bounds the error between computed points [rad].
+        rest: (C,) part of `position` that bounds the error between sampled points [m].
+        angle_rest: (C,) part of `angle` that bounds the error between sampled points [rad].
         covered: (C, 2) range of the path's parameter that was followed.
         speeds: speeds of the frame.
     """
@@ -93,21 +93,24 @@ def follow(
     """Bound the deviation from programmed paths of the moving frame.
 
     For any parameter s(t) that grows from 0 to 1, the distance at equal t bounds the distance between the
-    paths. s(t) is the cubic Hermite interpolation, piece by piece, of the projection of the executed pose
-    onto the programmed path (position and angle weighted by their tolerances). On a piece, e(t) = p(q(t)) -
-    P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4, where M4 is the sum of the
-    bounds for the arm's fourth derivative and the path's (zero for a line). Where s passes a jump of P''',
-    e''' jumps by s'^3 times that jump. For the turn, D = R(q(t)) - R*(s(t)) has the Frobenius norm 2 sqrt 2
-    sin(angle/2), and pieces are bounded in that norm.
+    paths. Here s(t) is piecewise cubic. At the points between pieces it is the projection of the executed
+    pose onto the programmed path, with position and angle weighted by their tolerances; between them it is
+    the cubic Hermite interpolation.
 
-    If a command flows out of another, or into one, s runs from where the path is joined to where it is left.
+    On a piece, e(t) = p(q(t)) - P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4. M4
+    is the sum of the bounds for the arm's fourth derivative and for the path's, which is zero for a line.
+    Where s passes a jump of P''', e''' jumps by s'^3 times that jump. For the turn, D = R(q(t)) - R*(s(t))
+    has the Frobenius norm 2 sqrt 2 sin(angle/2), and pieces are bounded in that norm.
+
+    If a command flows out of another, or into another, s runs from where the path is joined to where it is
+    left.
 
     Args:
         stretch: the segments of all C commands.
         paths: the programmed paths.
         robot: the arm.
         claims: for a single command, control values of s over time to try instead of the projection, and the
-            index of its segment in which that B-spline begins.
+            index of the segment in which that B-spline begins.
         is_way: True if `claims` are shares of the path length of the frame's origin, not s. The projection
             then starts from them.
 
@@ -122,7 +125,7 @@ def follow(
     pieces = finer_for_speed(pieces, cubics.h, arm.origin, arm.rotation, stretch.speed, arm.command)
     law = _Law(claims, is_way)
     found = _followed(stretch, paths, robot, arm, pieces, law)
-    # If a bound fails and the path's own part of its remainder is large, try once with more pieces.
+    # If a bound fails and the remainder takes a large part of it, try once with more pieces.
     need_more = np.maximum(found.rest / stretch.tolerance, found.angle_rest / stretch.angle)
     beyond = (found.position > stretch.tolerance) | (found.angle > stretch.angle)
     again = np.flatnonzero(paths.lawful & beyond & (need_more > 2.0 * REMAINDER_SHARE))
@@ -149,7 +152,7 @@ class _Arm:
     Attributes:
         command: (N,) command of each segment.
         origin: (N,) bounds of the fourth derivative of the frame's origin [m/s^4].
-        rotation: (N,) bounds of the fourth derivative of its rotation matrix [1/s^4].
+        rotation: (N,) bounds of the fourth derivative of the frame's rotation matrix [1/s^4].
         need: (N,) fourth derivatives in units of the tolerance, which determine the number of pieces [1/s^4].
     """
 
@@ -163,8 +166,8 @@ def _arm_bounds(stretch: Stretch, paths: FramePaths, robot: Robot) -> _Arm:
     cubics, first = stretch.cubics, stretch.first
     command = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(cubics.h))))
     origin, rotation = arm_bounds(cubics, command, paths.flange_from_moving, robot)
-    # The norm of a rotation difference is about sqrt 2 times the angle; the programmed turn adds about as
-    # much again.
+    # A rotation difference has a norm of about sqrt 2 times the angle; the programmed turn adds about as much
+    # again, hence the factor 2.
     turn = 2.0 * rotation / np.sqrt(2.0) / stretch.angle[command]
     return _Arm(command, origin, rotation, np.maximum(origin / stretch.tolerance[command], turn))
 
@@ -186,9 +189,11 @@ def _followed(
     count = len(stretch.first)
     position, angle, rest, angle_rest = (np.zeros(count) for _ in range(4))
     covered = np.tile([0.0, 1.0], (count, 1))
+    # A motion whose path is covered by its blends follows no part of it; the balls then cover fixed shares.
     nothing = stretch.follow[:, 0] >= stretch.follow[:, 1]
     covered[nothing] = covered_by_balls(stretch.free[nothing])[:, None]
     if nothing.any() or stretch.free.any():
+        # Only pieces outside of blends are compared with the path.
         rows = cut.segment >= stretch.follow[cut.command, 0]
         rows &= cut.segment < stretch.follow[cut.command, 1]
         cut, motion = _only(cut, motion, rows)
@@ -212,7 +217,7 @@ def _speeds(stretch: Stretch, arm: _Arm, cut: Pieces, motion: Motion) -> Speeds:
 
 
 def _only(cut: Pieces, motion: Motion, rows: NDArray[np.bool_]) -> tuple[Pieces, Motion]:
-    """Return some of the pieces, contiguous for each command, and the points between them."""
+    """Return some pieces, contiguous for each command, with the points between them."""
     left = cut.left[rows]
     points = np.zeros(len(cut.q), dtype=np.bool_)
     points[left] = points[left + 1] = True
@@ -252,11 +257,13 @@ def _bounds(
         s, s_rate = claimed
     left, right, d = cut.left, cut.left + 1, cut.d
     bezier_s = np.stack(hermite_bezier(s[left], s_rate[left], s[right], s_rate[right], d), axis=1)
-    # Find the first and the last piece of each command; its pieces are consecutive.
+    # The pieces of a command are consecutive: find the first and the last one.
     begins = np.flatnonzero(np.diff(cut.command, prepend=-1))
     ends = np.append(begins[1:], len(d)) - 1
     there = cut.command[begins]
     free = stretch.free[there]
+    # A motion with a free end joins or leaves the path at the s of its first or last point. Otherwise it must
+    # cover the path up to its end.
     covered = np.clip(np.stack([bezier_s[begins, 0], bezier_s[ends, 3]], axis=1), 0.0, 1.0)
     covered = np.where(free, covered, [0.0, 1.0])
     group = np.repeat(np.arange(len(begins)), ends - begins + 1)
@@ -293,7 +300,7 @@ def _bounds_of(
         behind: (P,) result of `catch_up`.
         which: the pieces to bound.
     """
-    # Only the points of these pieces.
+    # Take only the points of these pieces.
     first = cut.left[which.start]
     left, segment, command = (x[which] for x in (cut.left, cut.segment, cut.command))
     d = cut.d[which]
@@ -309,16 +316,18 @@ def _bounds_of(
     )
     e, e_rate, turn, turn_rate = _errors(frames, path, s_rate)
     go_on()
+    # By the hull property, s stays between its least and largest Bezier point on a piece.
     low, high = bezier_s.min(axis=1), bezier_s.max(axis=1)
     steep = paths.bounds(command, low, high)
     go_on()
-    # The path between the parameter itself and the non-decreasing one of `catch_up`.
+    # The lag of s is measured along the path between s and the non-decreasing parameter of `catch_up`.
     lifted = steep
     if not steep.everywhere:
         least = np.maximum(low - behind, np.minimum(low, 0.0))
         most = np.minimum(high + behind, np.maximum(high, 1.0))
         lifted = paths.bounds(command, least, most)
     go_on()
+    # Remainders of the Hermite interpolation: the path's part and the arm's part.
     rest, chord_rest = _remainders(bezier_s, d, steep)
     rest = rest + HERMITE * d**4 * arm.origin[segment]
     chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[segment]
@@ -333,8 +342,11 @@ def _bounds_of(
 
 
 def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, Array, Array]:
-    """Return executed minus programmed position (N, 3) and rotation (N, 9), each with its rate."""
+    """Return the errors, executed minus programmed, of position (N, 3) and rotation (N, 9), each with its
+    rate.
+    """
     e = motion.p - path.p
+    # Chain rule: d/dt P(s(t)) = s' P'(s), and R' = [omega]x R.
     e_rate = motion.velocity - s_rate[:, None] * path.along
     turn = motion.rotation - path.rotation
     turn_rate = np.cross(motion.angular[:, :, None], motion.rotation, axis=1)
@@ -362,14 +374,15 @@ def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]
 
 
 def _claimed(control: Array, begins: int, cut: Pieces, h: Array) -> tuple[Array, Array]:
-    """Return values and derivatives of a cubic B-spline at the points between pieces.
+    """Return the values and derivatives of a claimed cubic B-spline at the points between pieces.
 
     Args:
-        control: its control values.
-        begins: the segment at which its segment 0 is.
+        control: control values of the B-spline.
+        begins: number of the segment at which the B-spline begins.
         cut: the pieces.
         h: durations of the segments [s].
     """
+    # Each point between pieces is at the share u of segment k; the last point ends its segment.
     k = np.append(cut.segment, cut.segment[-1]) - begins
     start = np.append(np.flatnonzero(np.diff(cut.segment, prepend=-1)), len(cut.segment))
     size = np.diff(start)

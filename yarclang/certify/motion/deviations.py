@@ -1,4 +1,4 @@
-"""Deviation of every command from its programmed path, with the proof for its kind of motion."""
+"""Deviation of every command from its programmed path, proved by the method for its kind of motion."""
 
 from __future__ import annotations
 
@@ -88,6 +88,8 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
         assert isinstance(step, hir.JointMove)
         end = layout.ends[row]
         flows_on = place.behind is not None
+        # The goal of a motion that flows on is not in the text, so the planner claims it. At a rest it is the
+        # text's own end, which is compared with the programmed pose.
         if isinstance(step.goal, hir.PoseGoal) and flows_on:
             claimed = claimed_joints(judged, place, 1)
             ends.append(check_claims(judged, place))
@@ -121,11 +123,12 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
         if place.before is not None or place.behind is not None:
             proofs.curves[row] = NaturalSpline.through(np.stack([starts.q[row], goals[i]]))
             begin, stop = flows.follow[row]
+            # The blends cover the whole motion.
             if place.size and begin == stop:
                 off, proofs.covered[row] = np.zeros_like(off), covered_by_balls(flows.free[row])
             elif flows.is_cut(row) or (off * weights).max() > 1.0:
-                # Control points next to a blend may be off a line that the motion itself keeps to: prove it
-                # as a spline.
+                # Control points next to a blend may be off a line that the motion itself follows: prove the
+                # motion as a spline.
                 bound = _along_spline(judged, layout, row, np.stack([starts.q[row], goals[i]]), proofs)
                 off, rest = bound.deviation, by_kind(bound.remainder, robot)
                 proofs.covered[row] = bound.covered
@@ -156,6 +159,7 @@ def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proof
     claimed = None if flows.is_cut(row) else law_of(judged, place)
     law = None
     if claimed is not None:
+        # Take the claimed values of the segments that follow the path.
         skip = begin - place.first - claimed[1]
         law = claimed[0][skip : skip + stop - begin + 3]
     free = bool(flows.free[row, 0]), bool(flows.free[row, 1])

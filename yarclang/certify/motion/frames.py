@@ -21,9 +21,9 @@ from yarclang.robot.model import Array
 Rows = list[tuple[int, Place]]
 
 NO_WAY = 1e-6
-"""A path that is shorter than this [m], and turns by less [rad], has length zero."""
+"""Length [m] and turn [rad] below which a path counts as having length zero."""
 STILL = 1e-9
-"""The origin of a frame that moves by less than this [m] stands still.
+"""Distance [m] below which the origin of a frame counts as standing still.
 
 The frame's speed is then its angular speed.
 """
@@ -45,12 +45,12 @@ def frame_moves(
     stretch = _stretch(judged, layout, moving, paths, asked, proofs)
     found = None
     row, place = moving[0]
-    # The proof of a motion must not depend on other motions: only splines have laws, and they come one by
-    # one.
+    # Only splines have laws, and they are judged one by one, so that the proof of a motion does not depend on
+    # other motions.
     has_law = isinstance(place.motion, hir.PoseSplineMove) and not proofs.flows.is_cut(row)
     law = law_of(judged, place) if has_law else None
-    # With a programmed speed, the law is usually that of the path length of the frame's origin, so try this
-    # first.
+    # With a programmed speed, the claimed law is usually that of the path length of the frame's origin: try
+    # this first.
     ways = [True, False] if law is not None and np.isfinite(stretch.speed.top[0]) else [False]
     for is_way in ways if law is not None else []:
         if found is None or _is_beyond(found, stretch):
@@ -132,6 +132,7 @@ def _stretch(
     cubics = flows.cut(cubics, numbers, first, first + sizes)
     count = len(moving)
     own = np.arange(count)
+    # Bounds of the path's first derivatives tell a motion of the origin from a pure turn.
     steep = paths.bounds(own, np.zeros(count), np.ones(count))
     reach, turned = steep.position[:, 0], steep.rotation[:, 0]
     turns = reach < STILL
@@ -172,7 +173,7 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
 def moving_frame(motion: hir.Motion) -> Array:
     """Return the moving frame of a motion on the flange (4, 4).
 
-    It is that of its goals, or else the one named on its line, or else the flange itself.
+    This is the frame of the motion's goals, or the frame named on its line, or the flange itself.
     """
     if (named := motion.flange_from_moving) is not None:
         return named

@@ -41,18 +41,19 @@ def straight_deviations(
 ) -> tuple[Array, Array]:
     """Compute proved bounds of the deviation from straight lines in joint space.
 
-    Every point of the motion is a convex combination of control points S + s_i D + r_i. At any instant it is
-    the point S + s D of the line, with s the same combination of the s_i, plus the same combination of the
-    residuals r_i, which is at most max |r_i|. The s_i are kept in [0, 1], never decrease (a spline with
-    growing control points grows) and end with 1. So the bound holds in order of time and for the whole line.
-    If the motion flows on, it holds for the part of the line between its first and its last s.
+    The control points are S + s_i D + r_i, with the start S, the vector D to the goal, and residuals r_i.
+    Every point of the motion is a convex combination of control points. At any instant it is therefore the
+    point S + s D of the line, with s a combination of the s_i, plus a combination of the r_i, which is at
+    most max |r_i|. The s_i are kept in [0, 1], never decrease and end with 1, and a spline with growing
+    control points grows. So the bound holds in order of time and for the whole line. If the motion flows on,
+    it holds for the part of the line between its first and its last s.
 
     Args:
         control: (G, n) control points of C commands, one command after the other [rad or m].
         first: (C,) index of each command's first control point.
         lines: the programmed paths.
         robot: the arm.
-        tolerance: weighs the joints in the projection.
+        tolerance: weights of the joints in the projection.
 
     Returns:
         The largest deviation of each joint (C, n) [rad or m], and the range of each line's parameter that was
@@ -69,12 +70,13 @@ def straight_deviations(
     s = np.einsum("ni,ni->n", (control - start[owner]) * weights, way[owner]) / norm[owner]
     s = np.clip(s, 0.0, 1.0)
     s[last[~free[:, 1]]] = 1.0
-    # Replace each s_i by the largest so far: the residual of that place on the line bounds the deviation in
-    # order.
+    # Replace each s_i by the largest so far, so that the motion follows the line in order; the residuals are
+    # measured from these points of the line.
     for begin, stop in zip(first.tolist(), (last + 1).tolist(), strict=True):
         np.maximum.accumulate(s[begin:stop], out=s[begin:stop])
     residual = np.abs(control - start[owner] - s[:, None] * (lines.goal - start)[owner])
     covered = np.tile([0.0, 1.0], (len(first), 1))
+    # The motion joins and leaves the line at its first and last knot.
     joined, left = np.flatnonzero(free[:, 0]), np.flatnonzero(free[:, 1])
     covered[joined, 0] = _knot(s, first[joined])
     covered[left, 1] = _knot(s, last[left] - 2)
@@ -82,7 +84,9 @@ def straight_deviations(
 
 
 def _knot(s: Array, at: NDArray[np.int64]) -> Array:
-    """Return the cubic B-spline with control values `s` at knots, each from points `at` to `at` + 2."""
+    """Return the values at knots of the cubic B-spline with control values `s`; a knot depends on `at` to
+    `at` + 2.
+    """
     value: Array = (s[at] + 4.0 * s[at + 1] + s[at + 2]) / 6.0
     return value
 

@@ -26,7 +26,7 @@ POSITION_UNITS = 1e-9
 
 @frozen
 class Excess:
-    """A limit that one command breaks, at the place where it does so most.
+    """The worst place at which one command breaks a limit.
 
     Attributes:
         quantity: the limited quantity.
@@ -73,7 +73,7 @@ def check_limits(
         "jerk": cubics.jerk_peaks() / limits.jerk,
         "motor_velocity": motors / robot.actuation.velocity,
     }
-    # The quotient is rounded once: go up by one number to get an upper bound.
+    # The quotient is rounded once: the next larger number is an upper bound.
     shares = {
         quantity: np.where(share > 0.0, np.nextafter(share, np.inf), 0.0)
         for quantity, share in shares.items()

@@ -53,6 +53,8 @@ class Pieces:
         d = (cubics.h / pieces)[segment]
         of = command[segment]
         begins = np.flatnonzero(np.diff(of, prepend=-1))
+        # Each command has one point more than pieces, so its points are shifted by the number of commands
+        # before it.
         left = np.arange(len(segment)) + of
         last = np.append(begins[1:], len(segment)) + np.arange(len(begins))
         q, rate = (np.empty((len(segment) + len(begins), cubics.x.shape[1])) for _ in range(2))
@@ -84,6 +86,7 @@ def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion
         go_on()
         moving = flange_from_moving[cut.owner[part]]
         twist = (jacobian @ cut.rate[part, :, None])[:, :, 0]
+        # Velocity of a point at the end of a lever: v + omega x arm.
         arm = (flange[:, :3, :3] @ moving[:, :3, 3:])[:, :, 0]
         motion.p[part] = flange[:, :3, 3] + arm
         motion.velocity[part] = twist[:, :3] + np.cross(twist[:, 3:], arm)
@@ -103,13 +106,16 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
     """
     size = robot.chain.size
     low, high = cubics.position_range()
-    # Take the travel of each command by itself: its proof must not depend on which other commands there are.
+    # Compute the travel for each command by itself: a proof must not depend on which other commands there
+    # are.
     begins = np.flatnonzero(np.diff(command, prepend=-1))
     travel = np.zeros((len(flange_from_moving), size))
     farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)
     np.maximum.at(travel, command[begins], farthest * robot.chain.is_prismatic)
     w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
     origin, rotation = np.empty(len(command)), np.empty(len(command))
+    # The levers depend only on the travel of the slides and on the moving frame: compute them once for equal
+    # values.
     reached = np.concatenate([travel, flange_from_moving.reshape(-1, 16)], axis=1)
     kinds, group = np.unique(reached, axis=0, return_inverse=True)
     kind_of = group.ravel()[command]

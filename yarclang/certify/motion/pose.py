@@ -23,7 +23,10 @@ def distance(poses: Array, others: Array) -> tuple[Array, Array]:
 
 
 def axis_and_angle(rotation: Array) -> tuple[Array, Array]:
-    """Return the axes (C, 3) and angles (C,) in [0, pi] of rotations (C, 3, 3); zero axis without a turn."""
+    """Return the axes (C, 3) and angles (C,) in [0, pi] of rotations (C, 3, 3); without a turn, the axis
+    is zero.
+    """
+    # sin(angle) times the axis, from the antisymmetric part; trace = 1 + 2 cos(angle).
     vee = (
         np.stack(
             [

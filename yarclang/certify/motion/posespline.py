@@ -2,10 +2,10 @@
 
 Position and quaternion are natural cubic splines; the quaternion is then normalised.
 
-R = M(Q) / |Q|^2, where M and n = |Q|^2 are polynomials of degree 6 on a span. Given bounds M_k and N_k of
-their derivatives, and n >= n_min, Leibniz' rule for R n = M bounds the derivatives of R one after the other:
-G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min. All bounds are those of Bernstein coefficients
-on cells of each span.
+The rotation is R = M(Q) / n with n = |Q|^2, where M and n are polynomials of degree 6 on a span. Let M_k and
+N_k bound their derivatives, and n >= n_min. Leibniz' rule for R n = M then bounds the derivatives of R one
+after the other: G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min. All bounds are those of
+Bernstein coefficients on cells of each span.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FEWEST_CELLS, CELLS = 4, 16
 """Least and largest number of cells into which a span is cut."""
 
 CELLS_IN_ALL = 16_384
-"""Cells of a whole curve, unless this gives its spans the least or largest number of cells.
+"""Number of cells of a whole curve, if that gives each span between `FEWEST_CELLS` and `CELLS`.
 
 The more way-points there are, the shorter and straighter are the spans.
 """
@@ -35,11 +35,11 @@ The more way-points there are, the shorter and straighter are the spans.
 _CELLS_AT_ONCE = 1_024
 """Cells that are bounded in one step, so that their polynomials stay in the processor's cache."""
 SAME = 1e-6
-"""Neighbouring poses whose chord [m] is not longer than this count as one."""
+"""Length [m] of a chord up to which neighbouring poses count as one."""
 STILL = 1e-9
-"""The origin of a frame that moves by less than this [m] stands still."""
+"""Distance [m] below which the origin of a frame counts as standing still."""
 HALF_TURN = np.pi - 1e-9
-"""Neighbours that are turned by more than this [rad] have no unique short way between them."""
+"""Turn [rad] between neighbours above which there is no unique short way between them."""
 
 
 @frozen(eq=False)
@@ -51,9 +51,9 @@ class PoseSpline:
         goal: (1, 4, 4) last pose.
         spline: position and quaternion (x, y, z, w) as (m, 7) over u.
         cells: (K + 1, 4, 2) bounds of the first to fourth derivative over u of position and rotation on each
-            cell. Each span has equally many cells; the last row is a copy of the one before.
-        jumps: (m + 1, 2) jumps of the third derivatives of position and rotation, summed over the way-points
-            before each one.
+            cell. All spans have the same number of cells; the last row is a copy of the one before.
+        jumps: (m + 1, 2) for each way-point, the jumps of the third derivatives of position and rotation,
+            summed over all way-points before it.
         lawful: (1,) True if the curve is defined.
         free: True if the curve is joined after its start, and if it is left before its end.
     """
@@ -78,9 +78,8 @@ class PoseSpline:
             free: True if the curve is joined after its start, and if it is left before its end.
         """
         q = _aligned(_quaternions(poses[:, :3, :3]))
-        # The angle between neighbouring quaternions is half the turn between them; tan of half that angle is
-        # |a - b| / |a + b|.
-        # The parameter u grows by sqrt(distance^2 + (TURN_CHORD angle)^2).
+        # The angle between neighbouring quaternions is half the turn between them. The tangent of half that
+        # angle is |a - b| / |a + b|. The parameter u grows by sqrt(distance^2 + (TURN_CHORD angle)^2).
         apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
         turn = 4.0 * np.arctan2(*apart)
         steps = np.hypot(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1), hir.TURN_CHORD * turn)
@@ -124,6 +123,7 @@ class PoseSpline:
         q, rate = y[:, 3:], slope[:, 3:]
         n = np.einsum("ni,ni->n", q, q)[:, None, None]
         rotation = _matrix(q, q) / n
+        # Quotient rule for R = M(Q) / n, with M' = 2 M(Q, Q') and n' = 2 Q . Q'.
         n_rate = 2.0 * np.einsum("ni,ni->n", q, rate)[:, None, None]
         spin = (2.0 * _matrix(q, rate) - rotation * n_rate) / n
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
@@ -143,21 +143,24 @@ class PoseSpline:
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - there is only one
         """Return the largest bounds of the cells between `low` and `high` (P,).
 
-        Beyond its ends the curve continues; it is bounded for a small margin there, and the bound is infinite
-        beyond.
+        The curve continues beyond its ends. Its bounds there hold within a small margin, and are infinite
+        farther out.
         """
         count = len(self.cells) - 1
         each = count // (len(self.spline.s) - 1)
         u = np.stack([low, high]) * self.total
         span = self.spline.span(u)
+        # The cells that contain `low` and `high`.
         share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
         cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
         # Include the neighbouring cells as well: the floor of a rounded quotient may be off by one.
         first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
         most = _range_max(self.cells, first, last)
         before, behind = _margins(self.spline)
+        # Scale from u to s: the k-th derivative gets the factor u_total^k.
         beyond = (u[0] < -before) | (u[1] > self.total + behind)
         most = np.where(beyond[:, None, None], np.inf, most) * self.total ** np.arange(1.0, 5.0)[:, None]
+        # Sum of the jumps at the way-points between `low` and `high`, from the table of sums.
         knot = (
             np.searchsorted(self.spline.s, u[0], side="left"),
             np.searchsorted(self.spline.s, u[1], side="right"),
@@ -174,6 +177,7 @@ class PoseSpline:
         share: Array | None = None,
     ) -> tuple[Array, Array]:
         """Choose s by least squares of position and rotation errors, each divided by its tolerance."""
+        # A rotation difference has a norm of about sqrt 2 times its angle.
         weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle[0]))])
         y, rate = (np.empty((len(motion.p), 12)) for _ in range(2))
         y[:, :3], y[:, 3:] = motion.p, motion.rotation.reshape(-1, 9)
@@ -201,12 +205,14 @@ BEYOND = 1e-3
 """Margin beyond the ends of a curve within which it is bounded, as a share of the whole."""
 
 BEYOND_SHORT = 1e-4
-"""Least margin [m] at an end with a short span, unless `BEYOND` is less: cubics grow without bound."""
+"""Least margin [m] at an end whose span is short, unless `BEYOND` gives less: beyond an end, cubics grow
+without bound.
+"""
 
 
 @frozen(eq=False)
 class _Weighed:
-    """A curve of poses in coordinates of equal weight."""
+    """A curve of poses in coordinates that are divided by their tolerances."""
 
     path: PoseSpline
     weights: Array
@@ -222,11 +228,12 @@ class _Weighed:
 def _quaternions(rotations: Array) -> Array:
     """Return unit quaternions (m, 4), (x, y, z, w), of rotations (m, 3, 3).
 
-    Each is the eigenvector of a symmetric matrix to its largest eigenvalue, 3 (Bar-Itzhack 2000, without the
+    Each is the eigenvector of a symmetric matrix for its largest eigenvalue, 3 (Bar-Itzhack 2000, without the
     factor 1/3).
     """
     r = rotations
     k = np.empty((len(r), 4, 4))
+    # The matrix K = [S - trace I, z; z', trace], with S = R + R' and z the vector of R's antisymmetric part.
     k[:, :3, :3] = r + r.transpose(0, 2, 1)
     k[:, :3, :3] -= np.trace(r, axis1=1, axis2=2)[:, None, None] * np.eye(3)
     vee = np.stack(
@@ -240,7 +247,7 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def _aligned(q: Array) -> Array:
-    """Return the quaternions, each with the sign that is nearer to the one before."""
+    """Return the quaternions with signs such that each is as near as possible to the previous one."""
     signs = np.where(np.einsum("ni,ni->n", q[1:], q[:-1]) < 0.0, -1.0, 1.0)
     aligned: Array = q * np.concatenate([[1.0], np.cumprod(signs)])[:, None]
     return aligned
@@ -253,6 +260,7 @@ def _matrix(a: Array, b: Array) -> Array:
     """
     v, w = a[..., :3], a[..., 3]
     x, y = b[..., :3], b[..., 3]
+    # R(q) |q|^2 = 2 v v' + (w^2 - |v|^2) I + 2 w [v]x, made bilinear in two quaternions.
     outer = v[..., :, None] * x[..., None, :]
     inner = w * y - np.einsum("...i,...i->...", v, x)
     cross = w[..., None] * x + y[..., None] * v
@@ -267,7 +275,7 @@ def _matrix(a: Array, b: Array) -> Array:
 def _cells(spline: NaturalSpline) -> Array:
     """Bound the first four derivatives over u of position and rotation on the cells of all spans (K, 4, 2).
 
-    Each span has equally many cells; those at the ends of the curve reach a little beyond them.
+    All spans have the same number of cells. The cells at the ends of the curve reach a little beyond them.
     """
     spans = len(spline.s) - 1
     each = min(CELLS, max(FEWEST_CELLS, CELLS_IN_ALL // spans))
@@ -315,6 +323,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
         for k in range(4):
             n[i + k] += np.einsum("ni,ni->n", q[i], q[k])
             matrices[i + k] += _matrix(q[i], q[k])
+    # A polynomial is between its least and its largest Bernstein coefficient.
     n_min = _bernstein(n[..., None])[..., 0].min(axis=0)
     n_top = [np.abs(_bernstein(_derivative(n[..., None], k))).max(axis=(0, 2)) for k in range(5)]
     m = matrices.reshape(7, -1, 9)
@@ -337,7 +346,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
 
 
 def _margins(spline: NaturalSpline) -> tuple[float, float]:
-    """Return how far the bounds of a curve reach beyond its start and its end, in u."""
+    """Return the margins in u beyond the start and the end of a curve, within which its bounds hold."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
     return min(most, max(first, BEYOND_SHORT)), min(most, max(last, BEYOND_SHORT))
@@ -376,7 +385,7 @@ def _jumps(spline: NaturalSpline) -> Array:
 
 
 def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
-    """Return the largest entries of the rows `first` up to `last` (not included) of a table, for each pair.
+    """Return, for each pair, the largest entries of a table's rows from `first` up to `last` (not included).
 
     The table has one extra row at its end, so that `last` is always a valid row.
     """

@@ -19,7 +19,7 @@ from yarclang.robot.model import Array
 Rows = NDArray[np.int64]
 
 SMALLEST_CIRCLE = 1e-6
-"""Three points that are closer to each other [m], or to a line [rad], than this define no circle."""
+"""Distance of three points from each other [m], or from a line [rad], below which they define no circle."""
 
 
 @frozen(eq=False)
@@ -113,13 +113,13 @@ class FramePaths(Protocol):
     ) -> tuple[Array, Array]:
         """Choose a good s and s' (N,) for each point of an executed motion.
 
-        A proof accepts any choice; a good one gives a sharp bound.
+        Any choice gives a valid proof; a good one gives a sharp bound.
 
         Args:
             motion: the points; those of one path are consecutive, in order of time.
             owner: (N,) path of each point.
-            position: (C,) tolerance of the position [m], which weighs the errors.
-            angle: (C,) tolerance of the angle [rad], which weighs the errors.
+            position: (C,) tolerance of the position [m], which weights the errors.
+            angle: (C,) tolerance of the angle [rad], which weights the errors.
             share: (N,) approximate share of the path length of the frame's origin before each point, if
                 known.
         """
@@ -128,7 +128,7 @@ class FramePaths(Protocol):
 
 @frozen(eq=False)
 class Turns:
-    """C turns, each about a fixed axis the short way.
+    """C turns, each about a fixed axis and by at most half a turn.
 
     R(s) = R0 + sin(s theta) K R0 + (1 - cos(s theta)) K^2 R0 with K = [axis]x (Rodrigues).
 
@@ -175,7 +175,7 @@ class Turns:
 
 @frozen(eq=False)
 class Lines:
-    """C straight lines, turning about one fixed axis each.
+    """C straight lines, each with a turn about a fixed axis.
 
     Attributes:
         flange_from_moving: (C, 4, 4) moving frames on the flange.
@@ -199,7 +199,7 @@ class Lines:
 
     @property
     def lawful(self) -> NDArray[np.bool_]:
-        """True: every line is defined."""
+        """True (C,) for all lines: every line is defined."""
         return np.ones(len(self.way), dtype=np.bool_)
 
     def at(self, owner: Rows, s: Array) -> Poses:
@@ -208,7 +208,7 @@ class Lines:
         return Poses(self.origin[owner] + s[:, None] * way, way, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """Return bounds that hold for any s; only the first derivative of the position is not zero."""
+        """Return bounds that hold for any s; all derivatives of the position but the first are zero."""
         position = np.zeros((len(owner), 4))
         position[:, 0] = np.linalg.norm(self.way, axis=1)[owner]
         return Bounds(position, self.turns.bounds(owner), straight=True, everywhere=True)
@@ -228,6 +228,8 @@ class Lines:
         norm = (np.linalg.norm(self.way, axis=1) / position) ** 2 + (turns.theta / angle) ** 2
         norm[norm == 0.0] = np.inf  # the frame does not move: s = 0
         offset = motion.p - self.origin[owner]
+        # Projection onto the line in a space with one more coordinate, the turn; both are in units of their
+        # tolerance.
         strength = turns.theta[owner] / angle[owner] ** 2
         s = np.einsum("ni,ni->n", offset, pull[owner]) + turns.turned(motion.rotation, owner) * strength
         rate = np.einsum("ni,ni->n", motion.velocity, pull[owner])
@@ -237,7 +239,7 @@ class Lines:
 
 @frozen(eq=False)
 class Arcs:
-    """C circular arcs, turning about one fixed axis each, in proportion to the arc length.
+    """C circular arcs, each with a turn about a fixed axis in proportion to the arc length.
 
     Attributes:
         flange_from_moving: (C, 4, 4) moving frames on the flange.
@@ -306,9 +308,9 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s as the mean of the values from position and turn.
+        """Choose s as the weighted mean of its values from position and turn.
 
-        Each is weighed by its length over its tolerance.
+        The weights are the squared lengths of arc and turn, each in units of its tolerance.
         """
         turns = self.turns
         # Squared lengths of the arc and of the turn, each in units of its tolerance.
@@ -344,11 +346,10 @@ def _unwrapped(angle: Array, owner: Rows) -> Array:
 
 
 def _angle_about(rotation: Array, axis: Array) -> Array:
-    """Return the angle (N,) [rad] of the turn about `axis` (N, 3) nearest to `rotation` (N, 3, 3).
+    """Return the angle (N,) [rad] of the turn about `axis` (N, 3) that is nearest to `rotation` (N, 3, 3).
 
-    Distances are in the Frobenius norm.
-
-    The trace of R' turn(angle) is largest for tan(angle) = (axis . vee) / (trace R - axis' R axis).
+    "Nearest" is in the Frobenius norm. The trace of R' turn(angle) is largest for tan(angle) =
+    (axis . vee) / (trace R - axis' R axis).
     """
     along = np.einsum("ni,nij,nj->n", axis, rotation, axis)
     across = np.trace(rotation, axis1=1, axis2=2) - along

@@ -1,6 +1,6 @@
 """Choice of a parameter s(t) for a motion along a curve.
 
-Proofs accept any choice; a good one gives a sharp bound.
+Any choice gives a valid proof; a good one gives a sharp bound.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from yarclang.robot.model import Array
 _STIFFNESS = 1e-3
 """Weight of third differences of s, relative to the curve's pace."""
 _PLACES, _BETWEEN = 1024, 4
-"""Equal intervals of a table of a curve, and least number of intervals between two way-points."""
+"""Number of equal intervals of a curve's table, and least number of intervals between two way-points."""
 _AT_ONCE = 8_192
 """Points of a curve that are computed in one step."""
 _ROUNDS = 5
@@ -34,12 +34,13 @@ class Curve(Protocol):
 def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: Array) -> tuple[Array, Array]:
     """Choose values and derivatives (N,) of s(t) at the points of a motion.
 
-    Gauss-Newton iteration for the least squares of y - y(s). Where a curve turns back on itself, y' is zero
-    and the position does not determine s. A small stiffness against third differences, which has no effect
-    elsewhere, carries s smoothly through. The guess, which knows the direction, starts the iteration.
+    The method is a Gauss-Newton iteration for the least squares of y - y(s), starting from a guess in order
+    of time. Where a curve turns back on itself, y' is zero and the position does not determine s. A small
+    stiffness against third differences, which has almost no effect elsewhere, carries s smoothly through such
+    a place.
 
     Args:
-        curve: the curve, in coordinates of equal weight, each divided by its tolerance.
+        curve: the curve, with each coordinate divided by its tolerance.
         y: (N, m) points of the motion, in order of time.
         rate: (N, m) their velocities.
         guess: (N,) approximate s.
@@ -48,6 +49,8 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
     """
     from scipy.linalg import solveh_banded
 
+    # Normal equations of Gauss-Newton: y' y' on the diagonal, plus the matrix of squared third differences,
+    # which has three more bands.
     stiffness = (_STIFFNESS * pace) ** 2
     bands = _third_differences(len(guess)) * stiffness
     s = guess
@@ -60,6 +63,8 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
             pull[part] = ((y[part] - at) * slope).sum(axis=1)
         s = s + solveh_banded(system, pull - _times(bands, s), lower=True, check_finite=False)
     go_on()
+    # s' by least squares of the velocities; where y' vanishes, the stiffness leads to the difference
+    # quotient.
     about = np.gradient(s, np.concatenate([[0.0], np.cumsum(d)]))
     s_rate = np.empty(len(s))
     for part in _parts(len(s)):
@@ -77,7 +82,9 @@ def _parts(count: int) -> Iterator[slice]:
 
 
 def _third_differences(size: int) -> Array:
-    """Return the lower bands (4, size) of the symmetric matrix of the sum of squared third differences."""
+    """Return the lower bands (4, size) of the symmetric matrix that gives the sum of squared third
+    differences.
+    """
     kernel = np.array([-1.0, 3.0, -3.0, 1.0])
     bands = np.zeros((4, size))
     for band in range(4):
@@ -87,7 +94,7 @@ def _third_differences(size: int) -> Array:
 
 
 def _times(bands: Array, x: Array) -> Array:
-    """Return the product of a symmetric banded matrix, by its lower bands, with x."""
+    """Return the product of a symmetric banded matrix, given by its lower bands, with x."""
     product = bands[0] * x
     for band in range(1, len(bands)):
         product[band:] += bands[band, :-band] * x[:-band]
@@ -96,7 +103,7 @@ def _times(bands: Array, x: Array) -> Array:
 
 
 def table_of_lengths(curve: Curve, s: Array) -> Array:
-    """Return the approximate length of the curve up to each of `s` (N,), by the polygon."""
+    """Return the approximate length of the curve up to each of `s` (N,), measured along a polygon."""
     lengths, behind = np.zeros(len(s)), 0.0
     for begin in range(0, len(s) - 1, _AT_ONCE):
         go_on()
@@ -109,7 +116,7 @@ def table_of_lengths(curve: Curve, s: Array) -> Array:
 def guess_by_length(
     curve: Curve, y: Array, knots: Array, free: tuple[bool, bool] = (False, False)
 ) -> tuple[Array, float]:
-    """Guess s from the distance covered so far, and return the curve's typical pace as well.
+    """Guess s from the distance covered so far; return s (N,) and the curve's typical pace |y'(s)|.
 
     Args:
         curve: the curve, from s = 0 to the last of `knots`.
@@ -123,6 +130,8 @@ def guess_by_length(
     lengths = table_of_lengths(curve, s)
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(y, axis=0), axis=1))])
     first, last = 0.0, lengths[-1]
+    # A motion that joins the curve late begins at the nearest place in the first half; one that leaves it
+    # early ends at the nearest place in the second half.
     half = int(np.searchsorted(s, end / 2.0))
     if free[0]:
         first = lengths[np.argmin(np.linalg.norm(curve.at(s[:half])[0] - y[0], axis=1))]
@@ -135,8 +144,8 @@ def guess_by_length(
 def places_of(knots: Array) -> Array:
     """Return parameters (N,) that show the shape of a curve with way-points at `knots` (k,).
 
-    They have equal distances; if there are many way-points, some parameters between each two of them are
-    added.
+    The parameters are equally spaced. If there are many way-points, some parameters between each two of them
+    are added.
     """
     s = np.linspace(0.0, float(knots[-1]), _PLACES + 1)
     if (len(knots) - 1) * _BETWEEN <= _PLACES:

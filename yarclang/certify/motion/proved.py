@@ -40,7 +40,7 @@ class Proofs:
 
 
 def law_of(judged: Judged, place: Place) -> tuple[Array, int] | None:
-    """Return the claimed law of a motion and its first segment's number; None without a usable one.
+    """Return the claimed law of a motion and the number of its first segment; None without a usable claim.
 
     The law covers the command's own segments and half of each blend's segments on either side.
     """

@@ -16,9 +16,8 @@ from yarclang.hir import Origin
 from yarclang.written import slower
 
 TOLD = 0.99
-"""Share of a programmed speed above which there is no warning.
-
-A rounded corner takes a little of the speed.
+"""Share of a programmed speed above which there is no warning: a rounded corner takes a little of the
+speed.
 """
 
 _USED_UP = 0.85
@@ -52,7 +51,7 @@ def slowed(
         if speed is None or math.isnan(speed.programmed):
             return 1.0
         claimed = shares(place.step)
-        # More may have been proved than was claimed.
+        # The proved share may be larger than the claimed one.
         proved = claimed * speed.least / speed.programmed
         return min(proved, 1.0) if proved > claimed else claimed
 
@@ -84,10 +83,13 @@ def _stretches(layout: Layout) -> Iterator[list[Place]]:
 
 
 def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]:
-    """Return the range of motions without the ramps at both ends, if a ramp takes several motions."""
+    """Return the range of motions between the ramps at both ends; a ramp counts only if it takes several
+    motions.
+    """
     first, last = 0, len(stretch)
     if max(shares) <= TOLD:
         return first, last
+    # A ramp consists of motions without blends whose speeds grow towards the cruise.
     while shares[first] <= TOLD and stretch[first].behind == 0 and shares[first + 1] >= shares[first]:
         first += 1
     while shares[last - 1] <= TOLD and stretch[last - 1].before == 0 and shares[last - 2] >= shares[last - 1]:

@@ -13,7 +13,7 @@ from yarclang.robot.model import Array
 KEPT = 1e-3
 """Largest relative deviation of the cruise speed from the programmed one."""
 SHARP = 1e-4
-"""Pieces are short enough that bounds of a programmed speed are off by at most this share of it."""
+"""Share of a programmed speed by which its bounds may be off; pieces are short enough for it."""
 MOST_PIECES = 32
 
 _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2, 0], [1, 4, 6, 4, 1]]) / [
@@ -92,6 +92,7 @@ def finer_for_speed(
     cruise = wanted.cruise[command]
     bound = np.where(wanted.turns[command], rotation / np.sqrt(2.0), origin)
     with np.errstate(divide="ignore", invalid="ignore"):
+        # The remainder of a velocity falls with the third power of the number of pieces.
         need = h * np.cbrt(HERMITE_RATE * bound / (SHARP * cruise))
     need = np.where(np.isfinite(need), np.ceil(need), 1.0)
     finer: Rows = np.maximum(pieces, np.minimum(need, MOST_PIECES).astype(np.int64))
@@ -113,8 +114,8 @@ def speed_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[A
 def turn_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[Array, Array]:
     """Bound the least and the largest angular speed (P,) of the frame on each piece [rad/s].
 
-    The rotation matrix changes by sqrt 2 times the angular speed, in the Frobenius norm. Arguments as in
-    `speed_bounds`.
+    The rate of the rotation matrix has a Frobenius norm of sqrt 2 times the angular speed. The arguments are
+    those of `speed_bounds`, with `fourth` for the rotation matrix [1/s^4].
     """
     rate = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     low, high = _rate_bounds(motion.rotation.reshape(-1, 9), rate, left, d, fourth)
@@ -124,11 +125,11 @@ def turn_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[Ar
 def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> tuple[Array, Array]:
     """Bound |x'| (P,) on pieces from below and above.
 
-    x' is that of the Hermite cubic, a parabola, plus a remainder. The square of the parabola's length has
-    degree 4: its five Bernstein coefficients bound it.
+    x' is the derivative of the Hermite cubic, a parabola, plus a remainder. The squared length of the
+    parabola has degree 4, and its five Bernstein coefficients bound it.
     """
     v0, v1 = rate[left], rate[left + 1]
-    # Bezier points v0, middle, v1 of the Hermite cubic's velocity, whose mean is the difference quotient.
+    # Bezier points v0, middle, v1 of the Hermite cubic's velocity; their mean is the difference quotient.
     middle = 3.0 * (x[left + 1] - x[left]) / d[:, None] - v0 - v1
     # Bernstein coefficients of the square of a quadratic Bezier curve (product of two Bernstein polynomials).
     squares = np.stack(
@@ -140,7 +141,7 @@ def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> 
             _dot(v1, v1),
         ]
     )
-    # Where the speed changes much, the coefficients of the quarters are closer to it.
+    # The coefficients of the four quarters are closer to a speed that changes much.
     squares = _QUARTERS @ squares
     rest = HERMITE_RATE * d**3 * fourth
     low = np.maximum(np.sqrt(np.maximum(squares.min(axis=0), 0.0)) - rest, 0.0)
@@ -170,13 +171,14 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
     largest[command[begins]] = segment_max(high, begins)
     ends = np.append(begins[1:], len(command))
     cruise, top = wanted.cruise[command], wanted.top[command]
+    # Outside of blends the motion's own limit applies, in a blend that of the faster motion.
     before, behind = segment < follow[command, 0], segment >= follow[command, 1]
     allowed = np.where(before, wanted.around[command, 0], np.where(behind, wanted.around[command, 1], top))
     inside = ~before & ~behind
     with np.errstate(invalid="ignore"):
         beyond_it = segment_max(high / allowed, begins)
         kept = inside & (low >= cruise * (1.0 - KEPT)) & (high <= top * (1.0 + KEPT))
-    # From the first piece with the programmed speed to the last.
+    # The speed must be held from the first piece with the programmed speed to the last such piece.
     place = np.arange(len(command))
     first = np.minimum.reduceat(np.where(kept, place, len(command)), begins)
     last = segment_max(np.where(kept, place, -1), begins)
@@ -204,9 +206,9 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
 
 
 def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the least and the largest speed of a command that has its speed on no whole piece.
+    """Return the least and the largest speed of a command that has its programmed speed on no whole piece.
 
-    Both are NaN if it never has its speed.
+    Both are NaN if the command never reaches the programmed speed.
 
     Args:
         low: (P,) least speed on each piece outside of blends.

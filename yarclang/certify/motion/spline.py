@@ -12,11 +12,11 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
-"""Pieces are short enough that the remainder of the proof is at most this share of the tolerance."""
+"""Share of the tolerance that the remainder of the proof may take; pieces are short enough for it."""
 MOST_PIECES = 16
-"""Most pieces of a segment."""
+"""Largest number of pieces of a segment."""
 SAME = 1e-9
-"""Neighbours closer than this [rad or m] are one way-point."""
+"""Distance [rad or m] below which neighbours count as one way-point."""
 
 
 @frozen(eq=False)
@@ -54,7 +54,9 @@ class NaturalSpline:
         return NaturalSpline(s, y, bend)
 
     def span(self, s: Array) -> NDArray[np.int64]:
-        """Return the span that contains `s`: the first before the start, the last after the end."""
+        """Return the span that contains each `s`; the first span also counts before the start, the last
+        after the end.
+        """
         return np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
 
     def at(self, s: Array) -> tuple[Array, Array]:
@@ -74,7 +76,7 @@ class NaturalSpline:
 
 
 def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
-    """Solve a symmetric tridiagonal system without pivoting, since its diagonal dominates.
+    """Solve a symmetric tridiagonal system; its dominant diagonal makes pivoting unnecessary.
 
     Args:
         beside: (m - 1,) entries beside the diagonal.
@@ -117,7 +119,8 @@ def spline_deviation(
 
     The error of each joint is e(t) = q(t) - y(s(t)), with s(t) piecewise cubic. As q'''' = 0 and y'''' = 0,
     |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|. Where s passes a way-point, e'''
-    jumps by s'^3 times the jump of y'''. The Hermite remainder (bounds.py) follows from both.
+    jumps by s'^3 times the jump of y'''. The Hermite remainder (see `yarclang.certify.motion.bounds`) follows
+    from both.
 
     Args:
         cubics: the segments of one command, all of one duration.
@@ -143,7 +146,7 @@ def spline_deviation(
 def _proved(
     cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None, free: tuple[bool, bool]
 ) -> SplineBound:
-    """Compute the bound with pieces short enough that the remainder hardly counts."""
+    """Compute the bound with pieces so short that the remainder is a small share of the tolerance."""
     pieces = 1 if len(cubics.h) >= 4 else 4  # third differences need four points
     while True:
         go_on()
@@ -151,12 +154,13 @@ def _proved(
         need = float((bound.remainder * weights).max()) / REMAINDER_SHARE
         if not need > 1.0 or pieces == MOST_PIECES:
             return bound
+        # The remainder falls with the fourth power of the number of pieces.
         pieces = min(MOST_PIECES, max(pieces + 1, int(np.ceil(pieces * min(need, 1e6) ** 0.25))))
 
 
 @frozen(eq=False)
 class _Weighed:
-    """A spline in joint coordinates of equal weight."""
+    """A spline in joint coordinates that are divided by their tolerances."""
 
     spline: NaturalSpline
     weights: Array
@@ -242,6 +246,8 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
     sharp = np.maximum(np.abs(third[low]), np.abs(third[high]))
     jump = np.zeros_like(bend)
     (several,) = np.nonzero(high > low)
+    # Sums of the jumps up to each way-point; a difference of two is the sum over the way-points inside a
+    # piece.
     jumps = np.concatenate([np.zeros((1, third.shape[1])), np.cumsum(np.abs(np.diff(third, axis=0)), axis=0)])
     jump[several] = jumps[high[several]] - jumps[low[several]]
     for row in several:  # few pieces contain a way-point
@@ -250,6 +256,7 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
         sharp[row] = np.maximum(sharp[row], np.abs(third[low[row] : high[row] + 1]).max(axis=0))
     # A cubic passes a place once, or at most three times if it turns back.
     jump *= np.where((ds.min(axis=1) < 0.0) & (ds.max(axis=1) > 0.0), 3.0, 1.0)[:, None]
+    # Faa di Bruno's formula for y(s(t)) with y'''' = s'''' = 0.
     change: Array = 6.0 * s1 * s1 * s2 * sharp + (3.0 * s2 * s2 + 4.0 * s1 * s3) * bend
     rest: Array = HERMITE * d[:, None] ** 4 * change + JUMP * d[:, None] ** 3 * s1**3 * jump
     return rest
@@ -263,6 +270,7 @@ def _steepest(spline: NaturalSpline, beyond: float) -> Array:
     chord = np.diff(spline.s)[:, None]
     b0, b1 = spline.bend[:-1], spline.bend[1:]
     slope = np.diff(spline.y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    # Bezier points of the parabola y': both ends and the intersection of the end tangents.
     middle = slope + chord * b0 / 2.0
     end = slope + chord * (b0 + b1) / 2.0
     inside = np.abs(np.stack([slope, middle, end])).max(axis=(0, 1))

@@ -1,9 +1,9 @@
 """Deviation of all joints from a timetable at the same time.
 
-Between two rows the timetable defines a polynomial in time, and each segment of the text is one too. On each
-interval without a row or a knot inside, their difference is therefore a polynomial, which lies in the convex
-hull of its Bezier points: nothing is sampled. If the hull exceeds the allowed deviation, the interval is
-halved, which brings the hull nearer to the curve, unless the curve itself already exceeds it.
+The timetable defines a polynomial in time between two rows, and each segment of the text is a polynomial too.
+On an interval without a row or a knot inside, their difference is therefore a polynomial, and its Bezier
+points bound it; nothing is sampled. If the bound exceeds the allowed deviation, the interval is halved, which
+makes the bound sharper, unless the difference itself already exceeds the allowed deviation at an end.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from yarclang.robot.model import Array, Robot, Tolerance
 LATE = 1e-3
 """Largest difference between the durations of the text and of the timetable [s].
 
-All times are scaled by one factor.
+The judge scales all times of the timetable to the text's duration.
 """
 
 HALVINGS = 8
@@ -116,6 +116,7 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
     knots = np.concatenate(([0.0], np.cumsum(cubics.h)))
     rows = way.times * (knots[-1] / way.times[-1])
     rows[-1] = knots[-1]
+    # Intervals without a knot or a row inside: both motions are single polynomials there.
     times = np.unique(np.concatenate((knots, rows)))
     begin, end = times[:-1], times[1:]
     middle = (begin + end) / 2.0
@@ -192,6 +193,7 @@ def _part(bezier: Array, begin: Array, end: Array) -> Array:
 def _elevated(bezier: Array) -> Array:
     """Return the Bezier points (N, d + 2, n) of the same polynomials, with the degree raised by one."""
     degree = bezier.shape[1]
+    # Degree elevation: the new inner points are convex combinations of neighbours.
     share = (np.arange(1, degree) / degree)[:, None]
     inner = bezier[:, :-1] * share + bezier[:, 1:] * (1.0 - share)
     return np.concatenate((bezier[:, :1], inner, bezier[:, -1:]), axis=1)
@@ -206,7 +208,7 @@ def _halves(bezier: Array) -> tuple[Array, Array]:
 def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
     """Return the tolerance of a timed motion for prismatic and for revolute joints.
 
-    Each is the largest of its `within` values.
+    Each is the largest `within` value of the joints of this kind.
     """
     position, angle = by_kind(motion.within, robot)
     default = robot.tolerance

@@ -1,4 +1,4 @@
-"""Variables that a text may assign. Each has a reason; any other is rejected."""
+"""Variables that a text may assign: each has a reason, and all others are rejected."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from yarclang.robot.model import Robot
 def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | None) -> Iterator[str]:
     """Yield the variables that a text must not assign or wait for, with reasons.
 
-    The marks of the buffer (I16, I17) and the guard's flag (P8100) are judged with the guard, and the reader
-    accepts them nowhere else. A program buffer assigns P8101, P8102 and a timer to itself, in lines that are
-    fixed to the last character. Only outputs remain.
+    Only outputs may be assigned here. The reader accepts other assignments in fixed places only: the marks of
+    the buffer (I16, I17) and the guard's flag (P8100), which are judged with the guard; and P8101, P8102 and
+    a timer, in lines of a program buffer that are fixed to the last character.
 
     Args:
         text: the text that was read.
-        robot: the variables in which it reports its positions are not outputs.
+        robot: the robot; the variables in which it reports its positions are not outputs.
         outputs: variables of the program's outputs; None if the program is unknown, to allow any variable
             that an output may have.
     """

@@ -34,7 +34,8 @@ def read_course(
 ) -> tuple[tuple[Run | Dwelt | Put | Barred | Stood, ...], tuple[Armed, ...]]:
     """Read everything from the first TM up to CLOSE.
 
-    Returns the course, and the lines that arm and disarm the guard.
+    Returns:
+        The course, and the lines that arm and disarm the guard.
     """
     course, arms = _Course(), list[Armed]()
     while True:
@@ -93,21 +94,21 @@ class _Course:
         self.puts: list[Put] = []
 
     def moves_on(self, cursor: Cursor) -> bool:
-        """Return True if moves of the sequence are before this place and directly after it.
+        """Return True if moves of the sequence are both before this place and directly after it.
 
-        Elsewhere, an output that is set in step with a move is set at an unknown time, or not at all.
+        Elsewhere, an output that is set in step with a move would be set at an unknown time, or not at all.
         """
         return bool(self._blocks) and cursor.move_follows()
 
     @property
     def rests(self) -> bool:
-        """True if the robot stands still, so that the controller computes the next line only then."""
+        """True if the robot stands still here, so that the controller computes the next line only at rest."""
         return self._ms is None
 
     def segment(self, ms: float, line: int, printed: str) -> None:
         """Begin a sequence with a new segment time.
 
-        An unchanged segment time is not known to end a sequence.
+        An equal segment time is refused: the controller is not known to end the sequence there.
         """
         if ms == self._ms:
             raise Refusal(line, f"repeats TM{printed}: not known to end a sequence", "Y1151")
@@ -213,5 +214,5 @@ def _segment_ms(printed: str, cursor: Cursor) -> float:
 
 
 def why_worse(line: str) -> str:
-    """Return an additional warning about a line that does not belong here; empty without one."""
+    """Return an additional warning about a line that does not belong here, or an empty text."""
     return ": an R starts the motion by itself" if re.search(r"(^|[^A-Z])R", line) else ""

@@ -1,6 +1,5 @@
-"""The position in a text for a Turbo PMAC.
-
-It returns single lines, and blocks of move lines as numbers.
+"""The position in a text for a Turbo PMAC, which returns single lines, and blocks of move lines as
+numbers.
 """
 
 from __future__ import annotations
@@ -23,7 +22,9 @@ _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 """Number in a move line. The quantifiers are possessive: nothing is matched twice, so the time is linear."""
 
 _PIECE, _MOST, _MARK = 1000, 50_000, "777"
-"""Least and most characters of a cached piece of move lines, and the digits in its last line."""
+"""Least and largest number of characters of a cached piece of move lines, and the digits that mark its
+last line.
+"""
 
 
 class Cursor(Lines):
@@ -84,8 +85,8 @@ class Cursor(Lines):
     def _piece_end(self) -> int:
         """Return the end of the lines that are cached together.
 
-        This is the end of a short sequence, or else a line with a mark, which moves with the text when it is
-        edited.
+        This is the end of a short sequence. In a long one it is a line with a mark, which moves with the text
+        when the text is edited.
         """
         begin, most = self._place + _PIECE, self._place + _MOST
         end = self._text.find("\nT", self._place, begin)  # a TM ends the move lines
@@ -95,7 +96,7 @@ class Cursor(Lines):
         return self._text.find("\n", most if mark < 0 else mark) + 1 or len(self._text)
 
     def _moves(self, text: str, place: int = 0) -> tuple[Array, int, int]:
-        """Read the move lines from a place in a text on.
+        """Read the move lines of a text from a place on.
 
         Returns:
             The numbers (k, n), the length of the lines in characters, and the largest number of decimals.
@@ -108,7 +109,9 @@ class Cursor(Lines):
         return points, found.end() - place, decimals
 
     def move_follows(self) -> bool:
-        """Return True if the next line is a move line, apart from other outputs and the guard's flag."""
+        """Return True if the next line is a move line; other outputs and the guard's flag may come before
+        it.
+        """
         rest = re.compile(r"(?:P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
         found = rest.match(self._text, self._place)
         return self._block.match(self._text, found.end() if found else self._place) is not None

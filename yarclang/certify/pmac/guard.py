@@ -38,9 +38,9 @@ Fault = str
 def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     """Check that the guard leaves enough lines for the motion to come to rest on its path.
 
-    A hold slows the program to a stop within the robot's hold time, and uses half of this time of the
-    program. The PLC may be late by `LATE`. This much of the program must be ahead at any time while more
-    lines follow.
+    A hold slows the program to a stop within the robot's hold time, and consumes half of this time of the
+    program. The PLC may be late by `LATE`. As long as more lines follow, the lines in the buffer must last
+    for the sum of both times.
 
     Args:
         text: the text that was read.
@@ -59,8 +59,9 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
-    """Check the marks. The shortest segment takes `segment` [s]."""
+    """Check the marks for the shortest segment of the text, `segment` [s]."""
     controller = turbo_pmac(robot)
+    # Braking evenly from full speed covers half of the braking time of the program.
     needed = controller.hold_time / 2.0 + LATE
     if marks.low * segment < needed * (1.0 - _ROUNDING):
         yield (
@@ -69,6 +70,7 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
         )
     if marks.full <= marks.low:
         yield f"I17={marks.full}: the buffer would count as full and as low at once, since I16={marks.low}"
+    # Each value of a move line takes one word; two more are reserved for each line.
     capacity = marks.words // (len(controller.axes) + 2)
     if marks.full + AHEAD > capacity:
         yield f"I17={marks.full}: the buffer of {marks.words} words holds {capacity} lines, so that it would never count as full"
@@ -82,6 +84,7 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
     It must be armed during any leg that does not fit into the buffer as a whole.
     """
     count = len(moves)
+    # The whole leg is in the buffer before the motion starts, so the computer can't be late.
     if count <= marks.full + AHEAD:
         if arms:
             yield (

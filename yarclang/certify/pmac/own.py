@@ -15,9 +15,9 @@ class Marks:
     """The rotary buffer as the text defines it.
 
     Attributes:
-        low: lines below which it counts as low (I16).
-        full: lines from which on it counts as full (I17).
-        words: its length.
+        low: number of lines below which the buffer counts as low (I16).
+        full: number of lines from which on the buffer counts as full (I17).
+        words: length of the buffer in words.
     """
 
     low: int
@@ -57,8 +57,8 @@ class PmacText:
 
     Attributes:
         marks: the rotary buffer; None for a program buffer.
-        guard: the guard of the start of a program buffer; None for a rotary buffer, where a RAPID leads to
-            the start.
+        guard: the guard of the start of a program buffer; None for a rotary buffer, whose start is reached by
+            a RAPID.
         arms: the lines that arm and disarm the guard, in order.
         setup: the lines before `OPEN ROT`; empty for a program buffer.
         loaded: the lines stored in the rotary buffer, between `CLEAR` and `CLOSE`; empty for a program

@@ -1,4 +1,4 @@
-"""Reader of the controller texts that yarcc emits, and of nothing else.
+"""Reader of the controller texts that yarcc emits, and of no other texts.
 
 The judge has a reader of its own, since the writer's intention is no evidence. Every line must have the one
 form that is allowed in its place, so that no unchecked line can have an effect.
@@ -91,7 +91,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
 
 
 def _target(header: Header) -> Target:
-    """Return the buffer that the text is for, and check the header's advice on loading."""
+    """Return the buffer for which the text is written, and check the header's advice on loading."""
     for target, loading in LOADING.items():
         form = re.escape(loading).replace(re.escape("{system}"), "[0-9]{1,2}")
         if header.target == target and re.fullmatch(form, header.loading):
@@ -102,7 +102,7 @@ def _target(header: Header) -> Target:
 
 
 def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
-    """Read the PLC that only gives outputs their safe values after the guard has held the motion."""
+    """Read the PLC that only sets outputs to their safe values after the guard has held the motion."""
     if cursor.peek() != "OPEN PLC 28 CLEAR":
         return ()
     cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")
@@ -160,7 +160,7 @@ def _read_prog_start(cursor: Cursor, controller: TurboPmac) -> tuple[Start, Guar
             cursor.refuse(
                 f"is {shown(compare)} where the comparison of M{motor}61 with the start belongs", back=1
             )
-        # The text compares the register minus x: x is negative after a plus sign, or in parentheses.
+        # The text compares the register minus x: x is -5 if written as `+5`, or as `-(-5)`.
         negative = (found[2] == "+") != bool(found[3])
         places.append(-float(found[4]) if negative else float(found[4]))
         widths.append(float(found[6]))

@@ -33,6 +33,7 @@ def _start(content: ControllerText, robot: Robot) -> StartPlace:
         exact: Array = 0.5 * 10.0**-content.decimals * robot.axis_units
         return StartPlace(printed * robot.axis_units, exact, is_printed=True)
     guard = _guard_of(content)
+    # Registers are in 1/(Ixx08 32) count; half a step of the last printed digit is unknown.
     q = from_counts(robot, guard.place / (32.0 * turbo_pmac(robot).ixx08))
     return StartPlace(q, 0.5 * _per_step(robot) @ guard.step, is_printed=False)
 

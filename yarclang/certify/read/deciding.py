@@ -1,6 +1,6 @@
-"""Reading of computed values in the map of a text, in canonical form.
+"""Reader of the computed values in a text's map, which must be in canonical form.
 
-Every operation inside another one is in brackets, and nothing else is.
+In this form every operation inside another one is in brackets, and nothing else is.
 """
 
 from __future__ import annotations
@@ -143,7 +143,9 @@ class _Reading:
 
 
 def _fits(value: Value, *, wants_condition: bool) -> None:
-    """Reject a number in place of a condition, and the other way round; 0 and 1 count as both."""
+    """Reject a number where a condition is wanted, and a condition where a number is; 0 and 1 count as
+    both.
+    """
     is_known = isinstance(value, Constant) and value.number in (0.0, 1.0)
     if _is_condition(value) != wants_condition and not is_known:
         raise _Strange

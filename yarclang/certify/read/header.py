@@ -96,7 +96,7 @@ class Preamble:
         watches: inputs that hold the motion.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
-        allows: bodies that may touch on motions.
+        allows: pairs of bodies that are allowed to touch, by motion.
         keeps: rules that motions keep to.
     """
 
@@ -259,7 +259,11 @@ def _read_barrier(lines: Lines) -> Barred:
 def _decided(
     lines: Lines, kind: str, condition: str
 ) -> tuple[Value | None, bool, RegisterValue | InputValue | None]:
-    """Return a barrier's value, whether its inputs were read before, and the register or output it sets."""
+    """Read a barrier's decision.
+
+    Returns:
+        The barrier's value, True if its inputs were read before, and the register or output that it sets.
+    """
     if kind == "when":
         again = condition.startswith(AGAIN)
         found = read_condition(condition.removeprefix(AGAIN))
@@ -283,9 +287,8 @@ def _decided(
 
 
 def _can_change(condition: Value, registers: Mapping[str, Register]) -> bool:
-    """Return True if a condition may change while a program waits.
-
-    An input may change it, or a register filled from outside.
+    """Return True if a condition may change while a program waits: by an input, or a register filled from
+    outside.
     """
     return bool(inputs_of(condition)) or any(
         name in registers and registers[name].outside for name in registers_of(condition)
@@ -368,7 +371,7 @@ def _read_offsets(
 ) -> tuple[Shifted, ...]:
     """Read the branches in which a frame is shifted, in order.
 
-    Each is decided by a flag of its own, which nothing else sets or decides by.
+    Each branch is decided by a flag of its own. Nothing else may set the flag or depend on it.
 
     Args:
         lines: the text.
@@ -420,7 +423,7 @@ def _read_offsets(
 
 
 def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
-    """Read the bodies that may touch on motions: in the order of the motions, and of the names."""
+    """Read the pairs of bodies that are allowed to touch: in the order of the motions, then of the names."""
     allows: list[Permitted] = []
     while lines.peek().startswith("; allow"):
         found = _ALLOW.fullmatch(lines.peek())
@@ -440,7 +443,7 @@ def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
 
 
 def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
-    """Read the rules that motions keep to: in the order of the motions, each once for a motion."""
+    """Read the rules that motions keep to: in the order of the motions, each rule once for a motion."""
     keeps: list[KeptTo] = []
     while lines.peek().startswith("; keep"):
         found = _KEEP.fullmatch(lines.peek())
@@ -458,4 +461,4 @@ def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
 
 
 _MOST_KEEPS = 100
-"""Lines before a rule among which it must not stand already; blocks can't be deeper."""
+"""Number of preceding lines that must not contain the same rule; blocks can't be nested deeper."""

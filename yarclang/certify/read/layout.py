@@ -4,7 +4,8 @@ The control points of one sequence in the controller's spline mode (SPLINE1, TUM
 cM, cM, cM, with S the current position and ci the programmed points. Segment k, of duration TM, is the
 uniform cubic B-spline of the points k to k + 3. The sequence starts and ends at rest. Three equal points
 inside a sequence are a full stop, where one command ends and the next begins. Commands that flow into each
-other are in one sequence; the header's map tells where, and how many segments belong to both.
+other share a sequence; the header's map gives the places where they meet, and the number of segments that
+belong to both.
 """
 
 from __future__ import annotations
@@ -38,9 +39,8 @@ _BARRIERS: dict[type, str] = {
 """Barriers at which branches and loops begin, merge, end or repeat."""
 
 CHUNK = 8192
-"""Segments that are judged in one step.
-
-They are enough for whole-array work, and few enough for the processor's cache.
+"""Segments that are judged in one step: enough for work on whole arrays, and few enough for the
+processor's cache.
 """
 
 
@@ -51,16 +51,16 @@ class Place:
     Attributes:
         step: index of the motion in the program's steps.
         motion: the motion.
-        first: its first segment.
-        last: the segment after its last one.
-        lines: its first and its last move line in the text; None without moves.
-        before: number of segments of the blend at its start, half of which belong to it; None if it starts at
-            rest.
-        behind: number of segments of the blend at its end, half of which belong to it; None if it ends at
-            rest.
-        any_jerk: True if the map lifts the limit of its jerk.
-        beside_any_jerk: True if the map does so for the motion that it flows out of, and for the motion that
-            it flows into.
+        first: the first segment.
+        last: the segment after the last one.
+        lines: the first and the last move line in the text; None without moves.
+        before: number of segments of the blend at the motion's start, half of which belong to the motion;
+            None if it starts at rest.
+        behind: number of segments of the blend at the motion's end, half of which belong to the motion; None
+            if it ends at rest.
+        any_jerk: True if the map lifts the jerk limit of the motion.
+        beside_any_jerk: True if the map lifts the jerk limit of the motion that flows into this one, and of
+            the motion that this one flows into.
     """
 
     step: int
@@ -180,7 +180,7 @@ def _sequences(
             stand = ends[len(stands) - 1]
         else:
             stand = _flow(item, stand, ways, axis_units)
-    # The position before a sequence, and its last point, appear three times.
+    # The position before a sequence, and the last point of the sequence, appear three times.
     each = np.insert(points, behind - counts, np.array(stands), axis=0)
     times = np.ones(len(each), dtype=np.int64)
     first = behind - counts + np.arange(len(runs))
@@ -189,7 +189,8 @@ def _sequences(
 
 
 def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], axis_units: Array) -> Array:
-    """Return the position after an item other than a sequence. Only the start of a second branch changes it.
+    """Return the position after an item other than a sequence. Only the start of a second branch changes the
+    position.
 
     Args:
         item: the item of the course.
@@ -213,7 +214,9 @@ def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], a
 def _compare(
     entries: tuple[Entry, ...], program: hir.Program, *, any_line: bool
 ) -> tuple[int | None, str] | None:
-    """Return the first place at which the map lists other steps than the program; None if there is none."""
+    """Return the first place at which the steps in the map differ from those of the program; None if all
+    agree.
+    """
     for step, entry in zip(range(len(program.steps)), entries, strict=False):
         meant_step = program.steps[step]
         if isinstance(meant_step, hir.Gap):
@@ -277,9 +280,8 @@ def _blends(
     lines: list[NDArray[np.int64]],
     program: hir.Program,
 ) -> tuple[int, str] | None:
-    """Return the first blend that its sequence has no room for, or that covers an action at rest.
-
-    None if there is no such blend.
+    """Return the first blend that doesn't fit into its sequence, or that covers an action at rest; None if
+    all fit.
     """
     last_lines = {int(run[-1]) for run in lines}
     before = 0
@@ -360,16 +362,17 @@ def _with_neighbours(places: list[Place]) -> list[Place]:
 
 
 def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:
-    """Return the position (n,) after segments, by the number of the next segment."""
+    """Return the position (n,) after each of some segments, by the number of the next segment."""
     at = segments.at[np.array(stops, dtype=np.int64) - 1]
     first, middle, last = (segments.control[at + i] for i in (1, 2, 3))
-    # The point itself if the command ends at rest, which is exact; otherwise the knot.
+    # If the command ends at rest, its end is the control point itself, which is exact. Otherwise it is the
+    # knot.
     rests = (first == last).all(axis=1)[:, None]
     return dict(zip(stops, np.where(rests, last, (first + 4.0 * middle + last) / 6.0), strict=True))
 
 
 def moving_at_ends(layout: Layout) -> list[Place]:
-    """Return the commands that should end at rest but do not: their last three control points differ."""
+    """Return the commands that should end at rest but don't: their last three control points differ."""
     if not (moving := [place for place in layout.places if place.size and place.behind is None]):
         return []
     last = layout.at[np.array([place.last for place in moving]) - 1] + 3

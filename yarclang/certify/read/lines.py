@@ -12,11 +12,12 @@ _CONTROLS |= {0x1C: "file separator", 0x1D: "group separator", 0x1E: "record sep
 
 
 class Refusal(Exception):  # noqa: N818 - never leaves the reader
-    """Line, reason and code of an `Unreadable`."""
+    """The exception that carries line, reason and code of an `Unreadable`."""
 
 
 def check_characters(text: str) -> None:
-    """Reject any character except printable ASCII and line feed, since some readers take others as line ends.
+    """Reject any character except printable ASCII and line feed, since some readers treat others as line
+    ends.
 
     Raises:
         Refusal: there is such a character, or the text does not end with a line feed.

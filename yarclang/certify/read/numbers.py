@@ -1,7 +1,7 @@
 """Fast reading of the numbers in move lines, eight digits at a time.
 
 A number without its decimal point is an integer below 2^53. Dividing it by a power of ten is one operation on
-two exact floats, so the result is correctly rounded, as with any other correct reader.
+two exact floats, so the result is correctly rounded, and equal to that of any other correct reader.
 """
 
 from __future__ import annotations
@@ -63,18 +63,21 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
     marks = _marks(raw, axes)
     begins, ends = marks[:, :-1].ravel() + 1, marks[:, 1:].ravel()
     negative = raw[begins] == _MINUS
+    # Without points and minus signs, each number is an integer between two letters; the zeros in front allow
+    # windows of eight bytes before the first number.
     bare = np.concatenate((np.zeros(16, np.uint8), raw[~points & (raw != _MINUS)]))
     marks = _marks(bare, axes)
     last = marks[:, 1:].ravel()
     digits = last - marks[:, :-1].ravel() - 1
     decimals = np.zeros(len(digits), np.int64)
-    # Points come in the order of those numbers that have one.
+    # The points are in the order of the numbers that have one.
     decimals[ends - begins - negative > digits] = np.flatnonzero(points)
     decimals = np.where(decimals > 0, ends - decimals - 1, 0)
     windows = np.lib.stride_tricks.sliding_window_view(bare, 8)
     if digits.max() > _DIGITS:
         return _read_few(raw.tobytes().decode("ascii"), axes)
     whole = _integers(windows, last, np.minimum(digits, 8))
+    # Numbers of more than eight digits are read in two parts.
     long = np.flatnonzero(digits > 8)
     whole[long] += 1e8 * _integers(windows, last[long] - 8, digits[long] - 8)
     whole /= _POWERS[decimals]

@@ -1,4 +1,4 @@
-"""The tool on the flange along the branches and loops of a text, as the judge follows it by itself."""
+"""The tool on the flange along the branches and loops of a text, computed by the judge itself."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ _WIDEST = 0.5 * DEG
 def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> dict[int, str]:
     """Return the tool on the flange during each motion, by its step; empty text for none.
 
-    It is found by the values of the lock's output, the places of the tools and the ends of the motions, without
-    the bodies that planner and judge share.
+    The tool follows from the values of the lock's output, the places of the tools and the ends of the
+    motions. The model of bodies that planner and judge share is not used.
 
     Args:
-        handling: the steps, whose outputs are proved to be those of the text, and the cell.
-        start: the robot's first position (n,) [rad or m].
-        ends: where each motion ends (n,), by its step. What follows a missing one is left out.
+        handling: the cell and the steps, whose outputs are proved to be those of the text.
+        start: (n,) the robot's first position [rad or m].
+        ends: the end (n,) of each motion, by its step. Steps after a missing end are left out.
     """
     cell = handling.cell
     lock = None if cell is None else cell.lock
@@ -74,9 +74,9 @@ def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> 
 
 
 def _is_at(rack: RackTool, flange: Array) -> bool:
-    """Return True if the flange (4, 4) stands in a tool's place."""
+    """Return True if the flange (4, 4) is at a tool's place."""
     place = rack.place.transform
-    # twice the sine of half the angle between both, by the distance of their axes
+    # Twice the sine of half the angle between both orientations, from the distance of their axes.
     turned = float(np.linalg.norm(flange[:3, :3] - place[:3, :3])) / np.sqrt(2.0)
     near = float(np.linalg.norm(flange[:3, 3] - place[:3, 3])) <= rack.reach
     return near and turned <= 2.0 * np.sin(_WIDEST / 2.0)

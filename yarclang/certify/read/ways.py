@@ -1,4 +1,4 @@
-"""The robot's position along the branches and loops of a text, as the judge follows it."""
+"""The robot's position along the branches and loops of a text, as computed by the judge."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Standing:
             kind: kind of the barrier.
 
         Returns:
-            A position that must equal the current one, and the fault if it does not; `at` is then the
+            A position that must equal the current one, and the fault if it doesn't; `at` then remains the
             position before the barrier. None if there is nothing to compare.
 
         Raises:

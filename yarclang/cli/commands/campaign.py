@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from yarclang.cli.fleet import Fleet
 
 _CHUNK = 10
-"""Number of programs that are done between two writings of the state: a few seconds of work."""
+"""Number of programs after which the state is written: a few seconds of work."""
 
 _MOST = 100_000_000
 _LARGEST_SEED = 10**15
@@ -118,7 +118,9 @@ def command(
 
 
 def _task(robots: tuple[str, ...], cell: str | None) -> Task:
-    """Return what is drawn for. A robot or a cell that can't be used is an error."""
+    """Return the robot, cell and settings for which programs are drawn. An unusable robot or cell is an
+    error.
+    """
     from yarclang.campaign.judging import Task, arm_of
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import has_errors
@@ -148,7 +150,7 @@ def _task(robots: tuple[str, ...], cell: str | None) -> Task:
 
 
 def _what(task: Task, seed: int) -> dict[str, Any]:
-    """Return what a campaign is: its state isn't used for another one."""
+    """Return a description of a campaign. The state of one campaign isn't used for another."""
     import hashlib
 
     from yarclang.files import read_whole
@@ -168,7 +170,7 @@ def _what(task: Task, seed: int) -> dict[str, Any]:
 
 
 def _done(state: State, task: Task, seed: int, programs: int, fleet: Fleet) -> None:
-    """Do the chunks that are still to be done."""
+    """Do the chunks that aren't done yet."""
     from yarclang.campaign.judging import judged_chunk
     from yarclang.campaign.pieces import lost_piece
     from yarclang.campaign.state import missing

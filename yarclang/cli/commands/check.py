@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
 
 _PAUSE = 0.3
-"""Time between two checks of --watch for changed files [s]."""
+"""Time after which --watch looks for changed files again [s]."""
 
 
 @click.command("check")
@@ -79,8 +79,9 @@ def command(
 ) -> None:
     """Check programs: everything that yarcc checks before it writes, and further warnings and notes.
 
-    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml is a robot's, yarc.toml a
-    project's, any other a cell's (for --robot, if it is given). `yarc.toml` may name the robot, the cell, and the findings to report: docs/findings.md.
+    A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml
+    describes a robot, yarc.toml a project, and any other file a cell (for --robot, if it is given).
+    `yarc.toml` may name the robot, the cell, and the findings to report: docs/findings.md.
     """
     _check_usage(paths, fix, diff, watch, format_)
     one_for_products()
@@ -122,7 +123,7 @@ def _check_usage(paths: tuple[str, ...], fix: bool, diff: bool, watch: bool, for
 
 
 def _shown(select: frozenset[str] | None, ignore: frozenset[str] | None) -> frozenset[str] | None:
-    """Return the requested codes; None for all."""
+    """Return the codes of findings to report; None for all."""
     if select is None and ignore is None:
         return None
     from yarclang.lint.registry import everything
@@ -142,7 +143,7 @@ def _checked(
     writes: bool = False,
     diff: bool = False,
 ) -> bool:
-    """Check files and report the findings; return True if that is a failure."""
+    """Check files and report the findings; return True if the exit status is to be a failure."""
     from yarclang.cli.checks import check_all
     from yarclang.cli.show import show_findings
     from yarclang.report.finding import count_text
@@ -188,7 +189,9 @@ def _checked(
 
 
 def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
-    """Write a fixed file, or show its difference. A program from standard input goes to standard output."""
+    """Write a fixed file, or print the difference. A program from standard input is written to standard
+    output.
+    """
     from yarclang.cli.differences import difference, with_mark
     from yarclang.cli.work import write_standard_output, write_whole
 
@@ -205,7 +208,7 @@ def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
 
 
 def _watch(paths: tuple[str, ...], task: Task, fleet: Fleet, most: int | None, progress: Any) -> None:
-    """Check files after each change, until interrupted."""
+    """Check files again after each change, until the user interrupts."""
     from yarclang.cli.watching import changes
 
     try:

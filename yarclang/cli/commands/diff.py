@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from yarclang.robot.model import Tolerance
 
 _HEADER = 4096
-"""Characters at the beginning of a text that contain the robot's fingerprint."""
+"""Number of characters at the beginning of a text that contain the robot's fingerprint."""
 
 _COLOURS = {"+": "green", "-": "red", "~": "yellow"}
 
@@ -109,8 +109,8 @@ def _show(comparison: Comparison, all_commands: bool, format_: str) -> None:
 
 
 def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
-    """Return the requested tolerance in mm and deg. A missing angle follows from the ratio of the robot's
-    tolerance.
+    """Return the requested tolerance in mm and deg. A missing angle is computed by the ratio of the
+    robot's own tolerance.
     """
     from yarclang.robot.model import Tolerance
     from yarclang.units import DEG, MM
@@ -123,7 +123,7 @@ def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
 
 
 def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
-    """Return the execution of a program, and its errors."""
+    """Return the motions and actions of a program, and its errors."""
     from yarclang.cli.work import options_from
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.checking import check_program_file
@@ -150,7 +150,7 @@ def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | No
     checked = check_program_file(file, options_from({"robot": robot, "cell": cell}))
     compiled = checked.compiled
     if compiled is None:
-        # warnings are reported when it is compiled
+        # leave out warnings: they are reported when the program is compiled
         return None, tuple(one for one in checked.diagnostics if one.is_error)
     carried = {one.step: one.carries for one in compiled.certificate.commands}
     made = executed(compiled.text, compiled.plan.robot, file, carried)

@@ -49,7 +49,7 @@ def command(robot: str, to: Address | None, format_: str) -> None:
     if loaded.value is None:
         raise SystemExit(1)
     with trouble_is_said(), controller(to, loaded.value, loaded.value.home) as address:
-        # a test of the guard would hold a running program
+        # lock the controller: the test of the guard would hold a running program
         with controller_lock(address.host, address.port):
             inspection, link = asyncio.run(_examine(loaded.value, address))
         _show(loaded.value, robot, address, inspection, link, format_)
@@ -57,8 +57,9 @@ def command(robot: str, to: Address | None, format_: str) -> None:
 
 
 async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Measured | None]:
-    """Return the findings, and the link's measurement. The link isn't measured while a program runs, which
-    may need all of it.
+    """Return the findings, and the measurement of the link.
+
+    The link isn't measured while a program runs, because the program may need the link's full rate.
     """
     from yarclang.pipeline.settings import items_of
     from yarclang.runtime.scripts import scripts_of
@@ -90,7 +91,7 @@ def _show(
     from yarclang.runtime.standing import described
 
     where = f"--to {address} --robot {robot_argument(robot, given)}"
-    # errors come last, where they are visible after a hundred lines
+    # errors come last, so that they are visible after a hundred lines
     order = ("ok", "warning", "error")
     checked = sorted(inspection.checked, key=lambda one: order.index(one.verdict))
     click.echo(checked_table(checked).replace("`yarc stop --to ...`", f"`yarc stop {where}`"))

@@ -104,7 +104,7 @@ def command(
 
 
 def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict[str, Any]) -> None:
-    """Write a program's trajectories."""
+    """Write the trajectories of a program."""
     from yarclang.cli.show import show_findings
     from yarclang.report.finding import count_text
 
@@ -139,7 +139,7 @@ def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict
 
 
 def _trajectories(file: str, wanted: dict[str, Any]) -> tuple[Exported | None, Found]:
-    """Return the trajectories of a program, and findings; None with an error."""
+    """Return the trajectories of a program (None with an error), and findings."""
     from yarclang.cli.work import Progress, options_from
     from yarclang.export.ros.exported import Wishes, exported
     from yarclang.pipeline.checking import check_program_file
@@ -150,7 +150,7 @@ def _trajectories(file: str, wanted: dict[str, Any]) -> tuple[Exported | None, F
         if checked.compiled is None:
             return None, checked.diagnostics
         made = exported(checked.compiled, Wishes(wanted["tolerance"] or 1e-4, wanted["linear"]))
-    # warnings of the program are reported when it is compiled
+    # leave out the program's warnings: they are reported when it is compiled
     return made.value, made.diagnostics
 
 
@@ -170,7 +170,7 @@ def _written(made: Exported, kind: str, version: Version, destination: str) -> F
 
 
 def _bag(made: Exported) -> bytes | Found:
-    """Return the bytes of a bag, or findings if there are none."""
+    """Return the bytes of a bag; if it can't be created, findings."""
     import tempfile
 
     from yarclang.diagnostics import Diagnostic
@@ -192,7 +192,7 @@ def _bag(made: Exported) -> bytes | Found:
 
 
 def _kind(destination: str) -> Literal["yaml", "json", "bag"]:
-    """Return the kind of file from the extension. An unknown one is a usage error."""
+    """Return the kind of file by its extension. An unknown extension is a usage error."""
     if destination == STANDARD:
         return "yaml"
     extension = Path(destination).suffix.lower()
@@ -219,7 +219,7 @@ def _export_robot(name: str | None, output: str | None, *, overwrite: bool) -> N
 def _write_package(
     package: Package | None, output: str | None, diagnostics: Found, *, overwrite: bool
 ) -> None:
-    """Write a package as a folder (None if the findings forbid it), and report the findings."""
+    """Write a package as a folder, and report the findings. The package is None if findings forbid it."""
     from yarclang.cli.show import show_findings
     from yarclang.export.folder import judged, write_folder
     from yarclang.report.finding import count_text

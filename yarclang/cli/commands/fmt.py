@@ -22,7 +22,7 @@ class _Command(click.Command):
     """A command whose --renumber takes two numbers, or none."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Give the numbers directly after --renumber to the option, and all other arguments to the
+        """Pass the numbers directly after --renumber to this option, and all other arguments to the
         command.
         """
         if "--renumber" in args:

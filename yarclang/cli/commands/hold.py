@@ -7,7 +7,7 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 5.0
-"""Longest wait for a run to hold [s]; longer than the detection of a lost connection."""
+"""Longest wait until a run holds [s]. It is longer than the detection of a lost connection."""
 
 
 @click.command("hold")

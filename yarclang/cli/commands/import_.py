@@ -31,7 +31,7 @@ class _Units(ParamType["UnitsByKind"]):
     name = "LENGTH,ANGLE,TIME"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> UnitsByKind:
-        """Parse units by their kinds. An unknown unit is a usage error."""
+        """Parse units and return them by kind. An unknown unit is a usage error."""
         from yarclang.units import UNITS
 
         if isinstance(value, dict):

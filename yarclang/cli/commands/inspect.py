@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from yarclang.report.inspection.inspected import Studied
 
 _MOST_PLACES = 8
-"""Most places of a command that are listed."""
+"""Largest number of places of a command that are listed."""
 
 
 @click.command("inspect")
@@ -147,7 +147,7 @@ def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int
 
 
 def _say_unknown(program: Program, place: str | None, line: int | None, wrong: bool, findings: Any) -> None:
-    """Report that no command matches: by the findings that explain it, otherwise with the existing
+    """Report that no command matches, by the findings that explain it, or else by a list of the existing
     commands.
     """
     from yarclang.cli.show import show_findings
@@ -290,7 +290,7 @@ def _of_text(
 
 
 def _origins(file: str, source: Any, program: str | None, robot: str | None, cell: str | None) -> Origins:
-    """Return the sources of a controller text's commands, as far as they can be found."""
+    """Return the sources of a controller text's commands, if they can be found."""
     from yarclang.pipeline.controller_text import robot_of_text
     from yarclang.pipeline.origins import Origins, origins_of_text
 

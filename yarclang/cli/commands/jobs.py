@@ -38,8 +38,8 @@ def command(folder: str, **options: Any) -> None:
 
 
 def project_with_jobs(folder: str) -> Any:
-    """Return the project of a folder or of its yarc.toml. If it is invalid or has no jobs, show the findings
-    and exit.
+    """Return the project in a folder, or the project of a yarc.toml. If it is invalid or has no jobs, show
+    the findings and exit.
     """
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.project import FILE_NAME, find_project
@@ -61,7 +61,7 @@ def project_with_jobs(folder: str) -> Any:
 
 
 def file_of_job(folder: str, number: int) -> str:
-    """Return the program of a number in a project."""
+    """Return the program that has a number in a project."""
     project = project_with_jobs(folder)
     file = project.jobs.get(number)
     if file is None:

@@ -8,7 +8,7 @@ from yarclang.files import reason_of
 
 
 def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, int] | None:
-    """Parse HOST:PORT, or a port of this machine."""
+    """Parse HOST:PORT, or PORT for this machine."""
     if value is None:
         return None
     host, _, port = value.rpartition(":")

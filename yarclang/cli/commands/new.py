@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def _of_template(name: str, robot: Robot) -> str:
-    """Return the text of a template for a robot, proved for it."""
+    """Return the text of a template for a robot, after a proof that the program works for this robot."""
     import tempfile
 
     from yarclang.runtime.actions import Trouble
     from yarclang.teaching.templates import new
 
-    # in an empty folder, because the project doesn't exist yet
+    # prove it in an empty folder, because the project doesn't exist yet
     with tempfile.TemporaryDirectory() as folder:
         try:
             return new(name, robot, {}, Path(folder))

@@ -9,7 +9,7 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 5.0
-"""Longest wait for a run to change its override [s]."""
+"""Longest wait until a run has changed its override [s]."""
 
 
 def _number(ctx: click.Context, param: click.Parameter, value: float) -> float:

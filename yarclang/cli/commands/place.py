@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _RANGE = re.compile(r"(X|Y|Z|RX|RY|RZ)=(-?\d+(?:\.\d+)?):(-?\d+(?:\.\d+)?)", re.IGNORECASE)
 _POINTS = {1: 17, 2: 7, 3: 5}
-"""Places along each axis of the grid, by the number of axes."""
+"""Number of places along each axis of the grid, by the number of axes."""
 
 _LARGEST = {"X": 10_000.0, "Y": 10_000.0, "Z": 10_000.0, "RX": 180.0, "RY": 180.0, "RZ": 180.0}
 
@@ -41,7 +41,7 @@ def _ranges(
     parameter: click.Parameter,  # noqa: ARG001
     values: tuple[str, ...],
 ) -> tuple[tuple[str, float, float], ...]:
-    """Return the ranges of --within: an axis, and the least and largest shift."""
+    """Return the ranges of --within: each an axis, and the smallest and largest shift along it."""
     found: dict[str, tuple[str, float, float]] = {}
     for value in values or ("X=-300:300", "Y=-300:300"):
         match = _RANGE.fullmatch(value.strip())
@@ -112,10 +112,13 @@ def command(
     format_: str,
     **planning: Any,
 ) -> None:
-    """Find where a fixture or a part could stand so that all motions are possible and the program is quickest.
+    """Find where a fixture or a part could stand so that all motions are possible and the program is
+    quickest.
 
-    FRAME is declared by a FRAME line of the program or in its cell, stands still, and is moved with all that hangs on it. Each candidate is compiled and proved like any
-    program. To place the robot's base, let the cell hang on one frame in {B}, and place that. The map shows for each place of the grid the time, or the first error.
+    FRAME is declared by a FRAME line of the program or in its cell, and doesn't move with the robot.
+    Everything that is given in FRAME moves with it. Each candidate is compiled and proved like any program.
+    To place the robot's base, give the whole cell in one frame in {B}, and place this frame. The map shows
+    for each place of the grid the time, or the first error.
     """
     if grid is None:
         grid = _POINTS.get(len(within), 3)
@@ -191,7 +194,7 @@ def _show(task: Task, placing: Placing, format_: str, *, applies: bool) -> None:
 
 
 def _said(box: Sequence[Range], one: Candidate) -> str:
-    """Return a candidate in words."""
+    """Return a description of a candidate."""
     moves = [
         f"{allowed.axis} {value:+g} {'mm' if len(allowed.axis) == 1 else 'deg'}"
         for allowed, value in zip(box, one.shift, strict=True)
@@ -202,7 +205,7 @@ def _said(box: Sequence[Range], one: Candidate) -> str:
 
 
 def _map(task: Task, placing: Placing) -> Iterator[str]:
-    """Yield the map of the grid: along the first two axes, at the best of the other ones."""
+    """Yield the lines of the grid's map: along the first two axes, at the best values of the other axes."""
     first = task.box[0]
     second = task.box[1] if len(task.box) > 1 else None
     cells: dict[tuple[float, float], Candidate] = {}

@@ -68,7 +68,7 @@ def _draw(
     jobs: int | None,
     scheduler: str,
 ) -> bool:
-    """Draw all files in their order; return True if one of them has no picture."""
+    """Draw all files in their order; return True if there is no picture of one of them."""
     from yarclang.cli.fleet import Fleet
     from yarclang.cli.pictures import draw_programs, draw_run, put
     from yarclang.cli.work import Progress, options_from
@@ -88,7 +88,7 @@ def _draw(
 
 
 def _format(destination: str) -> Any:
-    """Return the format from the extension. An unknown one is a usage error."""
+    """Return the format by the extension. An unknown extension is a usage error."""
     if destination == STANDARD:
         return "png"
     extension = Path(destination).suffix.removeprefix(".").lower()

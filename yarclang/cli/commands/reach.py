@@ -51,7 +51,7 @@ def command(
 
 
 def _destinations(names: tuple[str, ...], output: str | None, folder: Path) -> dict[str, str]:
-    """Return the path of each robot's picture; a robot that can't be read has findings, and none.
+    """Return the path of each robot's picture. A robot that can't be read has findings instead of a path.
 
     Raises:
         click.UsageError: two robots have the same name.

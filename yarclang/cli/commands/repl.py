@@ -86,7 +86,7 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
 
 
 async def _released(client: Attached) -> LogTold | None:
-    """Wait until the robot rests, and return the state of the log."""
+    """Wait until the robot is at rest, and return the state of the log."""
     from yarclang.coordinator.messages import orders
 
     return (await client.ask(orders.Release())).log

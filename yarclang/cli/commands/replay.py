@@ -65,7 +65,7 @@ def _show(run: RecordedRun, speed: float) -> None:
     from yarclang.report.runs.text import head_text, moments_of
 
     click.echo(head_text(run))
-    # at infinite speed, the output is read, not watched
+    # at infinite speed, the output is to be read afterwards, not watched
     screen = _Screen(live=sys.stdout.isatty() and math.isfinite(speed))
     since = time.monotonic()
     try:
@@ -87,9 +87,7 @@ def _show(run: RecordedRun, speed: float) -> None:
 
 
 class _Screen:
-    """Standard output: with one changing line on a terminal, otherwise with an additional line now and
-    then.
-    """
+    """Standard output. On a terminal one line changes; elsewhere a further line is printed now and then."""
 
     def __init__(self, *, live: bool) -> None:
         self._live = live
@@ -98,7 +96,7 @@ class _Screen:
         self._written = -math.inf
 
     def show(self, moment: Moment) -> None:
-        """Show the report and the progress of a moment."""
+        """Show the messages and the progress at one instant of the run."""
         if moment.line:
             self.clear()
             click.echo(f"{moment.time:9.3f} s  {moment.line}")
@@ -124,7 +122,7 @@ class _Screen:
         self._shown = True
 
     def _is_due(self, moment: Moment) -> bool:
-        """Return True if the progress needs a new line: at another command, or after some time."""
+        """Return True if the progress needs a new line: a new command has begun, or some time has passed."""
         from yarclang.report.runs.text import PLAIN_EACH
 
         progress = moment.view.progress

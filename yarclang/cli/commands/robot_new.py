@@ -114,8 +114,8 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
 
 
 def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
-    """Return the folders with ROS packages: first the given ones, then those of ROS 1, then those of ROS
-    2.
+    """Return the folders with ROS packages: first those of the options, then those of ROS 1, then those of
+    ROS 2.
     """
     import os
 
@@ -128,7 +128,7 @@ def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
 
 
 def _arguments(said: tuple[str, ...]) -> dict[str, str]:
-    """Return the arguments of a xacro file by name. ROS's form NAME:=VALUE is accepted as well."""
+    """Return the arguments of a xacro file by name. ROS's form NAME:=VALUE is also accepted."""
     found = {}
     for text in said:
         name, equals, value = text.partition("=")
@@ -188,8 +188,8 @@ def _position(arm: Arm, text: str) -> tuple[str, tuple[float, float]]:
 
 
 def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ...]) -> Arm:
-    """Ask for unknown values and add the answers to the options. Return the arm, which changes with another
-    tip or base.
+    """Ask for unknown values and add the answers to the options. Return the arm, which another tip or base
+    changes.
     """
     import sys
 
@@ -227,7 +227,7 @@ def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ..
 
 
 def _read(key: str, text: str) -> Any:
-    """Parse an answer like the option's value."""
+    """Parse an answer in the same way as the value of the option."""
     if key in ("tip", "base", "name"):
         return text.strip()
     option = next(one for one in command.params if one.name == key)
@@ -312,7 +312,7 @@ def _undo(folder: Path, written: list[Path]) -> None:
 
 
 def _notes(made: NewRobot) -> list[str]:
-    """Return notes that can't be seen in the folder."""
+    """Return notes about what can't be seen in the folder."""
     from yarclang.robot.checklist.item import listed
     from yarclang.robot.new.copying import VISUALS
     from yarclang.robot.urdf import UNARMED

@@ -57,7 +57,7 @@ def _check(file: str, robot: Robot) -> None:
     show_findings(content.diagnostics)
     if content.value is None:
         raise SystemExit(1)
-    # byte by byte, because the controller decodes nothing
+    # latin-1 keeps every byte: the controller decodes nothing
     judged = check_settings(SourceFile(name_of(file), content.value.decode("latin-1")), robot)
     show_findings(judged.diagnostics)
     if judged.value is None:

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 _LOOK = 0.2
-"""Time between two checks for words that aren't simulated [s]."""
+"""Time after which the simulator is checked again for words that it doesn't simulate [s]."""
 
 
 class _Rate(ParamType[float | None]):
-    """Speed of time: real, max, or a number; None for max."""
+    """Parser of the speed of time: real, max, or a number. Returns None for max."""
 
     name = "real|N|max"
 
@@ -45,7 +45,7 @@ class _Rate(ParamType[float | None]):
 
 
 class _Address(ParamType[str]):
-    """An address or a name. An empty one would mean all addresses, and is rejected."""
+    """Parser of an address or a name. An empty text would mean all addresses, and is rejected."""
 
     name = "ADDRESS"
 
@@ -149,7 +149,7 @@ def _tell(now: float, text: str) -> None:
 
 
 def _bench(robot: str | None) -> tuple[Bench, Robot | None]:
-    """Return the simulator to serve, and the robot for which it is configured."""
+    """Return the simulator to serve, and the robot whose settings it has."""
     from yarclang.backend import backend_called, backend_of
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import named_robot
@@ -178,7 +178,7 @@ def _made(backend: Backend) -> Bench:
 
 
 def _around(robot: str | None, inputs: str | None, cell: str | None) -> SimulatedCell:
-    """Return the machines of a script, and the sensors of a cell. The script uses the cell's names."""
+    """Return the machines of a script, and the sensors of a cell. The script may use the cell's names."""
     from dataclasses import replace
 
     from yarclang.cli.show import show_findings
@@ -235,7 +235,9 @@ async def _serve(server: Server, what: str) -> None:
 
 
 async def _watch(server: Server) -> None:
-    """Report once each word of a program that has no effect here, or another one than on a controller."""
+    """Report each word of a program that the simulator ignores or carries out differently from a
+    controller, once.
+    """
     import asyncio
 
     told: set[str] = set()
@@ -253,7 +255,9 @@ def _place(server: Server) -> str:
 
 
 def _reason(error: OSError) -> str:
-    """Return why an address can't be listened on, without the address, which asyncio includes in its text."""
+    """Return why the server can't listen on an address. The address, which asyncio adds to the message, is
+    left out.
+    """
     import os
     import socket
 

@@ -59,13 +59,13 @@ def command(run: str | None, to: Address | None, robot: str | None, format_: str
 
 
 def _columns(lines: list[tuple[str, str]]) -> str:
-    """Return titles and texts in two columns, regardless of the lengths of joint names."""
+    """Return titles and texts as two columns that are aligned for any length of joint names."""
     width = max(_LEAST_WIDTH, *(len(title) for title, _ in lines))
     return "\n".join(f"{title:<{width}} {text}" for title, text in lines)
 
 
 def _status_lines(status: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield a run's status for people."""
+    """Yield the lines that describe a run's status to people."""
     yield "program", status["program"]
     yield "robot", f"{status['robot']} at {status['controller']}"
     yield "state", f"{status['state']}: {status['why']}" if status["why"] else status["state"]
@@ -117,7 +117,7 @@ async def _look(to: Address, robot: Robot) -> Picture:
 
 
 def _picture_lines(picture: Picture, address: str) -> Iterator[tuple[str, str]]:
-    """Yield a controller's state for people."""
+    """Yield the lines that describe a controller's state to people."""
     yield "controller", f"{picture.kind}, firmware {picture.firmware}, at {address}"
     yield "program", picture.program
     yield "override", f"{picture.override:g} %"

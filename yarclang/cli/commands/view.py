@@ -86,10 +86,10 @@ def command(
 def _check_usage(
     file: str | None, live: bool, run: str | None, to: Address | None, planning: dict[str, Any]
 ) -> None:
-    """Check that there is a file with its options, or --live with its own.
+    """Check that either a file or --live is given, each with its own options only.
 
     Raises:
-        click.UsageError: there isn't.
+        click.UsageError: the combination is wrong.
     """
     if not live:
         given = [name for name, value in (("--run", run), ("--to", to)) if value is not None]
@@ -109,7 +109,7 @@ def _check_usage(
 
 
 def _stage(file: str, planning: dict[str, Any]) -> Stage:
-    """Return the stage of a file. Without anything to show, exit with status 1."""
+    """Return the stage (what the view shows) of a file. Without anything to show, exit with status 1."""
     from yarclang.cli.show import show_findings, show_without_notes
     from yarclang.cli.work import Progress, options_from
     from yarclang.pipeline.controller_text import is_compiled, robot_of_text
@@ -164,12 +164,12 @@ def _serve(stage: Stage, door: Door, *, opens: bool) -> None:
 
 
 def _ready(real: Door, title: str, seen: str, opens: bool) -> None:
-    """Report the address of the view.
+    """Print the address of the view.
 
     Args:
-        real: at which the view is served.
-        title: of the view.
-        seen: what others can see or do if they reach it.
+        real: address at which the view is served.
+        title: title of the view.
+        seen: what others can see or do if they open the address.
         opens: True to open a browser.
     """
     if not is_loopback(real.host):

@@ -24,5 +24,5 @@ def document(format_: str, files: Sequence[str], found: Sequence[Diagnostic], *,
 
 
 def path_of(one: Diagnostic) -> str:
-    """Return the file of a finding as on the command line; empty if it has none."""
+    """Return a finding's file as written on the command line; empty if it has none."""
     return one.source.name if one.source is not None else ""

@@ -32,10 +32,10 @@ def _command(one: Diagnostic) -> str:
 
 
 def _data(text: str) -> str:
-    """Escape a message like the runner's toolkit."""
+    """Escape a message in the same way as the runner's toolkit."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
-    """Escape a property like the runner's toolkit."""
+    """Escape a property in the same way as the runner's toolkit."""
     return _data(text).replace(":", "%3A").replace(",", "%2C")

@@ -1,4 +1,6 @@
-"""JUnit XML: each file is a test suite, each finding a test case. Findings that don't fail become output."""
+"""JUnit XML: each file is a test suite, each finding a test case. Findings that aren't failures become
+output.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:
-    """Return one suite for each file, followed by those of findings in other files, or in none."""
+    """Return one suite for each file, followed by the suites of findings in other files and of findings
+    without a file.
+    """
     by_file: dict[str, list[Diagnostic]] = {("<stdin>" if file == "-" else file): [] for file in files}
     for one in found:
         by_file.setdefault(path_of(one) or "yarc check", []).append(one)

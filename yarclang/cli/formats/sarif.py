@@ -49,8 +49,8 @@ def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = F
 
 @cache
 def addresses() -> dict[str, str]:
-    """Return the project's public addresses by their labels in lower case, from the installed package; empty
-    if it has none.
+    """Return the project's public addresses by their labels in lower case. They come from the installed
+    package; empty if it has none.
     """
     try:
         named = metadata("yarclang").get_all("Project-URL") or []
@@ -77,7 +77,7 @@ def _rule(finding: Finding, documentation: str) -> dict[str, Any]:
 
 
 def _results(found: Sequence[Diagnostic], codes: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the results, each with a fingerprint that doesn't change when its line moves."""
+    """Return the results. Each has a fingerprint that doesn't change if its line moves."""
     seen: Counter[str] = Counter()
     results = []
     for one in found:
@@ -122,7 +122,7 @@ def _fix(fix: Fix, artifact: dict[str, str]) -> dict[str, Any]:
 
 
 def _related(within: Within) -> dict[str, Any]:
-    """Return the line of a module. An installed module has a name, and no file of this project."""
+    """Return a line in a module. An installed module has a name instead of a file of this project."""
     place: dict[str, Any] = {"id": 1, "message": {"text": within.text}}
     if within.source.is_installed:
         return {**place, "logicalLocations": [{"name": within.source.module, "kind": "module"}]}

@@ -1,3 +1,3 @@
-"""Check zones of a cell: what they watch, its distance from their borders, and the proof that it stays so
-along a motion.
+"""Check zones of a cell: the items that they watch, the distances of these items from the zones' borders, and
+the proof that the zones are respected along a motion.
 """

@@ -1,4 +1,4 @@
-"""Find the part of a motion on which a zone is broken, and by how much, for messages."""
+"""Find the part of a motion on which a zone is broken, and the worst excess, for messages."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ SAMPLES = 200
 class Beyond:
     """The part of a motion on which a watch is broken.
 
-    It is from `begin` to `end` [s] after the motion's start, worst at `worst`, where its slack is `slack`
-    (negative) [m; rad or m for a joint window]. The values are sampled: between the samples it may be
-    slightly worse.
+    The part lasts from `begin` to `end` [s] after the motion's start, and is worst at `worst`, where the
+    slack is `slack` (negative) [m; rad or m for a joint window]. The values are sampled: between the samples
+    the slack may be slightly less.
     """
 
     begin: float
@@ -41,7 +41,7 @@ def beyond(scene: Scene, course: Course, span: tuple[int, int], watch: Watch, se
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), seen))
     slack = slack_at(scene, watch, course.at(times))
-    # distances at one place may differ by rounding from call to call
+    # Distances at one place may differ by rounding from call to call.
     limit = max(slack_of(watch), float(slack.min()) * (1.0 - 1e-6))
     (bad,) = np.nonzero(slack <= limit)
     ends = []

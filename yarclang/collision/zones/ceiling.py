@@ -1,4 +1,4 @@
-"""Limit the speed of a motion's frame (`[V<=250]`) by a slow zone that is everywhere."""
+"""Limit the speed of a motion's frame (`[V<=250]`) by a slow zone that contains everything."""
 
 from __future__ import annotations
 

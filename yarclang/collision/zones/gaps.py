@@ -1,11 +1,11 @@
 """Measure the distance of an item from the border of a zone: exactly at instants, and bounded from below on
 pieces of a motion.
 
-Two theorems are used. First, a point whose acceleration is at most A is, on an interval of d seconds, no
-farther than A d² / 8 from the chord between its places at the ends. Second, a region's signed distance is
-convex: on a chord it is nowhere larger than at the chord's ends. Therefore an item that is inside at both
-ends of a piece by more than A d² / 8 is inside all along. Being outside a convex region means being beyond
-some plane, and the first theorem holds for each plane.
+Two theorems are used. First, a point whose acceleration is at most A is, on an interval of d seconds, at most
+A d² / 8 from the chord between its places at the ends. Second, a region's signed distance is convex: on a
+chord it is nowhere larger than at the chord's ends. Therefore an item that is inside at both ends of a piece
+by more than A d² / 8 is inside on the whole piece. Being outside of a convex region means being beyond some
+plane, and the first theorem holds for each plane.
 """
 
 from __future__ import annotations
@@ -22,19 +22,22 @@ from yarclang.shapes import Array
 
 
 def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
-    """Return how far an item is inside a region at each instant (P,) [m]; negative if it sticks out."""
+    """Return the depth of an item inside a region at each instant (P,) [m]; negative if a point of it is
+    outside.
+    """
     faces = faces_of(region)
     if faces is not None:
+        # Least distance of the farthest point from any face.
         flat: Array = (faces.offsets[:, None] - posed.support(item, faces.normals)).min(axis=0)
         return flat
+    # A convex function, such as the signed distance, is largest at a corner of the item's hull.
     points = posed.points(item.rim)
     round_: Array = -outside(region, points).max(axis=1) - item.radius
     return round_
 
 
 def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | None = None) -> Array:
-    """Return the distance of an item from a region at each instant (P,) [m]; negative if it is inside, by its
-    depth.
+    """Return the distance of an item from a region at each instant (P,) [m]; minus the depth if it is inside.
 
     Args:
         region: the region.
@@ -85,7 +88,7 @@ def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: A
         way: (P,) upper bounds of the distance that its points travel [m].
     """
     before, behind = (outside(region, posed.point(item.middle)) for posed in ends)
-    # a signed distance changes no faster than its point moves
+    # A signed distance changes no faster than its point moves.
     least: Array = (before + behind - way) / 2.0 - item.bound
     return least
 
@@ -108,8 +111,8 @@ def least_outside(
     long = pieces.end - pieces.begin
     normal = np.empty((len(long), 3))
     seen = distance_outside(region, item, posed[1], normal)
-    # the plane that separates both in the middle: its gap at three instants, less the deviation from its two
-    # chords, A (d/2)² / 8
+    # Use the plane that separates both in the middle: its gap at three instants, less the deviation from the
+    # two chords between them, A (d/2)² / 8.
     planes = np.minimum.reduce([-one.support_each(item, -normal) for one in posed])
     planes = planes - reach(region, normal) - bounds.second[pieces.segment] * long**2 / 32.0
     least: Array = np.maximum(planes, seen - bounds.first[pieces.segment] * long / 2.0)

@@ -41,22 +41,25 @@ class Posed:
         return moved.T
 
     def support(self, item: Item, directions: Array) -> Array:
-        """Return the support of an item in unit directions (F, 3): the largest d · p over its points, (F, P)
-        [m].
+        """Return the support of an item in unit directions (F, 3): the largest d · p over its points, (F,
+        P) [m].
         """
         return _reach(item, np.tensordot(directions, self.turn, axes=1)) + directions @ self.shift
 
     def support_each(self, item: Item, directions: Array) -> Array:
-        """Return the support of an item in one direction for each instant (P, 3): (P,) [m]."""
+        """Return the support (P,) [m] of an item, with one direction (3,) for each instant (P, 3)."""
         own = np.einsum("pi,ijp->jp", directions, self.turn)
         reach: Array = _reach(item, own) + np.einsum("pi,ip->p", directions, self.shift)
         return reach
 
     def speed(self, item: Item) -> Array:
-        """Return the speed of the fastest point of an item (P,) [m/s], or slightly more if it is round."""
+        """Return the speed of the fastest point of an item (P,) [m/s]; slightly too large if the item is
+        round.
+        """
         at = np.matmul(item.points, self.turn) + self.shift[:, None]
         velocity = _cross(self.angular[:, None], at) + self.linear[:, None]
         fastest: Array = np.sqrt(np.einsum("ivp,ivp->vp", velocity, velocity).max(axis=0))
+        # A point of the disc or ball moves with its center, plus the turn times its distance from the center.
         turning: Array = (item.disc + item.radius) * np.sqrt(
             np.einsum("ip,ip->p", self.angular, self.angular)
         )
@@ -67,7 +70,7 @@ class Posed:
         return Posed(*(getattr(self, name)[..., rows] for name in self.__dataclass_fields__))
 
     def beside(self, other: Posed) -> Posed:
-        """Return these instants, followed by those of another."""
+        """Return these instants, followed by those of `other`."""
         return Posed(
             *(
                 np.concatenate([getattr(self, name), getattr(other, name)], axis=-1)
@@ -78,8 +81,9 @@ class Posed:
 
 @frozen(eq=False)
 class Arm:
-    """The arm at P instants: row k is the motion of a body that the first k joints move, with the fields of
-    `Posed`.
+    """The arm at P instants, with the fields of `Posed`.
+
+    Row k is the motion of a body that the first k joints move.
     """
 
     turn: Array
@@ -89,18 +93,18 @@ class Arm:
 
     @staticmethod
     def at(scene: Scene, q: Array, rate: Array | None = None) -> Arm:
-        """Place the arm at joint positions (P, n) [rad or m], with joint rates (P, n); at rest without
-        rates.
+        """Place the arm at joint positions (P, n) [rad or m], with joint rates (P, n); without rates, it
+        is at rest.
         """
         placed = place(scene, q)
-        # `Posed` has the instants last
+        # `Posed` has the instants last.
         turn, shift = placed.turn.transpose(0, 2, 3, 1), placed.shift.transpose(0, 2, 1)
         angular, linear = np.zeros(shift.shape), np.zeros(shift.shape)
         for joint in range(scene.chain.size if rate is not None else 0):
             assert rate is not None
             screw = scene.chain.screws[joint]
             spin, slide = np.matmul(screw[3:], turn[joint]), np.matmul(screw[:3], turn[joint])
-            # the velocity of a point at the origin of {B}: slide + shift x spin
+            # The velocity of a point at the origin of {B}: slide + shift x spin.
             slide += _cross(shift[joint], spin)
             np.multiply(spin, rate[:, joint], out=angular[joint + 1])
             angular[joint + 1] += angular[joint]
@@ -114,7 +118,9 @@ class Arm:
 
 
 def _reach(item: Item, directions: Array) -> Array:
-    """Return how far an item reaches in unit directions (..., 3, P) in its own axes, (..., P) [m]."""
+    """Return the support (..., P) [m] of an item in unit directions (..., 3, P) in its own axes: the
+    largest d · p.
+    """
     reach: Array = np.matmul(item.points, directions).max(axis=-2) + item.radius
     if item.disc:
         reach += item.disc * np.sqrt(np.maximum(1.0 - np.matmul(item.axis, directions) ** 2, 0.0))
@@ -146,10 +152,11 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
     """Bound speed, acceleration and jerk of an item's points on each segment.
 
     A partial derivative of a point with respect to some joints is a nested cross product with their axes; the
-    innermost axis is that of the joint nearest to the point. It is no longer than the point's distance from
-    that axis. Summed over the nearest joint m, the derivatives are at most R_m (B_m - B_(m-1)), with B the
-    expressions w, w² + a and w³ + 3 w a + j of the sums w, a, j over the joints up to m. A joint that slides
-    enters at most once, innermost, and with length 1: its terms are the derivative of B in its direction.
+    innermost axis is that of the joint nearest to the point. The derivative is at most the point's distance
+    from that axis. Summed over the nearest joint m, the derivatives are at most R_m (B_m - B_(m-1)). B stands
+    for the expressions w, w² + a and w³ + 3 w a + j of the sums w, a, j over the joints up to m. A sliding
+    joint occurs at most once, innermost, and with length 1: its terms are the derivative of B in its
+    direction.
 
     Args:
         chain: the arm.
@@ -164,6 +171,8 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
     for joint in range(item.joint):
         if slide[joint]:
             s, v, u = (values[:, joint] * slide[joint] for values in (w, a, j))
+            # A slide is a vector of constant length 1 times its distance, turned by the joints before it:
+            # Leibniz' rule.
             first = first + s
             second = second + 2.0 * sum_w * s + v
             third = third + 3.0 * (sum_w**2 + sum_a) * s + 3.0 * sum_w * v + u
@@ -181,13 +190,17 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
 
 
 def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Array]:
-    """Return the largest distance of any point of an item from each axis (n,) [m], and how much each joint
-    turns and slides (n,) per unit.
+    """Compute the lever of each joint on an item.
 
     Go from the item towards the base. On each axis take the point nearest to the point chosen last. The
     lengths between these points add up, since a rotation doesn't change them.
+
+    Returns:
+        The largest distance of any point of the item from each axis (n,) [m], and the amounts by which each
+        joint turns (n,) and slides (n,) per unit.
     """
     lines = lines_of(chain)
+    # Largest |q| of each joint: at the start of a segment, plus its travel within the segment.
     way = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
     point, length = item.middle, item.bound
     reach = np.zeros(chain.size)
@@ -227,7 +240,7 @@ class Pieces:
         return Pieces(self.segment[rows], self.begin[rows], self.end[rows])
 
     def halves(self) -> Pieces:
-        """Return each piece cut in two: first all first halves, then all second halves."""
+        """Return both halves of each piece: first all first halves, then all second halves."""
         middle = self.middle
         return Pieces(
             np.concatenate([self.segment, self.segment]),
@@ -244,13 +257,15 @@ class Pieces:
 
 
 class Ends:
-    """The arm at both ends of whole segments; most segments end where the next one begins, which is computed
-    once.
+    """The arm at both ends of whole segments.
+
+    Most segments end where the next one begins; the arm is then computed once.
     """
 
     def __init__(self, scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> None:
         begin, rate = joints(course, pieces.segment, pieces.begin)
         end, last = joints(course, pieces.segment, pieces.end)
+        # Ends that are not the next segment's begin are computed separately, such as the last one.
         off = (np.abs(end[:-1] - begin[1:]) > _SAME).any(axis=1)
         off |= (np.abs(last[:-1] - rate[1:]) > _SAME).any(axis=1)
         jumps = np.append(np.flatnonzero(off), len(end) - 1)
@@ -283,7 +298,7 @@ class Whole:
 
 
 _SAME = 1e-10
-"""Joint positions and rates that differ by less than this [rad or m, and per s] differ only by rounding."""
+"""Difference of joint positions and rates up to which they differ only by rounding [rad or m, and per s]."""
 
 
 def joints(course: Course, segment: Rows, time: Array) -> tuple[Array, Array]:

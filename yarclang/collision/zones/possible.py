@@ -1,5 +1,5 @@
-"""Check, before any program, that the zones of a cell can be respected at all, and that the robot's HOME
-respects them.
+"""Check, before any program, that the zones of a cell can be respected, and that the robot's HOME respects
+them.
 """
 
 from __future__ import annotations
@@ -21,9 +21,7 @@ from yarclang.units import MM
 
 
 def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
-    """Yield a finding for each zone of a cell that nothing can respect, by itself or together with an earlier
-    zone.
-    """
+    """Yield a finding for each zone that nothing can respect, by itself or together with an earlier zone."""
     for at, zone in enumerate(cell.zones):
         why = _by_itself(robot, zone)
         for other in cell.zones[:at]:
@@ -84,7 +82,7 @@ def _depth(region: ShapeRegion) -> float:
 
 
 def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
-    """Return the reason why two zones exclude each other; None if they don't."""
+    """Return the reason why two zones exclude each other; None if both can be respected."""
     one, other = first.region, second.region
     rules = {first.rule, second.rule}
     if isinstance(one, JointWindow) and isinstance(other, JointWindow):
@@ -107,8 +105,8 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
 
 
 def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) -> str | None:
-    """Return a joint that has no position common to a window and to another window or its limits; None if all
-    have one.
+    """Return a joint for which a window and another window or its limits have no position in common; None if
+    there is none.
     """
     low, high = np.maximum(one.lower, other.lower), np.minimum(one.upper, other.upper)
     (empty,) = np.nonzero(low > high)
@@ -116,8 +114,9 @@ def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) 
 
 
 def _apart(one: Place, other: Place, margin: float) -> bool:
-    """Return True if two regions have nothing in common. A half space is reduced by the margin; other pairs
-    ignore it.
+    """Return True if two regions have no point in common.
+
+    A half space is reduced by the margin; other regions ignore it.
     """
     if isinstance(one, HalfSpace) or isinstance(other, HalfSpace):
         half, rest = (one, other) if isinstance(one, HalfSpace) else (other, one)
@@ -137,7 +136,7 @@ def _within(inner: Place, outer: Place) -> bool:
 
 
 def _how(robot: Robot, watch: Watch, slack: float) -> str:
-    """Return a clause that says how HOME breaks a watch."""
+    """Return a clause that describes how HOME breaks a watch."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):

@@ -1,8 +1,8 @@
-"""Prove that what zones watch stays in them, or out of them, along a whole motion, and how near it comes to
-their borders: by bisection.
+"""Prove that watched items stay in zones, or out of them, along a whole motion, and compute their least
+distances from the zones' borders, by bisection.
 
-A piece is settled if the bounds of `gaps` suffice; otherwise it is halved. The bounds' errors grow with the
-square of a piece's duration, so that a motion along a border needs few pieces; and nothing is missed, however
+A piece is settled if the bounds of `gaps` suffice; otherwise it is halved. The error of a bound grows with
+the square of a piece's duration, so a motion along a border needs few pieces. Nothing is missed, however
 short.
 """
 
@@ -31,8 +31,8 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 MOST = 500_000
-"""The largest number of pieces for a watch. If more are needed, the watch counts as broken: only motions that
-no robot can make need so many.
+"""Largest number of pieces for a watch. If more are needed, the watch counts as broken: only motions that no
+robot can make need so many.
 """
 BLOCK = 2048
 """Pieces that are examined together."""
@@ -52,7 +52,7 @@ class Breach:
 class Kept:
     """The result of a proof for G motions.
 
-    `least` (G,) is a lower bound of the distance [m] of everything watched from the borders that it must not
+    `least` (G,) is a lower bound of the distance [m] of all watched items from the borders that they must not
     cross. `nearest` (G,) is the watch that comes nearest, -1 if all stay above `KNOWN`, and `when` (G,) [s]
     the time of that sample. `breaches` are the broken watches.
     """
@@ -64,13 +64,14 @@ class Kept:
 
 
 def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequence[Watch]) -> Kept:
-    """Prove that zones to stay in or out of are respected, and postures in them.
+    """Prove that watched items stay in their zones, or out of them, and that required postures are kept in
+    zones.
 
     Args:
         scene: the bodies of robot and cell.
         course: the segments of all motions.
         spans: (G, 2) the segments, from and up to, of each motion, one after the other; none is empty.
-        watches: what is watched, and where. Slow zones aren't checked here.
+        watches: the zones and the watched items. Slow zones aren't checked here.
     """
     search = _Search(scene, course, spans)
     for number, watch in enumerate(watches):
@@ -130,16 +131,16 @@ class _Search:
                 waiting.append((part, (begins, stops)))
 
     def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
-        """Return the segments on which balls around the item don't settle a watch; record the bounds of the
-        others.
+        """Return the segments that balls around the item don't settle; record the bounds of the other
+        segments.
         """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, JointWindow | Tilt)
-        # each instant once, though it is both an end and a beginning
+        # Compute each instant once, though it is both an end and a beginning.
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
         if watch.zone.rule == "allowed":
-            # convexity and the deviation from the chord: see gaps.py
+            # Convexity, and the deviation from the chord: see gaps.py.
             least = -np.maximum(before, behind) - item.bound - bounds.second * pieces.end**2 / 8.0
         else:
             least = (before + behind - bounds.first * pieces.end) / 2.0 - item.bound
@@ -152,6 +153,7 @@ class _Search:
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
         assert not isinstance(region, JointWindow | Tilt)
+        # An item that is inside at both ends by more than the deviation from the chord is inside in between.
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
         before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)
@@ -167,6 +169,8 @@ class _Search:
         seen = np.full(len(least), np.inf)
         open_ = least < max(KNOWN, watch.zone.margin)
         if posture is not None:
+            # With the required posture, an item may be in the zone: only pieces that leave the posture must
+            # stay outside.
             kept_there = (room_on(posture, pieces, self.course)[0] >= -WINDOW_SLACK).all(axis=1)
             least[kept_there] = np.inf
             open_ &= ~kept_there
@@ -194,6 +198,8 @@ class _Search:
         nearer = order[seen[order] < self.best[motion[order]]]
         self.best[motion[nearer]], self.nearest[motion[nearer]] = seen[nearer], number
         self.when[motion[nearer]] = self.course.begins[segment[nearer]] + when[nearer]
+        # A piece is settled if it keeps the margin, and can't change the least distance by more than the
+        # allowed error.
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[motion] - COARSE)
         done = (least >= margin - SLACK) & (least >= wanted)
         np.minimum.at(self.least, motion[done], least[done])
@@ -210,6 +216,8 @@ class _Search:
             if watch.zone.rule == "allowed":
                 surely = least.min(axis=1)
             else:
+                # Out of the window means that at least one joint is outside, by the largest distance of any
+                # joint.
                 surely, seen = -most.min(axis=1), -seen
             self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
             open_ = (surely < -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
@@ -227,7 +235,7 @@ class _Search:
                 for time in (pieces.begin, pieces.end)
             )
             worst = np.maximum(before, behind)
-            # the cosine is below its chord by at most its second derivative times d^2 / 8
+            # The cosine is below its chord by at most its second derivative times d^2 / 8.
             sag = bend[pieces.segment] * long**2 / 8.0
             by_chord = np.arccos(np.clip(np.cos(worst) - sag, -1.0, 1.0))
             most = np.minimum(by_chord, (before + behind + speed[pieces.segment] * long) / 2.0)

@@ -1,7 +1,7 @@
-"""Compute signed distances of points from regions of zones.
+"""Compute signed distances of points from the regions of zones.
 
-All regions are convex. The signed distance of a point, positive outside and minus its depth inside, is
-therefore convex too, and it changes by no more than the point moves.
+The signed distance of a point is positive outside, and minus the depth inside. All regions are convex, so the
+signed distance is convex too. It changes by no more than the point moves.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Faces:
 
 @lru_cache(maxsize=256)
 def faces_of(region: Place) -> Faces | None:
-    """Return the faces of a region, or None for a round one; remembered by the region's identity."""
+    """Return the faces of a region, or None for a round one; cached by the region's identity."""
     if isinstance(region, HalfSpace):
         return Faces(-region.normal[None], np.array([-region.offset]))
     if not isinstance(region.shape, Box):
@@ -43,7 +43,7 @@ def faces_of(region: Place) -> Faces | None:
 
 @lru_cache(maxsize=256)
 def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
-    """Return a region's shape and place for coal, remembered by the region's identity."""
+    """Return a region's shape and place for coal, cached by the region's identity."""
     import coal
 
     placed = region.base_from_shape
@@ -69,8 +69,10 @@ def outside(region: Place, points: Array) -> Array:
 
 
 def direction(region: Place, points: Array) -> Array:
-    """Return the gradients (P, 3) in {B} of the signed distance at points (P, 3): unit directions from the
-    region to a point, or, inside, from the point to the border.
+    """Return the gradients (P, 3) in {B} of the signed distance at points (P, 3).
+
+    For a point outside it is the unit direction from the region to the point, for one inside that from the
+    point to the border.
     """
     if isinstance(region, HalfSpace):
         return np.broadcast_to(-region.normal, points.shape)
@@ -90,15 +92,16 @@ def direction(region: Place, points: Array) -> Array:
                 [flat * steep[:, :1], steep[:, 1:] * np.copysign(1.0, local[:, 2:])], axis=1
             )
     size = _length(away)[:, None]
-    # at the centre of a ball any direction is correct
+    # At the centre of a ball, any direction is correct.
     unit: Array = np.where(size > _TINY, away / np.maximum(size, _TINY), np.array([0.0, 0.0, 1.0]))
     turned: Array = unit @ region.base_from_shape[:3, :3].T
     return turned
 
 
 def reach(region: Place, directions: Array) -> Array:
-    """Return the support of a region in unit directions (P, 3): the largest d · p over its points (P,) [m];
-    infinite where the region has no end.
+    """Return the support of a region in unit directions (P, 3): the largest d · p over its points (P,) [m].
+
+    The value is infinite if the region is unbounded in that direction.
     """
     if isinstance(region, HalfSpace):
         along = directions @ region.normal
@@ -125,14 +128,15 @@ def _local(region: ShapeRegion, points: Array) -> Array:
 
 
 def _around(local: Array, radius: float, length: float) -> tuple[Array, Array]:
-    """Return how far points are beyond the wall of a cylinder, and beyond its ends."""
+    """Return the distances of points beyond the wall of a cylinder, and beyond its ends; negative inside."""
     return _length(local[..., :2]) - radius, np.abs(local[..., 2]) - length / 2.0
 
 
 def _beyond(beyond: Array) -> Array:
-    """Return the signed distance from a region, given how far points are beyond its perpendicular walls,
+    """Return the signed distance from a region, given the signed distances beyond its perpendicular walls
     (..., K).
     """
+    # Outside: the length of the positive components. Inside: the distance from the nearest wall.
     far = _length(np.maximum(beyond, 0.0))
     signed: Array = np.where(far > 0.0, far, beyond.max(axis=-1))
     return signed

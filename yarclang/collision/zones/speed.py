@@ -1,8 +1,8 @@
-"""Bound the speed of what zones watch inside of them: the largest speed on whole motions, at every instant,
-by bisection.
+"""Bound the speed of watched items inside of their zones: compute the largest speed on whole motions, at
+every instant, by bisection.
 
-On an interval of d seconds, the velocity of a point is no farther than its third derivative times d² / 8 from
-the chord between the velocities at the ends, and the length of a vector is largest at an end of a chord. The
+On an interval of d seconds, the velocity of a point is at most J d² / 8 from the chord between the velocities
+at the ends, where J bounds its third derivative. The length of a vector is largest at an end of a chord. The
 bound of a piece is therefore sharp long before the piece is short.
 """
 
@@ -38,8 +38,8 @@ SHARP = 2e-4
 class Fastest:
     """The largest speed of an item on each motion while it is in a zone.
 
-    `speed` (G,) [m/s] is a proved bound, 0 if the item never is in the zone. `segment` (G,) is where it
-    occurs, -1 for nowhere, and `time` (G,) [s] when: the middle of the piece to which it belongs.
+    `speed` (G,) [m/s] is a proved bound, 0 if the item is never in the zone. `segment` (G,) is the segment of
+    the largest speed, -1 if there is none, and `time` (G,) [s] the middle of its piece.
     """
 
     speed: Array
@@ -65,10 +65,10 @@ def fastest_inside(
         scene: the bodies of robot and cell.
         course: the segments of all motions.
         spans: (G, 2) the segments, from and up to, of each motion, one after the other; none is empty.
-        watch: the zone and the item; its margin counts as inside.
-        least: speeds up to this one don't matter: they may be returned as none, or as this one [m/s].
+        watch: the zone and the item; the zone's margin counts as inside.
+        least: speed up to which speeds don't matter [m/s]: the result may be none, or this speed.
         beyond: distance by which the zone is enlarged [m].
-        stops: True to end as soon as all motions are known to be faster than `least`; the result is then only
+        stops: True to end as soon as all motions are known to be faster than `least`. The result is then only
             some speed that occurs on them.
         sharp: relative accuracy of the largest speed.
         whole: the arm along these motions, if several watches are computed; or None.
@@ -82,12 +82,12 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
 
     Args:
         scene: the bodies of robot and cell.
-        ways: the joint positions at their beginnings and at their ends, (R, n) each [rad or m].
+        ways: the joint positions at the beginnings and at the ends of the ways, (R, n) each [rad or m].
         step: (R, n) the largest distance that each joint travels on them, back and forth.
-        watches: of slow zones.
+        watches: watches of slow zones.
     """
     begin, end = ways
-    # a course of one second for each way
+    # A course of one second for each way.
     still = np.zeros(begin.shape)
     course = Course.of(begin, end - begin, still, still, np.ones(len(begin)), step)
     ends = Ends(scene, course, Pieces.whole(course, 0, len(begin)))
@@ -137,7 +137,7 @@ class _Search:
 
     def made(self) -> Fastest:
         """Halve pieces until all are settled, and return the result."""
-        # drop segments on which no point can be faster than `least`, and those far from the zone
+        # Drop segments on which no point can be faster than `least`, and segments far from the zone.
         (rows,) = np.nonzero(self.bounds.first[self.pieces.segment] > self.least)
         if len(rows):
             rows = rows[~self._surely_far()[rows]]
@@ -148,18 +148,19 @@ class _Search:
             pieces, ends = self._look(pieces, ends)
             if self.stops and (self.segment >= 0).all():
                 break
-        # pieces that were dropped are no faster than the best by more than this share
+        # Dropped pieces may be faster than the best one by at most this share.
         speed = np.where(self.segment >= 0, self.best * (1.0 + self.sharp), 0.0)
         return Fastest(speed, self.segment, self.time)
 
     def _look(self, pieces: Pieces, ends: tuple[Posed, Posed]) -> tuple[Pieces, tuple[Posed, Posed] | None]:
-        """Examine pieces with the arm at their ends, and return those that are still open, with the arm at
+        """Examine pieces with the arm at their ends; return those that are still open, with the arm at
         their ends.
         """
         long, segment = pieces.end - pieces.begin, pieces.segment
         bound = (
             np.maximum(*(arm.speed(self.item) for arm in ends)) + self.bounds.third[segment] * long**2 / 8.0
         )
+        # Only pieces that may exceed the best known speed by more than the accuracy are examined.
         quick = bound > self.best[self.motion[segment]] * (1.0 + self.sharp)
         (rows,) = np.nonzero(quick & ~self._surely_outside(pieces, ends))
         if not len(rows):
@@ -170,7 +171,7 @@ class _Search:
         out, in_middle = self._where(pieces, arms)
         (seen,) = np.nonzero(in_middle)
         self._learn(pieces.take(seen), middle.take(seen).speed(self.item))
-        # pieces too short to decide if they are in the zone count as inside
+        # Pieces too short to decide if they are in the zone count as inside.
         still = self.bounds.first[pieces.segment] * (pieces.end - pieces.begin) <= SLACK
         (rows,) = np.nonzero(~out & still)
         self._learn(pieces.take(rows), bound[rows])
@@ -208,8 +209,8 @@ class _Search:
     def _where(
         self, pieces: Pieces, arms: tuple[Posed, Posed, Posed]
     ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Return a mask of the pieces that are entirely outside of the zone, and one of those whose middle is
-        in it.
+        """Return a mask of the pieces that are entirely outside of the zone, and a mask of those whose
+        middle is inside.
         """
         region = self.watch.zone.region
         if isinstance(region, JointWindow):

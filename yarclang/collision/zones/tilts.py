@@ -1,4 +1,4 @@
-"""Measure the angle between an axis on the flange and a direction, and bound how fast it changes."""
+"""Measure the angle between an axis on the flange and a direction, and bound its rate of change."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def angles(tilt: Tilt, chain: Chain, turn: Array) -> Array:
     axis = chain.base_from_flange[:3, :3] @ np.array(tilt.own)
     now, up = np.matmul(axis, turn), np.array(tilt.up)
     across = np.cross(now.T, up).T
-    # exact for small angles too, where the cosine is flat
+    # This is exact for small angles too, where the cosine is flat.
     found: Array = np.arctan2(np.sqrt((across**2).sum(axis=0)), up @ now)
     return found
 
@@ -34,10 +34,10 @@ def angles_at(tilt: Tilt, scene: Scene, q: Array) -> Array:
 
 
 def turning(chain: Chain, course: Course) -> tuple[Array, Array]:
-    """Bound the first two derivatives of a direction on the flange on each segment, (N,) each [rad/s, 1/s^2].
+    """Bound the first two derivatives of a direction on the flange on each segment, (N,) each [1/s, 1/s^2].
 
     The partial derivatives of a turned unit vector with respect to the joints are nested cross products with
-    their axes, and no longer than the axes.
+    the joints' axes. Their length is at most 1 for axes of length 1.
     """
     axes = np.linalg.norm(chain.screws[:, 3:], axis=1)
     speed, strength = course.speed @ axes, course.strength @ axes

@@ -29,10 +29,11 @@ class Moving:
 class Item:
     """A convex body, or a point, that the first `joint` joints move; in {B} with all joints at zero [m].
 
-    It is the Minkowski sum of the hull of `points` (V, 3), a disc of radius `disc` perpendicular to `axis`
-    (3,), and a ball of `radius`. The hull of the points `rim` (W, 3) encloses the first two: the disc is
-    replaced by a polygon around it, half a percent larger. The ball around `middle` (3,) with radius `bound`
-    encloses everything. `of_coal` at `base_from_body` (4, 4) is the shape for distances; None for a point.
+    The item is the Minkowski sum of the hull of `points` (V, 3), a disc of radius `disc` perpendicular to
+    `axis` (3,), and a ball of `radius`. The hull of the points `rim` (W, 3) encloses the first two: the disc
+    is replaced by a polygon around it, half a percent larger. The ball around `middle` (3,) with radius
+    `bound` encloses everything. `of_coal` at `base_from_body` (4, 4) is the shape for distances; None for a
+    point.
     """
 
     name: str
@@ -56,7 +57,7 @@ def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item
     Args:
         robot: the robot.
         cell: its cell.
-        zone: of the cell.
+        zone: a zone of the cell.
         moving: the frame that is moved.
     """
     made = scene_of(robot, cell)
@@ -114,7 +115,7 @@ def _elbow(chain: Chain) -> tuple[int, Array] | None:
 
 @lru_cache(maxsize=32)
 def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
-    """Return the bodies of a scene, each with its item; remembered by the scene's identity."""
+    """Return the bodies of a scene, each with its item; cached by the scene's identity."""
     return tuple((body, room_of(body)) for body in scene.bodies)
 
 
@@ -124,12 +125,12 @@ def _point(name: str, joint: int, point: Array) -> Item:
 
 
 _SIDES = 32
-"""Sides of the polygon around a disc."""
+"""Number of sides of the polygon around a disc."""
 
 
 @lru_cache(maxsize=1024)
 def room_of(body: Body) -> Item:
-    """Return the item of a body, remembered by the body's identity."""
+    """Return the item of a body, cached by the body's identity."""
     import coal
 
     shape, placed = body.geometry.of_coal, body.base_from_body
@@ -154,6 +155,7 @@ def room_of(body: Body) -> Item:
     rim = points
     if disc:
         turns = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+        # A polygon around a circle of radius 1 has corners at the distance 1 / cos(pi / sides).
         polygon = np.stack([np.cos(turns), np.sin(turns), np.zeros(_SIDES)], axis=1)
         rim = (points[:, None] + polygon * (disc / np.cos(np.pi / _SIDES))).reshape(-1, 3)
     turn, shift = placed[:3, :3], placed[:3, 3]

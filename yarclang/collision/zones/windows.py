@@ -1,5 +1,5 @@
-"""Measure how far joints are inside or outside windows of joint positions, at instants and on pieces of a
-motion.
+"""Measure the distance of joints from the ends of windows of joint positions, at instants and on pieces of
+a motion.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ from yarclang.collision.zones.moved import Pieces, joints
 from yarclang.shapes import Array
 
 SLACK = 1e-6
-"""Positions that exceed the end of a window by no more than this [rad or m] count as on its end."""
+"""Excess over the end of a window [rad or m] up to which a position counts as on the end."""
 
 
 def room(window: JointWindow, q: Array) -> Array:
-    """Return how far joints (P, n) are inside of a window, (P, n) [rad or m]; negative outside, infinite
-    where it is open.
+    """Return the distance of joints (P, n) from the nearer end of a window, (P, n) [rad or m].
+
+    The distance is positive inside, negative outside, and infinite for a joint that the window leaves open.
     """
     inner: Array = np.minimum(q - window.lower, window.upper - q)
     return inner
@@ -26,8 +27,8 @@ def room(window: JointWindow, q: Array) -> Array:
 def room_on(window: JointWindow, pieces: Pieces, course: Course) -> tuple[Array, Array]:
     """Return lower and upper bounds of `room` on pieces of a motion, (P, n) each.
 
-    A joint is no farther from the chord between its positions at both ends than its acceleration times d² /
-    8. `room` increases up to its maximum in the middle of the window and then decreases, so that its extremes
+    A joint whose acceleration is at most A is at most A d² / 8 from the chord between its positions at both
+    ends. `room` increases up to its maximum in the middle of the window and then decreases, so its extremes
     follow from the joint's range.
     """
     sag = course.strength[pieces.segment] * ((pieces.end - pieces.begin) ** 2 / 8.0)[:, None]

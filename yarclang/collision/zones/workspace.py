@@ -1,6 +1,4 @@
-"""Check joint positions against the zones of a cell: if they are in the allowed workspace, and by how
-much.
-"""
+"""Check joint positions against the zones of a cell, and measure the distance from breaking them."""
 
 from __future__ import annotations
 
@@ -23,14 +21,17 @@ from yarclang.robot.model import Robot
 from yarclang.shapes import Array
 
 SLACK = 1e-5
-"""Items that cross a border by no more than this [m] count as on it."""
+"""Distance beyond a border [m] up to which an item counts as on it."""
 TILT_SLACK = 1e-5
-"""Axes that exceed their angle by no more than this [rad] count as within it."""
+"""Excess over its limit [rad] up to which an angle counts as within it."""
 
 
 @frozen(eq=False)
 class Watch:
-    """A zone, and an item that it watches; None if the zone concerns only joints, or the flange's orientation."""
+    """A zone, and an item that the zone watches.
+
+    The item is None if the zone concerns only joints, or the flange's orientation.
+    """
 
     zone: Zone
     item: Item | None
@@ -54,8 +55,10 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
-    """Return how far a watch is from being broken at joint positions (P, n), (P,) [m; rad or m for a joint
-    window, rad for a tilt]. Below `slack_of` it is broken.
+    """Return the slack of a watch at joint positions (P, n): (P,) [m; rad or m for a joint window, rad for a
+    tilt].
+
+    The watch is broken if the slack is below `slack_of`.
     """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
     return _slack(scene, watch, q, arm, np.arange(len(q)))
@@ -63,7 +66,7 @@ def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
 
 @lru_cache(maxsize=16)
 def _one_arm(scene: Scene, q: bytes) -> Arm:
-    """Place the arm at one joint position, cached because all watches are evaluated there one after the
+    """Place the arm at one joint position. Cached, because all watches are evaluated there one after the
     other.
     """
     return Arm.at(scene, np.frombuffer(q)[None])
@@ -100,9 +103,7 @@ def slack_of(watch: Watch) -> float:
 
 
 def broken_at(robot: Robot, cell: Cell, moving: Moving, q: Array) -> Sequence[tuple[Watch, float]]:
-    """Return the watches that one joint position (n,) breaks, each with its slack there, as `slack_at`
-    returns it.
-    """
+    """Return the watches that one joint position (n,) breaks, each with its slack there (see `slack_at`)."""
     made = scene_of(robot, cell)
     if made.value is None:
         return ()

@@ -1,8 +1,8 @@
-"""The actions of a coordinator's client, grouped by purpose. Each part may be used alone.
+"""The actions of a coordinator's client, grouped by purpose. Each group can be used alone.
 
-Anything that moves the robot or changes the session is for the robot's owner; others get `NotOwner`. A
-mistake in a user's text is a finding. Something that can't be done now is a `Trouble` with the fact, its
-reason and a remedy.
+Only the robot's owner may move the robot or change the session; other clients get `NotOwner`. A mistake in a
+user's text is a finding. If something can't be done now, `Trouble` is raised with the fact, its reason and a
+remedy.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from yarclang.robot.model import Robot
 
 
 class Client:
-    """One client.
+    """A client of the coordinator.
 
     Args:
         coordinator: the robot's coordinator.
-        name: name of the client for others.
+        name: name of the client that others see.
 
     Attributes:
-        name: name of the client for others.
+        name: name of the client that others see.
         robot: robot of the coordinator.
         session: ownership, declarations, events.
         motion: offers, programs, stops, the override, the robot's position.
-        live: motions whose end is not known in advance.
+        live: motions whose end isn't known in advance.
         signals: inputs and outputs.
         parts: places of the cell's parts.
         files: programs in files.

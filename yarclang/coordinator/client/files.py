@@ -1,4 +1,4 @@
-"""Programs in files, and saving the session as a program."""
+"""Programs in files, and conversion of the session to a program."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ class Files(Part):
     """The part of a client that reads and writes programs."""
 
     async def load(self, source: Source, *, here: bool = False, as_now: bool = True) -> Result[Loaded]:
-        """Compile and prove a program for this robot, or verify a compiled one.
+        """Compile and prove a program for this robot, or verify a compiled program.
 
         Args:
-            source: location of the program, and options for compiling.
-            here: True if a program without START begins where the robot stands.
-            as_now: True if the parts of its cell are where they are now; False: where the cell's file has
-                them.
+            source: location of the program, and options of the compiler.
+            here: True if a program without START begins at the robot's present position.
+            as_now: True to assume the parts of the cell at their present places; False: at the places in the
+                cell's file.
 
         Returns:
-            None if an error forbids running it.
+            The program; None if an error forbids running it.
 
         Raises:
-            Trouble: the robot is moving, or there is no connection; only if the program begins `here`.
+            Trouble: the robot is moving, or there is no connection; only if `here` is True.
         """
         coordinator = self._coordinator
         stands = await coordinator.stands() if here else None
@@ -41,7 +41,8 @@ class Files(Part):
         """Return the session as a program with the same effect.
 
         Args:
-            folder: folder of the program: names of files are written relative to it. None: the session's own.
+            folder: folder of the program, to which the names of files are made relative; None: the session's
+                folder.
         """
         coordinator = self._coordinator
         return coordinator.history.saved(coordinator.lines, coordinator.planner.folder, folder)
@@ -50,7 +51,7 @@ class Files(Part):
         """Write the session to a file as a program.
 
         Raises:
-            Trouble: the file can't be written, and why.
+            Trouble: the file can't be written.
         """
         write_program(path, self.saved(path.parent))
 
@@ -59,7 +60,7 @@ def write_program(path: Path, text: str) -> None:
     """Write a program to a file.
 
     Raises:
-        Trouble: the file can't be written, and why.
+        Trouble: the file can't be written.
     """
     try:
         path.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Motions whose end is not known in advance: jogs, velocities, masters."""
+"""Motions whose end isn't known in advance: jogs, velocities, and motions that follow a master."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ LIVE = Settings()
 
 
 class LiveMotion(Part):
-    """The part of a client that moves the robot for as long as it sends targets."""
+    """The part of a client that moves the robot as long as the client sends targets."""
 
     async def drive(
         self, target: Target, *, moving: str = "{TCP}", settings: Settings = LIVE, name: str = "jog"
     ) -> Result[Drive]:
-        """Begin a live motion: a jog, a velocity, or following a master. It continues as long as targets
-        arrive.
+        """Begin a live motion: a jog, a velocity, or following a master. The motion continues as long as
+        targets arrive.
 
         Args:
             target: first target.
             moving: frame that twists move, and whose speed is limited.
             settings: limits of the motion.
-            name: name of the motion for people.
+            name: name of the motion, for messages.
 
         Returns:
-            A finding instead, if no live motion can begin here.
+            The motion; a finding instead if no live motion can begin here.
 
         Raises:
             NotOwner: this client only watches.

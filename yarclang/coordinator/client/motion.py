@@ -1,4 +1,6 @@
-"""Motions whose end is known in advance: offers, programs, stops, the override; and the robot's position."""
+"""Motions whose end is known in advance: offers, programs, stops and the override; and the position of the
+robot.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,7 @@ class Motion(Part):
     # position
 
     async def stands(self) -> Array:
-        """Return the robot's commanded position (n,) [rad or m], asked now.
+        """Request and return the robot's commanded position (n,) [rad or m].
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -56,7 +58,7 @@ class Motion(Part):
         return await self._coordinator.stands()
 
     async def where(self, base: str = "{B}", moving: str = "{TCP}") -> Result[Where]:
-        """Return where the robot stands, as joints and as the pose of a frame in another.
+        """Return the position of the robot: its joints, and the pose of a frame in another frame.
 
         Args:
             base: frame in which the pose is given; any frame that a motion may name as its base.
@@ -77,10 +79,10 @@ class Motion(Part):
     # planning
 
     async def offer(self, text: str) -> Result[Offer]:
-        """Plan and certify a line, a block or several lines from where the robot stands, after all accepted
-        declarations. Nothing moves.
+        """Plan and certify lines that begin at the robot's present position, with all accepted declarations
+        before them. Nothing moves.
 
-        Any client may ask. Empty text gives no offer and no finding.
+        Every client may do this. An empty text gives no offer and no finding.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -103,11 +105,11 @@ class Motion(Part):
         return made
 
     async def offer_back(self) -> Result[Offer]:
-        """Plan and certify the reverse of the last motion, along the same path, including all motions that
+        """Plan and certify the reverse of the last motion along the same path, including all motions that
         flowed into it.
 
         Raises:
-            Trouble: as `offer`.
+            Trouble: the robot is moving, or there is no connection.
         """
         coordinator = self._coordinator
         start = await coordinator.stands()
@@ -146,19 +148,20 @@ class Motion(Part):
         return Result(replace(made.value, takes_back=len(group)), made.diagnostics)
 
     async def offer_recovery(self, loaded: Loaded) -> Recovered:
-        """Plan and certify the motion from where the robot stands to a program: to its start, or else to the
-        nearest place at which it may begin. Nothing moves.
+        """Plan and certify a motion from the robot's present position to a program: to its start, otherwise
+        to the nearest place at which the program can begin. Nothing moves.
 
         Args:
-            loaded: the program; if it begins with a named command, only that place is tried.
+            loaded: the program. If a first command is given, only the beginning of this command is tried.
 
         Raises:
-            Trouble: as `offer`; or the places of the cell's parts are unknown.
+            Trouble: the robot is moving, there is no connection, or the places of the cell's parts are
+                unknown.
         """
         return await recovered(self._coordinator, loaded)
 
     async def go(self, offer: Offer) -> Ended:
-        """Carry an offer out: its declarations stay from now on, its motions move the robot.
+        """Carry an offer out: accept its declarations, and execute its motions.
 
         Returns:
             The outcome, also if the motion ended early, for example by a stop.
@@ -206,11 +209,11 @@ class Motion(Part):
         return ended
 
     async def _check_surroundings(self, offer: Offer) -> None:
-        """Check that the cell of an offer is still the same, and that its parts are where they were when the
-        offer was proved.
+        """Check that the cell of an offer is still the same, and that its parts are in the places that were
+        assumed in the proof.
 
         Raises:
-            Trouble: something has changed.
+            Trouble: the cell or the place of a part has changed.
         """
         cell, coordinator = offer.proved_in, self._coordinator
         if cell is None:
@@ -220,20 +223,20 @@ class Motion(Part):
         coordinator.carrying.kept.check(cell, first_parts(cell) if cell.parts else None)
 
     async def run(self, loaded: Loaded, *, approach: bool = False, times: int | None = 1) -> Ended:
-        """Run a whole program, as made by `load_program`, which can also begin at a command or run command by
-        command.
+        """Run a whole program, from its start or another command, possibly command by command. `load_program`
+        creates the program.
 
-        Between two single commands, and at a HOLD, `resume` continues.
+        The program waits for `resume` between single commands and at each HOLD.
 
         Args:
             loaded: the program.
-            approach: if True, first move slowly to the start if the robot isn't there. In a start zone of the
-                cell, this is done in any case.
-            times: number of passes; None: until someone stops it.
+            approach: if True, first move slowly to the start if the robot isn't there. If the robot is in a
+                start zone of the cell, this is always done.
+            times: number of passes; None: until somebody stops the program.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is in progress, or the robot isn't where the program starts.
+            Trouble: something is in progress, or the robot isn't at the start of the program.
         """
         undertaking = Undertaking(loaded, self._coordinator, times)
         return await self.undertake(undertaking, approach=approach)
@@ -241,16 +244,17 @@ class Motion(Part):
     async def undertake(
         self, undertaking: Undertaking, *, approach: bool = False, stops: int | None = None
     ) -> Ended:
-        """Run a whole program, as `run` does.
+        """Run a whole program, like `run`.
 
         Args:
             undertaking: tracks the progress of the program, also after its end.
-            approach: as for `run`.
-            stops: number of stops when this was requested: after a further stop, nothing begins. None: it is
-                requested now.
+            approach: if True, first move slowly to the start.
+            stops: number of stops at the time of the request. If there has been another stop since, nothing
+                begins. None: the request is made now.
 
         Raises:
-            NotOwner, Trouble: as `run`.
+            NotOwner: this client only watches.
+            Trouble: something is in progress, or the robot isn't at the start of the program.
         """
         coordinator, loaded = self._coordinator, undertaking.loaded
         coordinator.check_owner(self._name, "to move the robot")
@@ -278,15 +282,17 @@ class Motion(Part):
     # immediate actions
 
     def stop(self) -> None:
-        """Come to rest on the path and end the current action. Overtakes everything; for every client."""
+        """Bring the robot to rest on its path, and end the current action. Overtakes all other orders;
+        allowed for every client.
+        """
         self._coordinator.stop()
 
     def abort(self) -> None:
-        """Bring each motor to rest at once, off the path. For every client."""
+        """Bring each motor to rest at once, off the path. Allowed for every client."""
         self._coordinator.abort()
 
     def hold(self) -> None:
-        """Come to rest on the path, ready to continue. For every client."""
+        """Bring the robot to rest on its path, ready to continue. Allowed for every client."""
         self._coordinator.hold()
 
     def resume(self, answer: int | None = None) -> None:
@@ -301,13 +307,12 @@ class Motion(Part):
         coordinator = self._coordinator
         coordinator.check_pace(self._name, "to go on")
         session = coordinator.engine.session
-        # A hold that wasn't processed yet counts as a hold.
+        # A hold that wasn't processed yet also counts.
         if session.paused or coordinator.state is State.HOLD or Hold() in session.operation.orders:
             session.order(Resume(answer))
 
     def override(self, percent: float) -> None:
-        """Set the override of the current action and of later ones: `percent` of the programmed speed, 1 to
-        100.
+        """Set the override of the current and of later actions: `percent` of the programmed speed, 1 to 100.
 
         Raises:
             NotOwner: this client only watches.
@@ -326,18 +331,18 @@ class Motion(Part):
             coordinator.tell_override()
 
     async def clear(self) -> None:
-        """Inspect the controller after a fault. If all is well, motions are possible again.
+        """Inspect the controller after a fault. If everything is in order, motions are possible again.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is wrong, and what.
+            Trouble: something isn't in order.
         """
         self._coordinator.check_owner(self._name, "to clear a fault")
         await self._coordinator.engine.clear()
 
 
 def _performed(offer: Offer, job: Job) -> Performed | None:
-    """Return the steps of an offer that may move parts; None if its cell has no parts."""
+    """Return the steps of an offer that may move parts; None if its cell contains no parts."""
     plan = offer.plan
     if plan is None or plan.program.cell is None or not plan.program.cell.parts:
         return None

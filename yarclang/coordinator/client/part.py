@@ -1,4 +1,4 @@
-"""The base class of all parts of a client."""
+"""Base class of the groups of a client's actions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from yarclang.coordinator.shared import SharedRobot
 
 
 class Part:
-    """A part of a client.
+    """Group of a client's actions.
 
     Args:
         coordinator: the robot's coordinator.

@@ -22,13 +22,13 @@ class Parts(Part):
     """The part of a client that asks for and sets the places of parts in the session's cell."""
 
     def where(self, file: str | None = None) -> Result[Known]:
-        """Return what is known about the parts of a cell.
+        """Return the known places of the parts in a cell.
 
         Args:
             file: file of the cell; None: the session's cell.
 
         Returns:
-            None for a file whose parts were never moved.
+            The places; None for a file whose parts were never moved.
 
         Raises:
             Trouble: the session's cell has no parts.
@@ -41,7 +41,7 @@ class Parts(Part):
         return Result(self._known(made.value.cell))
 
     async def as_filed(self, part: str | None = None) -> Result[Known]:
-        """Declare that a part, or all parts (None), are where the cell's file has them.
+        """Declare that a part, or each part (None), is in the place that the cell's file gives.
 
         Raises:
             NotOwner: this client only watches, and the owner doesn't share the robot.
@@ -53,12 +53,13 @@ class Parts(Part):
         """Declare that a part is no longer in the cell.
 
         Raises:
-            NotOwner, Trouble: as `as_filed`.
+            NotOwner: this client only watches, and the owner doesn't share the robot.
+            Trouble: there is no part with this name, or the robot is moving.
         """
         return await self._say(lambda known: Result(gone(known, part)), part)
 
     async def put(self, part: str, frame: str, frame_from_part: Array) -> Result[Known]:
-        """Declare that a part lies somewhere, or is held by a gripper.
+        """Declare the place of a part, or that a gripper holds it.
 
         Args:
             part: name of the part.
@@ -66,7 +67,8 @@ class Parts(Part):
             frame_from_part: (4, 4) place of the part [m].
 
         Raises:
-            NotOwner, Trouble: as `as_filed`.
+            NotOwner: this client only watches, and the owner doesn't share the robot.
+            Trouble: there is no part with this name, or the robot is moving.
         """
 
         def placed(known: Known) -> Result[Known]:

@@ -22,14 +22,14 @@ class Session(Part):
         return self._coordinator.owner == self._name
 
     def own(self, *, shared: bool = False) -> None:
-        """Own the robot from now on.
+        """Become the owner of the robot.
 
         Args:
             shared: True if other clients may also resume and change the override, as people do from another
                 terminal.
 
         Raises:
-            NotOwner: another client owns it.
+            NotOwner: another client owns the robot.
         """
         self._coordinator.own(self._name, shared=shared)
 
@@ -37,12 +37,12 @@ class Session(Part):
         """Hand the robot over to another client.
 
         Raises:
-            NotOwner: this client doesn't own it, or there is no client with this name.
+            NotOwner: this client doesn't own the robot, or there is no client with this name.
         """
         self._coordinator.give(self._name, to)
 
     def release(self) -> None:
-        """Give up the robot, so that no one owns it; does nothing if this client doesn't own it."""
+        """Give up the robot, so that nobody owns it. Do nothing if this client doesn't own the robot."""
         if self.owns:
             self._coordinator.give(self._name, "")
 
@@ -51,7 +51,7 @@ class Session(Part):
         self._coordinator.detach(self._name)
 
     def events(self, capacity: int = CAPACITY) -> Subscription:
-        """Return all events from now on."""
+        """Return an iterator over all events from now on."""
         return self._coordinator.subscribe(capacity)
 
     # declarations
@@ -62,14 +62,14 @@ class Session(Part):
         return tuple(self._coordinator.lines.declarations)
 
     def frame(self, name: str) -> Result[Frame]:
-        """Return a frame that motions may move: its transform is (4, 4) flange_from_frame [m]."""
+        """Return a frame that motions can move. Its transform is flange_from_frame (4, 4) [m]."""
         return self._coordinator.names.moving(name)
 
     async def adopt(self, declarations: tuple[str, ...]) -> Result[tuple[str, ...]]:
-        """Replace all accepted declarations by these, which come from a file, or have been edited.
+        """Replace all accepted declarations by given ones, which come from a file or have been edited.
 
         Returns:
-            None, with findings, if they aren't accepted; then the earlier ones stay.
+            None, with findings, if the new declarations aren't accepted. Then the earlier ones remain.
 
         Raises:
             NotOwner: this client only watches.

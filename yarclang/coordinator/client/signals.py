@@ -17,7 +17,7 @@ _STATES = {"ON": 1.0, "OFF": 0.0}
 
 _FIXED = "the inputs of a real controller are set by what is connected there (Y1619)"
 _AT_ONCE = 16
-"""Maximum number of variables in one question: a line has 255 characters at most."""
+"""Most variables in one request, because a line has at most 255 characters."""
 
 
 class Signals(Part):
@@ -45,11 +45,11 @@ class Signals(Part):
             value: a number, `ON` or `OFF`.
 
         Returns:
-            The value then reported by the controller.
+            The value that the controller reports afterwards.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: the value is invalid; the robot is moving, so that outputs belong to the program; or
+            Trouble: the value is invalid; the robot is moving, so that only the program may set outputs; or
                 there is no connection.
         """
         coordinator = self._coordinator
@@ -79,7 +79,8 @@ class Signals(Part):
         """Set an input of a simulated robot, also while a program runs.
 
         Args:
-            name: an input of the session or of a program that was run, or a variable of the controller.
+            name: name of an input of the session or of a program that was run, or a variable of the
+                controller.
             value: a number, `ON` or `OFF`.
 
         Raises:
@@ -111,12 +112,12 @@ class Signals(Part):
 
     @property
     def fixed(self) -> str:
-        """Return why inputs can't be set by hand; empty if they can."""
+        """Return the reason why inputs can't be set by hand; empty if they can."""
         return "" if self._coordinator.surroundings is not None else _FIXED
 
     async def values(self, variables: Iterable[str]) -> dict[str, float | None]:
-        """Return the values of controller variables; None for those of a real controller while the robot is
-        moving.
+        """Return the values of controller variables. Values of a real controller are None while the robot
+        is moving.
         """
         found: dict[str, float | None] = dict.fromkeys(variables)
         wanted = [one for one in found if one]  # a faulty declaration has no variable
@@ -138,7 +139,7 @@ class Signals(Part):
 
 
 def _of_bits(variable: str, number: float) -> tuple[tuple[str, float], ...]:
-    """Return the variables to set and their values: one, or the bits of a group.
+    """Return the variables to set, with their values: one variable, or the bits of a group.
 
     Raises:
         Trouble: the group can't have this value.

@@ -1,4 +1,4 @@
-"""A live motion in progress: its client sends targets again and again."""
+"""A live motion in progress. Its client sends targets again and again."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from yarclang.runtime.outcome import Ended
 
 
 class Drive:
-    """A live motion, which continues as long as targets arrive: after 200 ms without one, the robot comes to
-    rest, and the drive has ended.
+    """A live motion, which continues as long as targets arrive. After 200 ms without a target the robot comes
+    to rest, and the drive ends.
 
     Args:
         robot: the robot.
         generator: generator of the motion.
         running: the running motion.
         now: the session's clock [s].
-        stop: ends the motion by a hold, at once.
-        tell: tells all clients why the target isn't followed, and which bodies and zones are the reason.
+        stop: ends the motion at once, by a hold.
+        tell: tells all clients the reason why the target isn't followed, and the bodies and zones in the way.
         lag: duration of the lines in the controller's buffer [s].
-        check: raises if the client no longer owns the robot.
+        check: raises an error if the client no longer owns the robot.
 
     Attributes:
-        lag: delay of a target [s]; a stop has no such delay.
+        lag: delay of a target [s]; a stop isn't delayed.
     """
 
     def __init__(
@@ -62,12 +62,12 @@ class Drive:
 
     @property
     def end(self) -> Array:
-        """Return where the streamed lines end so far (n,) [rad or m]."""
+        """Return the end of the lines streamed so far (n,) [rad or m]."""
         return self._generator.end
 
     @property
     def why(self) -> str:
-        """Return why the target isn't followed; empty: it is."""
+        """Return the reason why the target isn't followed; empty if it is."""
         return self._generator.why
 
     def want(self, target: Target) -> None:
@@ -95,7 +95,8 @@ class Drive:
         """Move one joint with `speed` [rad/s or m/s]; the sign is the direction.
 
         Raises:
-            Trouble: there is no such joint; else as `want`.
+            NotOwner: the robot was given to another client; it comes to rest.
+            Trouble: there is no such joint, the drive has ended, or a number isn't finite.
         """
         self.want(joint_target(self._robot, name, speed))
 
@@ -105,27 +106,27 @@ class Drive:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         axes: Literal["base", "tool"] = "base",
     ) -> None:
-        """Move the tool; else as `want`.
+        """Move the tool. Raises the same errors as `want`.
 
         Args:
             linear: velocity of the tool's origin [m/s].
             angular: angular velocity [rad/s].
-            axes: the axes of both: those of {B}, or the tool's own.
+            axes: axes of both velocities: those of {B}, or those of the tool.
         """
         self.want(Twist(np.asarray(linear, dtype=float), np.asarray(angular, dtype=float), axes))
 
     def follow(self, q: Array, rate: Array | None = None) -> None:
-        """Follow a master at joints `q` (n,) [rad or m], which move with `rate` (n,) [rad/s or m/s]; else as
-        `want`.
+        """Follow a master at joint positions `q` (n,) [rad or m] that move with `rate` (n,) [rad/s or m/s].
+        Raises the same errors as `want`.
         """
         self.want(Master(q, np.zeros_like(q) if rate is None else rate))
 
     def finish(self) -> None:
-        """Come to rest within the limits, after the lines in the buffer, and end."""
+        """Bring the robot to rest within the limits, after the lines in the buffer, and end."""
         self._generator.finish()
 
     def stop(self) -> None:
-        """Come to rest at once, by a hold on the path, and end."""
+        """Bring the robot to rest at once, by a hold on the path, and end."""
         if self.alive:
             self._stop()
 
@@ -135,12 +136,12 @@ class Drive:
 
 
 def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
-    """Return a target with one joint's velocity.
+    """Return a target that moves one joint.
 
     Args:
         robot: the robot.
         name: name of the joint.
-        speed: its velocity [rad/s or m/s].
+        speed: velocity of the joint [rad/s or m/s].
 
     Raises:
         Trouble: there is no such joint.
@@ -154,7 +155,7 @@ def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
 
 
 def check_finite(target: Target) -> None:
-    """Check that a target's values are finite.
+    """Check the number of a target's values, and that they are finite.
 
     Raises:
         Trouble: a value isn't finite, or there are too few or too many.

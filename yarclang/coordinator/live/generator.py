@@ -1,9 +1,9 @@
-"""A live motion as text: control points for the current target, proved before they are streamed, with a
-proved way to rest after them.
+"""A live motion as text: control points for the present target, proved before they are streamed, together
+with a motion to rest after them.
 
-At each instant there is a way to rest that the judge has admitted. If the target can't be proved, that way is
-taken instead, point by point. So the robot comes to rest before a limit, an obstacle or a zone, and moves
-away from it if that is the target.
+At each instant there is a motion to rest that the judge has accepted. If a motion towards the target can't be
+proved, the robot follows the motion to rest instead, point by point. So the robot comes to rest before a
+limit, an obstacle or a zone. It can move away again if the target is in that direction.
 """
 
 from __future__ import annotations
@@ -24,26 +24,26 @@ STRIDE = 3
 """Number of points that are proved together while the robot moves; the target is read once per stride."""
 
 _FIRST_STRIDE = 36
-"""Maximum number of points proved together if many are needed at once, before the motion begins; the target
-is still read once per stride.
+"""Largest number of points that are proved together before the motion begins, when many are needed at once.
+The target is still read once per stride.
 """
 
 _SAME_WAY = 0.7
-"""Cosine of the angle between two directions that count as about the same."""
+"""Cosine of the largest angle between two directions that count as about the same."""
 
 _USED = {"velocity": 0.98, "acceleration": 0.9, "jerk": 0.85}
-"""Share of the limits that is used; the rest allows for rounding in printing."""
+"""Share of each limit that is used; the rest is for rounding of the printed numbers."""
 
 
 def rates_of(robot: Robot, share: float = 1.0) -> Rates:
-    """Return the rates for moving a robot.
+    """Return the limits for live motions of a robot.
 
     Args:
         robot: the robot.
-        share: share of its largest velocities.
+        share: share of the robot's largest velocities.
     """
     limits = robot.limits
-    # A motor that drives several joints may be slower than the joints' own limits.
+    # A motor that drives several joints may be slower than the limits of these joints.
     gear = np.abs(robot.actuation.coupling * robot.actuation.gear[:, None]) / robot.axis_units
     together = gear @ limits.velocity
     slower = np.where(gear > 0.0, (robot.actuation.velocity / together)[:, None], np.inf).min(axis=0)
@@ -59,17 +59,17 @@ class Generator:
 
     Args:
         robot: the robot.
-        start: (n,) its commanded position [rad or m].
-        printed: prints positions (k, n) [rad or m] as lines.
-        segment: TM [s].
+        start: (n,) commanded position of the robot [rad or m].
+        printed: converts positions (k, n) [rad or m] to lines of text.
+        segment: segment time [s].
         steering: computes velocities from targets.
-        judge: admits the text.
+        judge: proves the text.
         rates: limits of the motion.
 
     Attributes:
-        ended: True if the text ends at rest for good: no more lines follow.
-        why: why the target isn't followed; empty: it is.
-        stopped_by: bodies and zones that `why` is about; empty: none.
+        ended: True if the text ends at rest and no more lines follow.
+        why: reason why the target isn't followed; empty: it is followed.
+        stopped_by: bodies and zones that prevent the motion to the target; empty: none.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class Generator:
 
     @property
     def end(self) -> Array:
-        """Return where the text ends so far (n,) [rad or m]."""
+        """Return the position (n,) at the end of the text so far [rad or m]."""
         return self._state.c
 
     @property
@@ -109,19 +109,19 @@ class Generator:
         return self._state.rests
 
     def want(self, target: Target, now: float) -> None:
-        """Set the target, for the watchdog's time."""
+        """Set the target. It is valid for the watchdog's time."""
         self._target, self._heard = target, now
 
     def finish(self) -> None:
-        """Drop the target: come to rest, and end the text there."""
+        """Drop the target: the text ends as soon as the robot is at rest."""
         self._ending = True
 
     def expired(self, now: float) -> bool:
-        """Return True if no target has come for too long."""
+        """Return True if the last target is too old."""
         return now - self._heard > WATCHDOG
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
-        """Return further lines: `count` or a few more of them, or fewer if the text ends.
+        """Return further lines: at least `count`, or fewer if the text ends.
 
         Args:
             now: the host's clock [s].
@@ -137,7 +137,7 @@ class Generator:
         return tuple(lines)
 
     def _stride(self, target: Target | None, size: int) -> tuple[str, ...]:
-        """Return the next points: towards the target if that can be proved, else towards rest."""
+        """Return the next points: towards the target if that can be proved, otherwise towards rest."""
         h, rates = self._segment, self._rates
         states: list[State] = []
         state = self._state
@@ -158,14 +158,14 @@ class Generator:
             self.why, self.stopped_by = steered.held_back, ()
             return self._taken(lines, state, rest)
         if size > STRIDE:
-            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # part of it may do
-        # Without this, a repeated target would creep up to a border.
+            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # a part may be provable
+        # Remember the refused velocity: otherwise a repeated target would let the robot creep up to a border.
         self.why, self._refused = objection, steered.velocity
         self.stopped_by = self._judge.stopped_by
         return self._towards_rest()
 
     def _towards_rest(self) -> tuple[str, ...]:
-        """Return the next points of the way to rest that was proved for the end of the streamed lines."""
+        """Return the next points of the motion to rest that was proved for the end of the streamed lines."""
         known = self._rest or (State.at_rest(self._state.c),)
         states = [known[min(number, len(known) - 1)] for number in range(STRIDE)]
         return self._taken(self._printed(states), states[-1], known[STRIDE:])

@@ -1,9 +1,10 @@
-"""Control points of a uniform cubic B-spline from wanted joint velocities, with bounded velocity,
-acceleration and jerk.
+"""Computation of control points of a uniform cubic B-spline from wanted joint velocities, with limited
+velocity, acceleration and jerk.
 
-With control points c at the grid's times, v[k] = (c[k] - c[k-1]) / h, a[k] = (v[k] - v[k-1]) / h, j[k] =
-(a[k] - a[k-1]) / h. The executed velocity lies in the convex hull of these v, its acceleration between these
-a, and its jerk is these j. So limits on v, a and j are limits on the motion.
+With control points c at intervals of h, the differences are v[k] = (c[k] - c[k-1]) / h, a[k] = (v[k] -
+v[k-1]) / h and j[k] = (a[k] - a[k-1]) / h. By the convex hull property of B-splines and their derivatives,
+the velocity of the motion is in the convex hull of these v, its acceleration is between these a, and its jerk
+is these j. So limits on v, a and j are limits on the motion.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ import numpy as np
 from yarclang.robot.model import Array
 
 _STILL = 1e-9
-"""Velocity that counts as zero [rad/s or m/s]."""
+"""Largest velocity that counts as zero [rad/s or m/s]."""
 
 _LONGEST = 2000
-"""Maximum number of points of a way to rest."""
+"""Most points of a motion to rest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """The largest velocity, acceleration and jerk of each joint (n,) that are used [rad or m, s]."""
+    """Limits that are used: the largest velocity, acceleration and jerk of each joint (n,) [rad or m, s]."""
 
     velocity: Array
     acceleration: Array
@@ -32,7 +33,9 @@ class Rates:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """The last control point and its differences: `c` (n,) [rad or m], `v` and `a` (n,) per s and per s^2."""
+    """The last control point and its differences: `c` (n,) [rad or m], `v` (n,) [per s] and `a` (n,) [per
+    s^2].
+    """
 
     c: Array
     v: Array
@@ -40,13 +43,13 @@ class State:
 
     @staticmethod
     def at_rest(q: Array) -> State:
-        """Return the state of standing at joint positions (n,) [rad or m]."""
+        """Return the state of a robot that stands at joint positions (n,) [rad or m]."""
         nothing = np.zeros(len(q))
         return State(q, nothing, nothing)
 
     @property
     def rests(self) -> bool:
-        """Return True if nothing moves any more."""
+        """Return True if velocity and acceleration are zero."""
         return not (self.v.any() or self.a.any())
 
 
@@ -66,29 +69,31 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
     change = wanted - state.v
     way = np.abs(change)
     if way.max() <= _STILL and np.abs(state.a).max() < _STILL:
-        # The remaining difference is rounding.
+        # The remaining difference is only rounding: set the wanted velocity.
         return State(state.c + h * wanted, wanted, np.zeros_like(wanted))
     moves = way > _STILL
     ways = np.where(moves, way, 1.0)
-    # The slowest joint limits the rate at which all joints change.
+    # Scale the limits of all joints to the slowest one, so that all joints need the same time for their
+    # changes.
     acceleration = np.where(
         moves, ways * np.where(moves, rates.acceleration / ways, np.inf).min(), rates.acceleration
     )
     jerk = np.where(moves, ways * np.where(moves, rates.jerk / ways, np.inf).min(), rates.jerk)
-    # In units of one jerk step (jerk h): an acceleration of x that falls by one per step changes the velocity
-    # by x n - n (n - 1) / 2 in n steps. `aim` is the x with which n steps make exactly the remaining change.
+    # One jerk step changes the acceleration by jerk h. In these units: if the acceleration is x and falls by
+    # one per step, the velocity changes by x n - n (n - 1) / 2 in n steps. `aim` is the acceleration from
+    # which n such steps make exactly the remaining change.
     gain = way / (jerk * h * h)
     n = np.maximum(np.ceil((np.sqrt(1.0 + 8.0 * gain) - 1.0) / 2.0 - 1e-9), 1.0)
     aim = np.minimum((gain / n + (n - 1.0) / 2.0) * jerk * h, acceleration)
-    # The acceleration rises as fast as the slowest joint allows, and falls as fast as possible.
+    # The acceleration rises as slowly as the slowest joint requires, and falls as fast as each joint allows.
     side = np.where(change < 0.0, -1.0, 1.0)
     before, full, rise = side * state.a, rates.jerk * h, jerk * h
     against = before < 0.0
-    # Accelerations in the opposite direction end for all joints at once: otherwise the direction would change
-    # meanwhile.
+    # Accelerations away from the target velocities are reduced so that they end for all joints at once;
+    # otherwise the direction of motion would change meanwhile.
     strong = np.where(against, -before, _STILL)
     unwound = strong * (full / np.maximum(strong, _STILL)).min()
-    # Except for a joint that would overshoot its velocity meanwhile.
+    # A joint that would exceed its velocity limit in this time is an exception: it uses its full jerk.
     steps = np.floor(strong / unwound)
     gained = h * (steps * strong - unwound * steps * (steps + 1.0) / 2.0)
     unwound = np.where(gained - side * state.v > rates.velocity, full, unwound)
@@ -99,7 +104,7 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
 
 
 def to_rest(state: State, rates: Rates, h: float) -> tuple[State, ...]:
-    """Compute the states up to one at rest, as soon as the limits allow.
+    """Compute the states of a motion to rest, as fast as the limits allow. The last state is at rest.
 
     Args:
         state: last state.

@@ -1,4 +1,4 @@
-"""The beginning of a live motion: its settings, its judge, and its generator."""
+"""Preparation of a live motion: its settings, its judge, and its generator."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from yarclang.runtime.live import Live
 from yarclang.units import MS
 
 SEGMENT = 10.0 * MS
-"""TM of live motions [s]."""
+"""Segment time of live motions [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Settings of a live motion: maximum `speed` of the tool [m/s] (None: the robot's `jog_speed`), `share`
-    of the joints' velocity limits, the segment time [s].
+    """Settings of a live motion: the largest `speed` of the tool [m/s] (None: the robot's `jog_speed`), the
+    `share` of the joints' velocity limits, and the segment time [s].
     """
 
     speed: float | None = None
@@ -35,21 +35,22 @@ class Settings:
 def live_motion(
     robot: Robot, here: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
 ) -> Result[tuple[Live, Generator]]:
-    """Build a live motion from where the robot stands.
+    """Create a live motion from the robot's present position.
 
-    No RAPID leads to a printed start, since that would take the motors' acceleration time, however short the
-    way.
+    The motion doesn't begin with a RAPID to a printed start position, because a RAPID takes the motors'
+    acceleration time even for a tiny distance.
 
     Args:
         robot: the robot.
-        here: (n,) its commanded position as reported by the controller [rad or m].
-        moving: the tool.
-        cell: the surroundings, with parts at their current places.
+        here: (n,) commanded position of the robot, as reported by the controller [rad or m].
+        moving: frame of the tool.
+        cell: the surroundings, with parts at their present places.
         settings: settings of the motion.
-        name: name of the motion for people.
+        name: name of the motion, for messages.
 
     Returns:
-        A finding instead, if the surroundings can't be read, or don't allow any motion.
+        The motion and its generator; a finding instead if the surroundings can't be read, or don't allow any
+        motion.
     """
     around = surroundings_of(robot, around_start(cell), moving)
     if around.value is None:
@@ -66,7 +67,7 @@ def live_motion(
     strict = scene_of(robot, around_start(cell, touching=False)).value if leaves else None
     judge = Judge(robot, here, segment, speed, tool, *around.value, strict=strict, points=writing.points)
     (stands,) = writing.lines(robot, here[None], decimals)
-    # The first way to rest leads to the nearest position that can be printed.
+    # The first motion to rest ends at the nearest position that can be printed.
     if objection := judge.objection((stands,) * 3, ()):
         message = f"where the robot stands, no live motion can begin: {objection}"
         return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))

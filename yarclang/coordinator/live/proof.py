@@ -1,16 +1,17 @@
-"""Verification of a live motion's text with the certificate's arithmetic. This module knows nothing of how
-the text was made.
+"""Verification of a live motion's text with the certificate's arithmetic. This module doesn't know how the
+text was created.
 
-It reads the printed numbers. After the lines admitted before, they must keep at every instant the limits of
-position, velocity, acceleration and jerk of each joint, the limits of the motors' speeds, the tool's largest
-speed, the distances of all bodies, and the zones; and the text must end at rest.
+It reads the printed numbers. Together with the lines that were admitted before, the text must respect at
+every instant the limits of position, velocity, acceleration and jerk of each joint, the speed limits of the
+motors, the largest speed of the tool, the distances of all bodies, and the zones. The text must end at rest.
 
-The motion begins at the commanded position of the motors: SPLINE1's first three control points are that
-position, which no line contains. So it is an argument here, with the precision of the controller's registers,
-and the robot need not move to a printed start first. The streaming code reads the position once more right
-before the motion, and doesn't begin farther away than `slack`. If each of the three points is off by d, then
-in the first three segments velocities are off by at most d / h, accelerations by d / h^2, and jerks by 2 d /
-h^3 (the differences of d, d, d, 0, 0, 0). All checks allow for these additional amounts.
+The motion begins at the commanded position of the motors: the first three control points of SPLINE1 are this
+position, and no line contains it. Therefore it is an argument here, with the precision of the controller's
+registers, and the robot need not move to a printed start first. The streaming code reads the position again
+right before the motion, and doesn't begin if it is farther away than `slack`. If each of the three points is
+off by d, then the velocities in the first three segments are off by at most d / h, the accelerations by d /
+h^2, and the jerks by 2 d / h^3 (the differences of d, d, d, 0, 0, 0). All checks allow for these additional
+amounts.
 """
 
 from __future__ import annotations
@@ -38,42 +39,42 @@ from yarclang.robot.model import START_SHARE, Array, Robot
 from yarclang.units import MM
 
 _BEYOND = 1.0
-"""Maximum distance of a tool's bodies from its origin [m], used for their deviation from the
-proved motion.
+"""Assumed largest distance of a tool's bodies from the tool's origin [m]. It bounds the deviation of these
+bodies from the proved motion.
 """
 
 _AHEAD, _AROUND = 1.5, 1e-3
-"""A region around the end of a text is searched for free room: this share of the text's extent, plus this
-margin [rad or m].
+"""Size of the region around the end of a text that is searched for free room: this share of the text's
+extent, plus this margin [rad or m].
 """
 
 _CROWDED = 8
-"""Number of texts for which no search is made after one without free room."""
+"""Number of texts without a search after a search that has found no free room."""
 
 _PIECES = (1, 8, 64)
-"""Numbers of pieces into which a segment is cut, tried in this order, to bound the tool's speed."""
+"""Numbers of pieces into which a segment is cut to bound the tool's speed, tried in this order."""
 
 
 class Judge:
-    """Admits text, increment by increment.
+    """Proves the text of a live motion piece by piece.
 
     Args:
         robot: the robot with its limits.
-        start: (n,) commanded position at rest [rad or m].
-        segment: TM [s].
+        start: (n,) commanded position before the motion [rad or m].
+        segment: segment time [s].
         speed: largest speed of the tool's origin [m/s].
         tool: (4, 4) flange_from_tool.
-        scene: bodies that must stay apart; None: there are none.
+        scene: bodies that must stay apart; None if there are none.
         watches: zones.
-        strict: bodies that must stay apart once the robot has left a part beside which it stands; None: it
-            stands beside none.
-        points: reads the lines of a text (k, n) [rad or m], or returns what is wrong with them.
+        strict: bodies that must stay apart as soon as the robot has left the part that it touches at the
+            start; None: it touches none.
+        points: reads the points (k, n) [rad or m] of a text's lines, or returns the reason why it can't.
 
     Attributes:
         slack: (n,) allowed deviation of each joint from `start` when the motion begins [rad or m]: a fraction
             of a count. It moves no point of the arm by more than half of the collision proof's `SLACK`, so
             bodies stay apart and zones are respected to that precision.
-        stopped_by: bodies and zones that the last objection is about; empty: none.
+        stopped_by: bodies and zones named in the last objection; empty: none.
     """
 
     def __init__(
@@ -115,11 +116,11 @@ class Judge:
         self.stopped_by: tuple[str, ...] = ()
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
-        """Return why lines can't be admitted; empty: they can.
+        """Return the reason why lines can't be streamed; empty if they can.
 
         Args:
             lines: lines to be streamed.
-            tail: lines that would bring the robot to rest after them.
+            tail: further lines that would bring the robot to rest.
         """
         self.stopped_by = ()
         points = self._points(self._robot, (*lines, *tail))
@@ -131,11 +132,12 @@ class Judge:
         control = np.concatenate([self._behind, points])
         count = len(control) - 3
         cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))
-        # A segment has four control points; those at the start may be off.
+        # Each segment has four control points. The first segments contain points of the start, which may be
+        # off.
         off = np.where(np.arange(count) < self._starts, 1.0, 0.0)
         beside = off * self._beside
-        # A point's velocity is J(q) w. In the first segments, the error of w adds at most beside / h to it,
-        # and the error of q in J(q) at most beside times the sum of |w|.
+        # The velocity of a point is J(q) w. In the first segments, the error of w adds at most beside / h to
+        # it, and the error of q in J(q) adds at most beside times the sum of |w|.
         faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
         return (
             self._limits(cubics, off[:, None] * self.slack)
@@ -144,13 +146,13 @@ class Judge:
         )
 
     def admit(self, lines: tuple[str, ...]) -> None:
-        """Record that lines are streamed, to which `objection` had none."""
+        """Record that lines are streamed for which `objection` has returned no reason."""
         points = self._points(self._robot, lines)
         assert not isinstance(points, str)
         self._behind = np.concatenate([self._behind, points])[-3:]
         if self._strict is not None and len(points):
-            # The motion continues from these points. Once nothing is near them, bodies that were allowed to
-            # touch no longer may.
+            # The motion continues from these three points. As soon as nothing is near them, bodies that were
+            # allowed to touch at the start must stay apart.
             lower, upper = self._behind.min(axis=0), self._behind.max(axis=0)
             around = Room((lower + upper) / 2.0, upper - lower + _AROUND)
             if is_free(self._strict, around):
@@ -158,13 +160,13 @@ class Judge:
         self._starts = max(0, self._starts - len(points))
 
     def _limits(self, cubics: Cubics, off: Array) -> str:
-        """Check the limits of joints and motors; the control points of each segment may be off by `off` (N,
-        n).
+        """Check the limits of joints and motors. The control points of each segment may be off by `off`
+        (N, n) [rad or m].
         """
         h = self._segment
         robot, limits, names = self._robot, self._robot.limits, self._robot.joint_names
         lower, upper = cubics.position_range()
-        # The start may be past a limit by its own uncertainty.
+        # The start may be beyond a limit by its own uncertainty.
         past = (np.maximum(upper - limits.upper, limits.lower - lower) - off).max(axis=0) / robot.axis_units
         if (past > POSITION_UNITS).any():
             return f"{names[int(np.argmax(past))]} would go past its limit"
@@ -187,8 +189,8 @@ class Judge:
         return ""
 
     def _tool_speed(self, cubics: Cubics, faster: Array) -> str:
-        """Check the tool's speed, cutting segments into pieces until the bound is sharp enough; each may be
-        `faster` (N,) [m/s].
+        """Check the tool's speed. Segments are cut into pieces until the bound is tight enough. Each segment
+        may be `faster` (N,) than computed [m/s].
         """
         worst = 0.0
         for pieces in _PIECES:
@@ -260,7 +262,7 @@ class Judge:
         """Return True if all bodies are so far apart around the text that the path itself need not be
         checked.
 
-        The path lies in the convex hull of its control points.
+        By the convex hull property, the path stays within the box of its control points.
         """
         lower, upper, end = control.min(axis=0), control.max(axis=0), control[-1]
         if self._room is not None and self._room.has(lower, upper):
@@ -268,7 +270,7 @@ class Judge:
         if self._crowded:
             self._crowded -= 1
             return False
-        # The room is centred at the end of the text, so that the next texts lie in it as well.
+        # The room is centered at the end of the text, so that the next texts are also within it.
         room = Room(end, _AHEAD * np.maximum(upper - end, end - lower) + _AROUND)
         self._room = room if is_free(scene, room) else None
         self._crowded = _CROWDED if self._room is None else 0
@@ -281,7 +283,7 @@ def surroundings_of(
     """Return the bodies and zones that a robot in a cell must respect while a frame is moved.
 
     Returns:
-        None if a body can't be read: then nothing is proved.
+        Bodies and zones, each empty if there are none. None, with findings, if a body can't be read.
     """
     if not robot.shapes and not (cell and (cell.obstacles or cell.zones)):
         return Result((None, ()))

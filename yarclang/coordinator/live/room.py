@@ -1,7 +1,8 @@
 """Free room around a joint position: boxes of joint positions in which all bodies stay apart, proved once for
-all paths within them.
+all paths within the box.
 
-A jog's text is proved again every 30 ms, mostly with nothing nearby: then one proof covers many texts.
+The text of a jog is proved every 30 ms, mostly with nothing nearby. In this case one proof of a room covers
+many texts.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from yarclang.robot.model import Array
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Room:
-    """A box of joint positions: at most `reach` (n,) from `middle` (n,) [rad or m]."""
+    """A box of joint positions: all positions within `reach` (n,) of `middle` (n,) [rad or m]."""
 
     middle: Array
     reach: Array
@@ -28,7 +29,7 @@ class Room:
         """Return True if a box of joint positions is in the room.
 
         Args:
-            lower: (n,) least positions of the box [rad or m].
+            lower: (n,) smallest positions of the box [rad or m].
             upper: (n,) largest positions of the box [rad or m].
         """
         inside = (lower >= self.middle - self.reach) & (upper <= self.middle + self.reach)
@@ -36,12 +37,12 @@ class Room:
 
 
 def is_free(scene: Scene, room: Room) -> bool:
-    """Return True if, at all joint positions in a room, all pairs of bodies are surely farther apart than
-    their margins plus `SLACK`.
+    """Return True if all pairs of bodies are proved to be farther apart than their margins plus `SLACK` at
+    all joint positions in a room.
 
-    The bound is the distance of two bodies in the middle, minus their largest relative motion from there
-    (`collision.travel`, whose bound holds at each posture in the box). Bounding spheres decide most pairs,
-    then bounding boxes, then the shapes.
+    The bound is the distance of two bodies at the middle of the room, minus their largest relative motion
+    from there (`collision.travel`, whose bound holds at each posture in the box). Bounding spheres decide
+    most pairs, then bounding boxes, then the shapes themselves.
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])

@@ -1,9 +1,9 @@
-"""Access for another process that steers the robot (`messages/wants.py`): the paper's master and slave, and
-velocities from another program.
+"""Access for another process that steers the robot (`messages/wants.py`): a master that the robot follows, or
+a program that sends velocities.
 
 The right to steer is checked before the first order is read: by the permissions of a Unix socket's file and
-the caller's user, or, over TCP, by a token. A process without it occupies, for a few seconds, one of a few
-waiting places, but never the place of the process that steers.
+the caller's user, or, over TCP, by a token. A process without this right can occupy one of a few waiting
+places for a few seconds, but never the place of the process that steers.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ MOST_LINE = 1 << 14
 """Longest line [bytes]."""
 
 LOOPBACK = "127.0.0.1"
-"""Address of this computer that no other computer reaches."""
+"""Address of this computer that other computers can't reach."""
 
 _TOKEN_BYTES = 32
 """Number of random bytes in a token."""
 
 _UNREAD = 1 << 16
-"""Number of unread bytes after which no more answers are written."""
+"""Number of unread bytes from which on no further replies are written."""
 
 _TAKEN = "another process steers the robot"
 
@@ -44,10 +44,10 @@ _UNTOLD = 'the first line must be {"token": "..."}, with the token that yarc fol
 
 @dataclass(frozen=True, slots=True)
 class UnixDoor:
-    """A Unix socket that only processes of our own user, and root, may use.
+    """A Unix socket that only processes of the same user and of root may use.
 
     Attributes:
-        path: path of its file; None: a new one in the folder that only its owner may enter.
+        path: path of its file; None: a new file in the folder that only its owner may enter.
     """
 
     path: Path | None = None
@@ -55,14 +55,14 @@ class UnixDoor:
 
 @dataclass(frozen=True, slots=True)
 class TcpDoor:
-    """A TCP port. All users of this computer can reach it, and so can every web page that is open here, so
-    the first line must have the token.
+    """A TCP port. All users of this computer can reach it, and so can every web page that is open on this
+    computer. Therefore the first line must contain the token.
 
     Attributes:
-        port: 0: any free port.
-        host: address to listen on. If it can be reached from other computers, all messages can be read on the
+        port: number of the port; 0: any free port.
+        host: address on which to listen. If other computers can reach it, all messages can be read on the
             way, including the token.
-        token: generated for each door.
+        token: secret that is generated for each door.
     """
 
     port: int = 0
@@ -70,7 +70,9 @@ class TcpDoor:
     token: str = field(init=False, repr=False, default_factory=lambda: secrets.token_urlsafe(_TOKEN_BYTES))
 
     def opens_by(self, token: str) -> bool:
-        """Return True if a token opens this door; in constant time, for any string that JSON may produce."""
+        """Return True if a token opens this door. The comparison takes constant time, and accepts any string
+        that JSON can contain.
+        """
         return secrets.compare_digest(_bytes(token), _bytes(self.token))
 
 
@@ -86,7 +88,8 @@ class Patience:
     Attributes:
         first: longest time for the whole first line [s].
         silence: longest time for each further line [s].
-        waiting: number of connections without a first line; one more closes the oldest.
+        waiting: largest number of connections without a first line; a further connection closes the oldest
+            one.
     """
 
     first: float = 5.0
@@ -98,16 +101,16 @@ DEFAULT_PATIENCE = Patience()
 
 
 class MasterServer:
-    """Listens as long as the context lasts; one process at a time steers.
+    """Server for processes that steer the robot, one at a time. It listens until the context ends.
 
-    The first order begins a live motion. 200 ms without an order, `finish`, or the end of the connection
-    bring it to rest. The next order begins another one.
+    The first order begins a live motion. The robot comes to rest after 200 ms without an order, after
+    `finish`, or at the end of the connection. The next order begins another motion.
 
     Args:
         attached: the client that moves the robot; it must own the robot.
-        door: where to listen, and how callers prove their right to steer.
+        door: address on which to listen, and the way in which callers prove their right to steer.
         robot: name of the robot, used for a socket's name.
-        moving: frame that poses and twists refer to.
+        moving: frame to which poses and twists refer.
         speed: maximum speed of that frame [mm/s]; None: the robot's jog speed.
         patience: limits on the resources of connections.
 
@@ -140,10 +143,10 @@ class MasterServer:
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def __aenter__(self) -> MasterServer:
-        """Listen.
+        """Begin to listen.
 
         Raises:
-            Trouble: the address can't be listened on.
+            Trouble: the server can't listen on the address.
         """
         if isinstance(self.door, TcpDoor):
             await self._listen_tcp(self.door)
@@ -198,10 +201,10 @@ class MasterServer:
     async def _meet(
         self, task: asyncio.Task[None], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> str:
-        """Check a caller's right to steer, and then let it steer.
+        """Check a caller's right to steer, then execute its orders.
 
         Returns:
-            Why the connection ends; empty if the caller ends it.
+            The reason why the connection ends; empty if the caller has ended it.
         """
         if isinstance(self.door, UnixDoor):
             if not peer_of(writer.get_extra_info("socket")).is_trusted:
@@ -237,8 +240,8 @@ class MasterServer:
             self._steers = None
 
     async def _serve(self, line: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> str:
-        """Execute a caller's lines, including a first line that was read already; return why the connection
-        ends.
+        """Execute a caller's lines, including a first line that was read already. Return the reason why the
+        connection ends.
         """
         begun = False
         try:
@@ -280,8 +283,8 @@ def _denied(error: str) -> bytes:
 
 
 def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
-    """Return the token of a line, or a denial with the text `untold`; never raises, whatever the
-    line holds.
+    """Return the token that a line contains, or a denial with the text `untold`. Raises no exception for
+    any line.
     """
     content = read_object(line, MOST_LINE)
     if isinstance(content, Denied):
@@ -291,12 +294,12 @@ def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
 
 
 async def line_within(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
-    """Return the next line. Empty at the end, also after half a line: a caller that dies within a line has
-    ordered nothing.
+    """Return the next line; empty at the end of the connection. An incomplete last line is ignored: a caller
+    that dies while writing a line hasn't given the order.
 
     Args:
         reader: reader of the connection.
-        seconds: longest time for the whole line.
+        seconds: longest time for the whole line [s].
     """
     try:
         async with asyncio.timeout(seconds):
@@ -314,7 +317,9 @@ def _bytes(token: str) -> bytes:
 
 
 def _remover(path: Path) -> Callable[[], None]:
-    """Return a function that removes a socket's file, unless the file belongs to another socket by then."""
+    """Return a function that removes a socket's file, unless the file belongs to another socket by that
+    time.
+    """
     made = path.lstat()
 
     def remove() -> None:

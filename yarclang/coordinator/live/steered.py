@@ -40,7 +40,7 @@ class Reader:
     Args:
         robot: the robot that is steered.
         tool: (4, 4) flange_from_tool, used for poses.
-        start: (n,) where the robot stands [rad or m].
+        start: (n,) position of the robot [rad or m].
     """
 
     def __init__(self, robot: Robot, tool: Array, start: Array) -> None:
@@ -55,10 +55,10 @@ class Reader:
 
         Args:
             want: the message.
-            now: when it came [s].
+            now: time at which it arrived [s].
 
         Raises:
-            Trouble: the robot can't do that, and why.
+            Trouble: the robot can't follow the target.
         """
         match want:
             case wants.BeThere(joints=joints, rate=rate):
@@ -129,12 +129,12 @@ class Reader:
 
 
 class Steered:
-    """The live motion of one client, if there is one.
+    """The live motion of one client, if any.
 
     Args:
         client: the client that moves the robot.
         now: the session's clock [s].
-        rests: number of stops, aborts and holds so far.
+        rests: returns the number of stops, aborts and holds so far.
     """
 
     def __init__(self, client: Client, now: Callable[[], float], rests: Callable[[], int]) -> None:
@@ -151,7 +151,7 @@ class Steered:
         self._reader: Reader | None = None
 
     def set(self, order: orders.Steer) -> None:
-        """Set the settings of later motions."""
+        """Set the settings of the next motions."""
         name = order.moving.strip("{} ")
         self._moving = f"{{{name}}}"
         self._settings = Settings(speed=None if order.speed is None else order.speed * MM, share=order.share)
@@ -159,11 +159,11 @@ class Steered:
         self._reader = self._begun_at = None
 
     async def take(self, want: wants.Want) -> replies.Wanted:
-        """Execute a message; the first target begins a motion.
+        """Execute a message. The first target begins a motion.
 
         Raises:
             NotOwner: the client only watches.
-            Trouble: it can't be done, and why.
+            Trouble: the message can't be executed.
         """
         reader = await self._read_by(want)
         target = reader.read(want, self._now())
@@ -181,8 +181,8 @@ class Steered:
         return replies.Wanted(lag_s=round(drive.lag, 3), behind=behind, why=drive.why)
 
     async def _read_by(self, want: wants.Want) -> Reader:
-        """Return the reader for a message. If no motion is in progress, the reader is a new one, since the
-        robot may stand elsewhere.
+        """Return the reader for a message. If no motion is in progress, a new reader is created, since the
+        robot may be elsewhere by now.
         """
         robot = self._client.robot
         if not isinstance(want, wants.BeThere | wants.HoldPose):
@@ -200,7 +200,8 @@ class Steered:
             self._drive.want(target)
             return self._drive
         if self._begun_at not in (None, self._rests()):
-            # A master that keeps sending doesn't know of the stop, which would last only until its next line.
+            # The master keeps sending because it doesn't know of the stop. Without this check, the stop would
+            # last only until its next line.
             remedy = 'send {"finish": true} first, or connect again'
             raise Trouble("somebody has stopped or held the robot", remedy, UNDER_WAY)
         if self._over:
@@ -221,8 +222,8 @@ class Steered:
 
 
 def _refusal(found: Diagnostic) -> Trouble:
-    """Return a finding as a `Trouble` for a client, with its place if it is in a file of the cell or the
-    robot.
+    """Convert a finding to a `Trouble` for a client. The message contains its place if it is in a file of the
+    cell or the robot.
     """
     what = found.clause
     if found.source is not None and found.span is not None and found.source.name.endswith(".toml"):

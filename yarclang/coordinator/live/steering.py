@@ -1,4 +1,4 @@
-"""Joint velocities from targets: a joint's velocity, a twist, or a master that is followed."""
+"""Computation of joint velocities from targets: a joint's velocity, a twist, or a master that is followed."""
 
 from __future__ import annotations
 
@@ -14,35 +14,34 @@ from yarclang.robot.kinematics.singularity import weighted_jacobians
 from yarclang.robot.model import Array, Robot
 
 SLOW, STILL = 0.06, 0.02
-"""Smallest singular values (weighted, `robot.kinematics.singularity`).
-
-Towards a singularity, a motion slows down below the first value and stops at the second.
+"""Smallest singular values of the weighted Jacobian (`robot.kinematics.singularity`): on the way to a
+singularity, a motion slows down below the first value and stops at the second.
 """
 
 _AHEAD = 0.02
-"""Distance at which a singularity is searched ahead, as motion of the joints [rad, or arm's lengths for a
-sliding joint].
+"""Distance for which the motion is extrapolated to look for a singularity, as motion of the joints [rad, or
+arm's lengths for a sliding joint].
 """
 
 _SAME = 1e-7
 _KEPT = 0.9
-"""Share of a tool's maximum speed that is used; the rest allows for an increase within a segment."""
+"""Share of a tool's largest speed that is used; the rest is for an increase within a segment."""
 
 _NEAR = 0.2
-"""Time in which a master that stands still is reached [s]."""
+"""Time in which the robot reaches a master that stands still [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointVelocity:
-    """Target: joints move with `velocity` (n,) [rad/s or m/s]."""
+    """Target: the joints move with `velocity` (n,) [rad/s or m/s]."""
 
     velocity: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Twist:
-    """Target: the tool moves with `linear` (3,) [m/s] and turns with `angular` (3,) [rad/s], along the axes
-    of {B} or its own.
+    """Target: the tool moves with `linear` (3,) [m/s] and turns with `angular` (3,) [rad/s], in the axes of
+    {B} or of the tool.
     """
 
     linear: Array
@@ -52,7 +51,9 @@ class Twist:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Master:
-    """Target: the robot follows a master at joints `q` (n,) [rad or m], which move with `rate` (n,) per s."""
+    """Target: the robot follows a master at joint positions `q` (n,) [rad or m] that move with `rate` (n,)
+    [per s].
+    """
 
     q: Array
     rate: Array
@@ -63,7 +64,7 @@ Target = JointVelocity | Twist | Master
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Steered:
-    """Joint velocities (n,) [rad/s or m/s], and the reason if they differ from the target, in words."""
+    """Joint velocities (n,) [rad/s or m/s], and the reason in words if they differ from the target."""
 
     velocity: Array
     held_back: str = ""
@@ -93,7 +94,8 @@ class Steering:
         Args:
             target: the target; None: rest.
             state: the robot's state.
-            ahead: delay until the velocities take effect [s]; a twist is evaluated where the robot is then.
+            ahead: delay until the velocities take effect [s]. A twist is evaluated at the robot's position at
+                that time.
         """
         match target:
             case None:
@@ -111,16 +113,16 @@ class Steering:
         Args:
             wanted: (n,) joint velocities [rad/s or m/s].
             q: (n,) joint positions [rad or m].
-            why: reason if the velocities already differ from the target.
+            why: reason, if the velocities already differ from the target.
         """
-        # The factors by which joints and tool would exceed their limits; the larger one counts.
+        # Factors by which the joints and the tool would exceed their limits; the largest one counts.
         share = float((np.abs(wanted) / self._rates.velocity).max(initial=0.0))
         tool = float(np.linalg.norm((self._jacobian(q) @ (wanted / self._slide))[:3])) * self._length
         share = max(share, tool / (_KEPT * self._speed))
         return Steered(wanted / share, why) if share > 1.0 else Steered(wanted, why)
 
     def _jacobian(self, q: Array) -> Array:
-        """Compute the Jacobian (6, n) at the tool, with lengths in arm's lengths."""
+        """Compute the Jacobian (6, n) at the tool. Lengths are measured in arm's lengths."""
         found: Array = weighted_jacobians(self._robot.chain, q[None], self._tool)[0]
         return found
 
@@ -132,8 +134,8 @@ class Steering:
         if not wanted.any():
             return Steered(np.zeros_like(q))
         left, values, right = np.linalg.svd(self._jacobian(q), full_matrices=False)
-        # Damped least squares: near a singularity, directions that would need unlimited speed are faded out;
-        # elsewhere the solution is exact.
+        # Damped least squares: near a singularity, directions that would need unlimited speed are faded out.
+        # Elsewhere the solution is exact.
         damping = np.where(values < SLOW, (SLOW - values) * STILL, 0.0)
         joints = right.T @ (values / (values**2 + damping) * (left.T @ wanted)) if values.any() else 0.0 * q
         least = float(values[-1])
@@ -148,11 +150,12 @@ class Steering:
         return self._within(factor * joints * self._slide, q, why)
 
     def _towards(self, master: Master, state: State) -> Array:
-        """Return the master's velocity plus a velocity that closes the distance, from which the rest can be
-        braked.
+        """Return the master's velocity plus a velocity that closes the distance. The latter is small enough
+        to brake within the remaining distance.
         """
         left = master.q - state.c
         brake = 0.5 * self._rates.acceleration
+        # From v = sqrt(2 a s), a joint comes to rest within the distance s with the deceleration a.
         fast = np.sqrt(2.0 * brake * np.abs(left))
         velocity: Array = master.rate + np.sign(left) * np.minimum(fast, np.abs(left) / _NEAR)
         return velocity

@@ -7,8 +7,8 @@ from yarclang.coordinator.messages.replies import Course, PathBound, Peaks, Repl
 
 
 class CourseCommand(Message):
-    """A motion of the course: when it is executed [s], and where it ends [deg or mm], in the order of the
-    robot's joints.
+    """A motion of the course: its begin and end [s], and the joint positions at its end [deg or mm], in the
+    order of the robot's joints.
     """
 
     title: str
@@ -20,7 +20,7 @@ class CourseCommand(Message):
 
 
 class NearestProved(Message):
-    """The smallest proved distance between bodies: the two bodies (empty: all stay farther apart), the
+    """The smallest proved distance between bodies: the two bodies (empty: all bodies stay farther apart), the
     command, and the time [s]; null: not known.
     """
 
@@ -33,27 +33,27 @@ class NearestProved(Message):
 
 
 class ProgramCourse(Reply):
-    """Course of a program along its longest branches: its motion, and the proved distances. The times count
-    from the program's beginning, as those of `progress` do.
+    """Course of a program along its longest branches: its motion, and the proved distances. Times count from
+    the program's beginning, like those of `progress`.
     """
 
     course: Course
-    """Empty if `unknown` gives a reason."""
+    """Motion of the robot; empty if `unknown` gives a reason."""
     commands: tuple[CourseCommand, ...]
     """The motions of the course."""
     takes: Takes
     nearest: NearestProved | None
-    """Null: no bodies are known, or no two of them move against each other."""
+    """Smallest proved distance; null: no bodies are known, or no two of them move relative to each other."""
     path: PathBound
     peaks: Peaks | None
-    """Null if nothing moves."""
+    """Largest used shares of the limits; null if nothing moves."""
     left_out: int
-    """Number of motions in shorter branches of a WHEN that the course leaves out."""
+    """Number of motions in the shorter branches of WHENs, which are left out."""
     unknown: str
-    """Reason for which the motion isn't known; empty if it is known."""
+    """Reason why the motion isn't known; empty if it is known."""
     sha256: str
-    """SHA-256 of the proved program text (UTF-8); empty if only a controller text is known."""
+    """SHA-256 of the text of the proved program (UTF-8); empty if only a controller text is known."""
     changed: bool | None
-    """True if the file has changed since; the proved text is the one that runs. Null: the file can't be read,
-    or there is none.
+    """True if the file has changed since the program was loaded; the proved text is the one that runs. Null:
+    the file can't be read, or there is none.
     """

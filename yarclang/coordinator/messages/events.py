@@ -19,8 +19,8 @@ class BaseEvent(Message):
 
 
 class StateChanged(BaseEvent):
-    """The robot's state has changed, with the reason; after a failure also the code of the finding and the
-    remedy. `asks`: the question of a HOLD, which goes on only with an answer.
+    """The robot's state has changed, with the reason; after a failure also with the code of the finding and
+    the remedy. `asks` is the question of a HOLD, which continues only with an answer.
     """
 
     event: Literal["state"] = "state"
@@ -32,8 +32,8 @@ class StateChanged(BaseEvent):
 
 
 class ValuesAsked(BaseEvent):
-    """The program accepts values from outside now (`fill`). Null: it accepts no more, since they were given
-    or the wait is over.
+    """The program accepts values from outside now (`fill`). Null: it no longer does, because the values were
+    given or the wait is over.
     """
 
     event: Literal["values_wanted"] = "values_wanted"
@@ -41,7 +41,7 @@ class ValuesAsked(BaseEvent):
 
 
 class Position(BaseEvent):
-    """Actual positions of the robot, 50 times a second, and the time of the program."""
+    """Actual position of the robot, sent 50 times a second, and the time of the program."""
 
     event: Literal["position"] = "position"
     joints: Joints
@@ -49,10 +49,10 @@ class Position(BaseEvent):
 
 
 class ProgressMade(BaseEvent):
-    """Progress of the program: known seconds done, seconds left at the present override, the command that is
-    executed and its line.
+    """Progress of the program: known time that has passed [s], remaining time at the present override [s],
+    and the command that is being executed with its line.
 
-    Motions and dwells count; where ways part, along the longer one.
+    Motions and dwells count. Where the program branches, the longer branch counts.
     """
 
     event: Literal["progress"] = "progress"
@@ -63,7 +63,7 @@ class ProgressMade(BaseEvent):
 
 
 class Found(BaseEvent):
-    """Findings in a text from a client."""
+    """Findings in a text that a client has sent."""
 
     event: Literal["findings"] = "findings"
     client: str
@@ -71,13 +71,13 @@ class Found(BaseEvent):
 
 
 class Told(BaseEvent):
-    """A message for people."""
+    """A message for the users."""
 
     event: Literal["message"] = "message"
     text: str
     warning: bool = False
     stopped_by: tuple[str, ...] = ()
-    """The bodies and zones that stop a live motion, if the text says why it is stopped."""
+    """Bodies and zones that limit a live motion, if the message is about this."""
     code: str | None = None
     """Code of the finding, if there is one."""
 
@@ -100,8 +100,8 @@ class Began(BaseEvent):
     """A motion was ordered and is being sent to the controller: its name, its duration, and the client that
     ordered it.
 
-    `duration_s` is the known time along the longest ways, `waits` how often it waits for an input or the
-    operator, at most.
+    `duration_s` is the known time along the longest branches. `waits` is the largest number of waits for an
+    input or the operator.
     """
 
     event: Literal["began"] = "began"
@@ -112,10 +112,10 @@ class Began(BaseEvent):
 
 
 class PartBegan(BaseEvent):
-    """A part of the run begins: the way to the start, the program or its rest, one of its commands, or one
-    more pass.
+    """A part of the run begins: the motion to the start, the program or its rest, one of its commands, or
+    another pass.
 
-    `offset_s` is how far into the program it begins.
+    `offset_s` is the time of the program at which the part begins [s].
     """
 
     event: Literal["part"] = "part"
@@ -126,13 +126,13 @@ class PartBegan(BaseEvent):
     number: int
     """Number of the step or pass, from 1."""
     of: int | None
-    """Total number; null: without end."""
+    """Total number of steps or passes; null: unlimited."""
     leads_out: bool = False
-    """True: it isn't of the program; it leads back and out after a watched input has held a motion."""
+    """True: the part isn't in the program. It leads back and out after a watched input has held a motion."""
 
 
 class Paused(BaseEvent):
-    """The robot waits for a request before the next command: `title`, number `number` of `of`."""
+    """The robot waits for a request before the next command `title`, which is number `number` of `of`."""
 
     event: Literal["paused"] = "paused"
     title: str
@@ -141,8 +141,8 @@ class Paused(BaseEvent):
 
 
 class Finished(BaseEvent):
-    """The run or motion has ended, well or not. `joints` is null if the position isn't known; `line` is the
-    program line of a fault.
+    """The run or motion has ended; `well` is true if it was complete. `joints` is null if the position isn't
+    known; `line` is the program line of a fault.
     """
 
     event: Literal["finished"] = "finished"
@@ -167,8 +167,8 @@ class OutputSet(BaseEvent):
 
 
 class WaitBegan(BaseEvent):
-    """The robot stands at a WAIT, at `place` in the program: the input must become `wanted`, and is `value`
-    now.
+    """The robot stands at a WAIT, at `place` in the program: the input must become `wanted`; its present
+    value is `value`.
     """
 
     event: Literal["wait_began"] = "wait_began"
@@ -180,8 +180,8 @@ class WaitBegan(BaseEvent):
 
 
 class WaitEnded(BaseEvent):
-    """A WAIT has ended after `waited_s`: the input has the wanted value, or (`met` is false) the time of the
-    WAIT is over.
+    """A WAIT has ended after `waited_s`: because the input has the wanted value, or, if `met` is false,
+    because the time of the WAIT is over.
     """
 
     event: Literal["wait_ended"] = "wait_ended"
@@ -194,7 +194,7 @@ class WaitEnded(BaseEvent):
 
 
 class InputChanged(BaseEvent):
-    """An input of a simulated robot has changed, by its script, by a sensor of the cell, or by hand."""
+    """An input of a simulated robot has changed: by its script, by a sensor of the cell, or by a user."""
 
     event: Literal["input_changed"] = "input_changed"
     name: str
@@ -204,7 +204,7 @@ class InputChanged(BaseEvent):
 
 
 class SceneChanged(BaseEvent):
-    """The bodies, zones or parts around the robot may have changed: ask for `scene`."""
+    """The bodies, zones or parts around the robot may have changed: request `scene` again."""
 
     event: Literal["scene_changed"] = "scene_changed"
 
@@ -238,4 +238,4 @@ Event = Annotated[
 ]
 
 COALESCED = (Position, ProgressMade, SceneChanged)
-"""Events of which only the newest counts."""
+"""Events of which only the newest waits."""

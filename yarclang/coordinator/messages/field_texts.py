@@ -1,5 +1,5 @@
-"""The texts below a message's fields, read from the source when a schema asks for them: reading them at each
-start would slow it down.
+"""The docstrings below a message's fields. They are read from the source when a schema needs them, because
+reading them at each start would slow it down.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import cache
 
 
 def field_texts(kind: type) -> Mapping[str, str]:
-    """Return the texts below the fields of a class, and of those that it is made of, by the fields' names."""
+    """Return the docstrings below the fields of a class and its base classes, by the names of the fields."""
     found: dict[str, str] = {}
     for one in reversed(kind.__mro__):
         if one.__module__.startswith("yarclang."):

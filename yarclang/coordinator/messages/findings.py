@@ -1,6 +1,4 @@
-"""Findings as messages: as in the output of `yarc check --format json`, with the source line that they are
-about.
-"""
+"""Findings as messages: as in the output of `yarc check --format json`, with the affected source line."""
 
 from __future__ import annotations
 
@@ -13,7 +11,7 @@ from yarclang.source import SourceFile, Span
 
 
 class FindingEdit(Message):
-    """Replace what stands between two places by a text."""
+    """Replacement of the text between two places."""
 
     line: int
     column: int
@@ -30,8 +28,8 @@ class FindingFix(Message):
 
 
 class FindingWithin(Message):
-    """The line of a module that a finding is about, which the finding's own line calls; `file` is empty for
-    an installed module.
+    """The line of a module that has the finding. The line of the finding itself calls the module. `file` is
+    empty for an installed module.
     """
 
     module: str
@@ -59,14 +57,14 @@ class Finding(Message):
     help: str | None
     fix: FindingFix | None
     text: str | None = None
-    """The line that it is about."""
+    """The source line that has the finding."""
     within: FindingWithin | None = None
-    """The line of a module that it is about, if the line above calls a module."""
+    """The line of a module that has the finding, if the source line calls a module."""
 
 
 def finding_message(one: Diagnostic) -> Finding:
     """Return a finding as a message."""
-    from yarclang.report.finding import finding_json  # brings in click
+    from yarclang.report.finding import finding_json  # imported late: it imports click
 
     text = one.source.line(one.span.line) if one.source is not None and one.span is not None else None
     content = finding_json(one)
@@ -91,7 +89,7 @@ def finding_messages(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
 
 
 def finding_of(message: Finding) -> Diagnostic:
-    """Return the finding of a message; of its source, only the line that it is about is known."""
+    """Return the finding that a message describes. Of its source, only the affected line is known."""
     source = None if message.file is None else SourceFile(message.file, "")
     span = None
     if message.file is not None and message.line is not None:
@@ -122,5 +120,5 @@ def _fix_of(fix: FindingFix | None) -> Fix | None:
 
 
 def findings_of(messages: tuple[Finding, ...]) -> tuple[Diagnostic, ...]:
-    """Return the findings of messages."""
+    """Return the findings that messages describe."""
     return tuple(map(finding_of, messages))

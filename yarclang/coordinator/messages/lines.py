@@ -1,4 +1,6 @@
-"""Conversion between messages and lines of JSON. Any line can be read without an exception. No I/O."""
+"""Conversion between messages and lines of JSON. Reading raises no exception, whatever the line contains.
+No I/O.
+"""
 
 from __future__ import annotations
 
@@ -20,17 +22,17 @@ from yarclang.runtime.actions import Trouble
 R = TypeVar("R", bound=Reply)
 
 MOST_LINE: Final = 1 << 22
-"""Longest line of an order, with its end [bytes]."""
+"""Longest line of an order, including its newline [bytes]."""
 
 MOST_ANSWER: Final = 1 << 26
-"""Longest line of an answer [bytes]."""
+"""Longest line of a reply [bytes]."""
 
 _SHOWN = 40
 _HTTP = re.compile(rb"[A-Z]+ \S+ HTTP/")
-"""The first line of a browser's request."""
+"""Pattern for the first line of a browser's request."""
 
 Id: TypeAlias = int | str | None
-"""Label of an order, chosen by the sender; its answer has the same label."""
+"""Label of an order, chosen by the sender. The reply has the same label."""
 
 _ORDERS: dict[str, type[Order[Any]]] = {one.model_fields["order"].default: one for one in orders.KINDS}
 _WANTS: dict[str, type[Order[Any]]] = {one.key: one for one in wants.KINDS}  # type: ignore[attr-defined]
@@ -40,8 +42,8 @@ _WANTS: dict[str, type[Order[Any]]] = {one.key: one for one in wants.KINDS}  # t
 class Asked:
     """The order on a line, with its `id`.
 
-    `ends` is True if the line is no JSON object: the caller speaks another protocol, and later lines might
-    look like orders by chance.
+    `ends` is True if the line isn't a JSON object. Then the connection ends: the caller uses another
+    protocol, and later lines might look like orders by chance.
     """
 
     what: Order[Any] | Denied
@@ -50,7 +52,7 @@ class Asked:
 
 
 def too_long(most: int) -> Denied:
-    """Return the answer to a line that is too long; the rest of the connection can't be read."""
+    """Return the reply to a line that is too long. The rest of the connection can't be read."""
     size = f"{most >> 20} MiB" if most >= 1 << 20 else f"{most >> 10} KiB"
     return Denied(error=f"a line is longer than {size}")
 
@@ -73,7 +75,7 @@ def write_order(order: Order[Any], id_: Id = None) -> bytes:
 
 
 def write_answer(answer: Reply | Denied, id_: Id = None) -> bytes:
-    """Return the line of an answer."""
+    """Return the line of a reply."""
     content = answer.model_dump(mode="json", exclude_none=isinstance(answer, Denied))
     return _line(content if id_ is None else {"id": id_, **content})
 
@@ -84,9 +86,7 @@ def write_event(event: Message) -> bytes:
 
 
 def read_answer(content: dict[str, Any], kind: type[R]) -> R | Denied:
-    """Return the answer to an order of a kind; an answer that no coordinator would give is returned as
-    `Denied`, too.
-    """
+    """Return the reply to an order of a given kind. A malformed reply is returned as `Denied`."""
     rest = {key: value for key, value in content.items() if key != "id"}
     try:
         if rest.get("ok") is True:
@@ -97,7 +97,7 @@ def read_answer(content: dict[str, Any], kind: type[R]) -> R | Denied:
 
 
 def read_event(content: dict[str, Any]) -> Event | None:
-    """Return the event in an object; None if it isn't known here."""
+    """Return the event that an object describes; None if this kind of event isn't known."""
     try:
         event: Event = _events().validate_json(json.dumps(content))
     except (ValidationError, ValueError, RecursionError):
@@ -111,7 +111,7 @@ def read_object(line: bytes, most: int = MOST_ANSWER) -> dict[str, Any] | Denied
 
 
 def name_of(order: Order[Any]) -> str:
-    """Return the word for an order: hold, resume and so on; of a want, its key."""
+    """Return the word of an order, such as hold or resume; for a target of a live motion, its key."""
     return getattr(order, "order", "") or getattr(order, "key", "")
 
 
@@ -139,8 +139,8 @@ def _order_in(content: dict[str, Any]) -> Order[Any] | Denied:
 
 
 def _other_version(content: dict[str, Any]) -> Denied | None:
-    """Return a denial of another version; this check comes first, because other errors may only follow from
-    it.
+    """Return a denial if the version of the protocol is different. This is checked first, because other
+    errors may be its consequences.
     """
     version = content.get("version", VERSION)
     if version == VERSION:
@@ -161,7 +161,7 @@ def _read(content: dict[str, Any], kind: type[Order[Any]], word: str) -> Order[A
 
 
 def _mistake(word: str, kind: type[Order[Any]], error: ValidationError) -> str:
-    """Return the first error in words."""
+    """Return the first error of a message, in words."""
     first = error.errors(include_url=False, include_context=False, include_input=False)[0]
     path = [str(one) for one in first["loc"] if isinstance(one, int | str)]
     if not path:
@@ -193,7 +193,7 @@ def _line(content: dict[str, Any]) -> bytes:
 
 
 def _shown(value: object) -> str:
-    """Return a value for people, shortened if it is long."""
+    """Return a value as text for messages, shortened if it is long."""
     match value:
         case str():
             return json.dumps(value if len(value) <= _SHOWN else value[:_SHOWN] + "...")
@@ -206,5 +206,5 @@ def _shown(value: object) -> str:
 
 
 def denied(trouble: Trouble) -> Denied:
-    """Return a `Trouble` as an answer."""
+    """Return a `Trouble` as a reply."""
     return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

@@ -1,4 +1,4 @@
-"""The base class and common types of all messages."""
+"""Base class and common types of all messages."""
 
 from __future__ import annotations
 
@@ -13,20 +13,22 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema
 
 VERSION: Final = 1
-"""Version of the protocol. It grows when something that was understood before is no longer understood."""
+"""Version of the protocol. It increases when messages of the previous version are no longer understood."""
 
 LARGEST: Final = 1e9
-"""Largest magnitude of a number in an order [mm, deg or per s]: beyond it, the kinematics would overflow."""
+"""Largest absolute value of a number in an order [mm, deg or per s]. Beyond it, the kinematics would
+overflow.
+"""
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-"""A finite number of a size that can be computed with."""
+"""A finite number of limited size."""
 
 Joints = dict[str, float]
-"""Joint positions by their names, in the robot's axis units: deg, or mm."""
+"""Joint positions by the names of the joints, in the robot's axis units: deg or mm."""
 
 
 class Message(BaseModel):
-    """A value that never changes, whose JSON form has these fields and no others."""
+    """An immutable value. Its JSON form has these fields and no others."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -34,7 +36,7 @@ class Message(BaseModel):
     def __get_pydantic_json_schema__(
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        """Return the schema with the texts below the fields."""
+        """Return the schema with the docstrings of the fields."""
         made = handler(schema)
         properties = handler.resolve_ref_schema(made).get("properties", {})
         for name, text in field_texts(cls).items():
@@ -43,12 +45,12 @@ class Message(BaseModel):
         return made
 
     def to_json(self) -> dict[str, Any]:
-        """Return the message as plain data."""
+        """Return the message as plain data for JSON."""
         return self.model_dump(mode="json")
 
 
 class RegisterRange(Message):
-    """A register that takes integers from `low` to `high`."""
+    """A register that accepts integers from `low` to `high`."""
 
     name: str
     low: int
@@ -56,8 +58,8 @@ class RegisterRange(Message):
 
 
 class ValuesWanted(Message):
-    """Values that a program takes from outside while it waits: `fill` answers question `number`. A message
-    must have all registers that are `needed`; `place` is the command that waits.
+    """Values that a program accepts from outside while it waits; `fill` answers question `number`. The answer
+    must contain all registers that are `needed`. `place` is the command that waits.
     """
 
     number: int
@@ -67,7 +69,9 @@ class ValuesWanted(Message):
 
 
 class Question(Message):
-    """Question to the operator for an integer from `low` to `high`, which the register `into` gets."""
+    """A question to the operator for an integer from `low` to `high`, which is stored in the register
+    `into`.
+    """
 
     text: str
     into: str

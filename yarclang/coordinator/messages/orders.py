@@ -1,5 +1,5 @@
-"""Orders and questions of a client. Stops and holds are for everyone, and overtake everything; orders that
-move the robot are for its owner.
+"""Orders and questions of a client. Everybody may order stops and holds, which overtake all other orders.
+Only the robot's owner may give orders that move the robot.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ R = TypeVar("R", bound=Reply)
 
 
 class Order(Message, Generic[R]):
-    """Something to do, or to say; answered by a reply of its kind, or denied."""
+    """Something to do or to report. The reply is of the order's own kind, or a denial."""
 
     answer: ClassVar[type[Reply]] = Reply
 
     if not TYPE_CHECKING:
 
         def __class_getitem__(cls, answer: Any) -> Any:
-            """Return a plain alias: pydantic would make a model for each, and search all modules for its
-            source at every start.
+            """Return a plain alias. Pydantic would create a model for each order, and search all modules for
+            its source at every start.
             """
             return Generic.__class_getitem__.__func__(cls, answer)
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Store the kind of the answer."""
+        """Store the type of the reply."""
         for base in cls.__dict__.get("__orig_bases__", ()):
             (found,) = get_args(base)
             if not isinstance(found, TypeVar):
@@ -43,8 +43,8 @@ Line = Annotated[str, Field(description="a text")]
 
 
 class Hello(Order[replies.Welcome]):
-    """Become a client; the first order of each connection that stays. Others see its `name`; if the name is
-    taken, a number is added.
+    """Become a client. This is the first order of each connection that stays open. Other clients see its
+    `name`; a number is added if the name is taken.
     """
 
     order: Literal["hello"] = "hello"
@@ -59,14 +59,14 @@ class AskStatus(Order[replies.Status]):
 
 
 class Hold(Order[replies.Taken]):
-    """Come to rest on the path, ready to go on."""
+    """Come to rest on the path, ready to continue."""
 
     order: Literal["hold"] = "hold"
 
 
 class Resume(Order[replies.Taken]):
-    """Go on: after a hold, at a HOLD of the program, to the next step. `value` is the answer to a HOLD's
-    question.
+    """Continue after a hold, at a HOLD of the program, or with the next command. `value` is the answer to a
+    HOLD's question.
     """
 
     order: Literal["resume"] = "resume"
@@ -74,7 +74,7 @@ class Resume(Order[replies.Taken]):
 
 
 class Step(Order[replies.Taken]):
-    """Go on to the next command."""
+    """Continue with the next command."""
 
     order: Literal["step"] = "step"
 
@@ -92,7 +92,7 @@ class Abort(Order[replies.Taken]):
 
 
 class Override(Order[replies.Taken]):
-    """Set the override, for the present motion and all later ones."""
+    """Set the override of the present motion and of all later ones."""
 
     order: Literal["override"] = "override"
     percent: Percent
@@ -106,7 +106,7 @@ class Listen(Order[replies.Done]):
 
 
 class Own(Order[replies.Done]):
-    """Own the robot. `shared`: others may resume and change the override as well."""
+    """Become the owner of the robot. `shared`: other clients may also resume and change the override."""
 
     order: Literal["own"] = "own"
     shared: Annotated[bool, Field(description="true or false")] = False
@@ -120,13 +120,13 @@ class Give(Order[replies.Done]):
 
 
 class Release(Order[replies.Released]):
-    """Release the robot. The reply has the state of the log of its motions."""
+    """Give up the robot. The reply contains the state of the log of its motions."""
 
     order: Literal["release"] = "release"
 
 
 class Clear(Order[replies.Done]):
-    """Inspect the controller after a fault; if all is well, motions are possible again."""
+    """Inspect the controller after a fault. If everything is in order, motions are possible again."""
 
     order: Literal["clear"] = "clear"
 
@@ -138,13 +138,13 @@ class Look(Order[replies.Looked]):
 
 
 class Connect(Order[replies.Done]):
-    """Try to reconnect to the controller at once, without waiting for the next automatic attempt."""
+    """Try at once to reconnect to the controller, without waiting for the next automatic attempt."""
 
     order: Literal["connect"] = "connect"
 
 
 class Enable(Order[replies.Serviced]):
-    """Close the loops of the motors that are open, at rest, one after the other; a motor must stay in place.
+    """Close the open loops of the motors, at rest, one after the other. Each motor must stay in place.
     Afterwards everything is inspected.
     """
 
@@ -152,7 +152,9 @@ class Enable(Order[replies.Serviced]):
 
 
 class Disable(Order[replies.Serviced]):
-    """Open the loops of all motors, at rest: the machine's brakes hold the robot then, or nothing does."""
+    """Open the loops of all motors, at rest. Then only the brakes of the machine, if it has any, hold the
+    robot.
+    """
 
     order: Literal["disable"] = "disable"
 
@@ -164,8 +166,8 @@ class AskHoming(Order[replies.HomeSearches]):
 
 
 class Home(Order[replies.Ended]):
-    """Let the controller search the home of motors, one after the other, as long as `keep` comes every 0.2 s.
-    The search isn't proved. Answered when it has ended.
+    """Let the controller search the home of motors, one after the other, as long as `keep` arrives every 0.2
+    s. The search isn't proved. The reply comes when the search has ended.
     """
 
     order: Literal["home"] = "home"
@@ -182,20 +184,22 @@ class AskSettings(Order[replies.SettingsCompared]):
 
 
 class SendSettings(Order[replies.SettingsSent]):
-    """Send the settings that `yarc settings` prints to the controller, at rest with all loops open."""
+    """Send the settings that `yarc settings` prints to the controller. The robot must be at rest with all
+    loops open.
+    """
 
     order: Literal["send-settings"] = "send-settings"
     known: Annotated[str, Field(max_length=64, description="the `sha256` of the settings that were shown")]
 
 
 class SaveSettings(Order[replies.Done]):
-    """Let the controller keep its settings beyond power-off (SAVE), at rest."""
+    """Let the controller store its settings permanently (SAVE), at rest."""
 
     order: Literal["save-settings"] = "save-settings"
 
 
 class AskPlace(Order[replies.Place]):
-    """Ask for the commanded position of the robot, and for the pose of a frame in another."""
+    """Ask for the commanded position of the robot, and for the pose of a frame in another frame."""
 
     order: Literal["where"] = "where"
     base: Name = "{B}"
@@ -222,7 +226,7 @@ class Read(Order[replies.Value]):
 
 
 class SetOutput(Order[replies.Value]):
-    """Give an output that the session declares a value, at once."""
+    """Set an output that the session declares, at once."""
 
     order: Literal["set"] = "set"
     name: Name
@@ -230,21 +234,21 @@ class SetOutput(Order[replies.Value]):
 
 
 class Fill(Order[replies.Filled]):
-    """Give registers that a program takes from OUTSIDE their values, while it waits for them. All of them are
-    taken, or none.
+    """Send the values of registers that a program takes from OUTSIDE, while the program waits for them.
+    Either all values are accepted, or none.
     """
 
     order: Literal["fill"] = "fill"
     values: Annotated[dict[str, JsonValue], Field(description="object of integer by name")]
     """Values by the names of the registers."""
     number: Annotated[int | None, Field(description="the number of a question, or null")] = None
-    """Number of the question that is answered (`values_wanted`). A number that isn't open any more is
-    refused. Null: the open question.
+    """Number of the question that is answered (`values_wanted`). An order with the number of a question that
+    is no longer open is refused. Null: the open question.
     """
 
 
 class SetInput(Order[replies.Value]):
-    """Give an input of a robot that the coordinator simulates a value, at once, also while a program runs."""
+    """Set an input of a robot that the coordinator simulates, at once, also while a program runs."""
 
     order: Literal["input"] = "input"
     name: Name
@@ -252,16 +256,16 @@ class SetInput(Order[replies.Value]):
 
 
 class AskSurroundings(Order[replies.Surroundings]):
-    """Ask for the robot's surroundings: its cell, the cell's file, and inputs and outputs with their values.
-    Those of a real controller are known only while nothing is under way.
+    """Ask for the robot's surroundings: the cell, its file, and inputs and outputs with their values. Values
+    of a real controller are known only while nothing is in progress.
     """
 
     order: Literal["surroundings"] = "surroundings"
 
 
 class AskParts(Order[replies.Parts]):
-    """Ask for the places of the parts of the session's cell, or of another one. A named cell whose parts
-    nothing has moved is answered with an empty list.
+    """Ask for the places of the parts in the session's cell, or in another cell. For another cell whose parts
+    nothing has moved, the list in the reply is empty.
     """
 
     order: Literal["parts"] = "parts"
@@ -278,14 +282,14 @@ class AskModel(Order[replies.Model]):
 
 class AskScene(Order[replies.Scene]):
     """Ask for the robot's surroundings, for programs that draw them: the bodies, zones and parts of its cell,
-    and their present places. `scene_changed` signals a change.
+    and their present places. The event `scene_changed` reports a change.
     """
 
     order: Literal["scene"] = "scene"
 
 
 class PlacePart(Order[replies.Parts]):
-    """Enter the place of a part of the session's cell, as seen by the person at the robot."""
+    """Declare the place of a part of the session's cell, as the user sees it."""
 
     order: Literal["place-part"] = "place-part"
     part: Annotated[Name | None, Field(description="a name, or null for all (only with `at` `file`)")] = None
@@ -311,7 +315,7 @@ class AskDeclarations(Order[replies.Declarations]):
 
 
 class Adopt(Order[replies.Adopted]):
-    """Replace all declarations of the session by these."""
+    """Replace all declarations of the session by the given ones."""
 
     order: Literal["adopt"] = "adopt"
     declarations: Annotated[tuple[str, ...], Field(description="a list of texts")]
@@ -331,8 +335,8 @@ class OfferBack(Order[replies.Offered]):
 
 
 class OfferRecovery(Order[replies.Recovery]):
-    """Plan and prove the way from the robot's position to a loaded program: to its start (or its named first
-    command), else to the nearest place at which it may begin. Nothing moves.
+    """Plan and prove a motion from the robot's position to a loaded program: to its start (or its named first
+    command), otherwise to the nearest place at which it can begin. Nothing moves.
     """
 
     order: Literal["offer-recovery"] = "offer-recovery"
@@ -340,22 +344,24 @@ class OfferRecovery(Order[replies.Recovery]):
 
 
 class Go(Order[replies.Ended]):
-    """Carry an offer out; answered when it has ended."""
+    """Carry an offer out. The reply comes when the motion has ended."""
 
     order: Literal["go"] = "go"
     offer: Annotated[int, Field(description="the number of an offer")]
     held: Annotated[bool, Field(description="true or false")] = False
-    """True: move only while `keep` comes every 0.2 s; otherwise come to rest on the path until `resume`."""
+    """True: move only as long as `keep` arrives every 0.2 s; otherwise come to rest on the path until
+    `resume`.
+    """
 
 
 class Keep(Order[replies.Done]):
-    """Keep a held motion (`go` with `held`) going."""
+    """Continue a held motion (`go` with `held`)."""
 
     order: Literal["keep"] = "keep"
 
 
 class Load(Order[replies.Loaded]):
-    """Compile and prove a program, or judge a compiled one, to be run. Nothing moves."""
+    """Compile and prove a program, or verify a compiled program, so that it can be run. Nothing moves."""
 
     order: Literal["load"] = "load"
     file: Annotated[str, Field(description="the path of a file")]
@@ -363,7 +369,7 @@ class Load(Order[replies.Loaded]):
     text: Annotated[str | None, Field(description="a text, or null")] = None
     """Text of the program, instead of the file's."""
     first: Annotated[str | None, Field(description="the index of a command, or null")] = None
-    """The command to begin with."""
+    """Index of the command at which the run begins."""
     by_steps: Annotated[bool, Field(description="true or false")] = False
     here: Annotated[bool, Field(description="true or false")] = False
     """True: a program without START begins at the robot's position."""
@@ -372,24 +378,26 @@ class Load(Order[replies.Loaded]):
     tolerance: Annotated[
         tuple[Number, ...] | None, Field(max_length=2, description="one or two numbers, or null")
     ] = None
-    """Of the path [mm], and of the tool's orientation [deg]."""
+    """Tolerance of the path [mm], and of the tool's orientation [deg]."""
     tm: Annotated[Number | None, Field(description="a number, or null")] = None
     """The longest segment time [ms]."""
     cell: Annotated[str | None, Field(description="the path of a file, or null")] = None
-    """Of a compiled program: the description of the surroundings, in the place of its program's."""
+    """For a compiled program: file of the cell, used instead of the program's own cell."""
     source: Annotated[str | None, Field(description="the path of a file, or null")] = None
-    """Of a compiled program: the program that it is judged against, in the place of the one beside it."""
+    """For a compiled program: file of the source against which it is verified, used instead of the file
+    beside it.
+    """
     approach: Annotated[bool, Field(description="true or false")] = False
-    """True to plan the way to the program's start as well."""
+    """True to plan the motion to the program's start as well."""
     recover: Annotated[bool, Field(description="true or false")] = False
-    """True for a program that is loaded only for `offer-recovery`: at its start, parts are assumed where its
-    cell's file has them.
+    """True for a program that is loaded only for `offer-recovery`: at its start, parts are assumed in the
+    places that the cell's file gives.
     """
 
 
 class AskWay(Order[replies.Way]):
-    """Ask for the distance of the robot from the start of a loaded program, and for the slow motion that
-    leads there.
+    """Ask for the distance of the robot from the start of a loaded program, and for the slow motion to the
+    start.
     """
 
     order: Literal["way"] = "way"
@@ -402,15 +410,15 @@ class AskCourse(Order[courses.ProgramCourse]):
     order: Literal["course"] = "course"
     program: Annotated[int, Field(description="the number of a program")]
     samples: Annotated[int, Field(ge=2, le=2000, description="an integer from 2 to 2000")] = 500
-    """Number of joint positions in the answer."""
+    """Number of joint positions in the reply."""
 
 
 APPROACH_FIRST = "approach it first"
-"""The remedy for a run whose robot stands elsewhere; each door says it in its own words."""
+"""Remedy for a run that the robot can't begin at its position. Each user interface uses its own words."""
 
 
 class Run(Order[replies.Ended]):
-    """Carry a loaded program out; answered when it has ended."""
+    """Carry a loaded program out. The reply comes when the run has ended."""
 
     order: Literal["run"] = "run"
     program: Annotated[int, Field(description="the number of a program")]
@@ -420,38 +428,38 @@ class Run(Order[replies.Ended]):
     """Number of passes; null: until somebody stops the run."""
     unless_stopped: Annotated[bool, Field(description="true or false")] = False
     """True: the run doesn't begin if a stop was ordered since this client's `own`. For clients that plan and
-    run by themselves.
+    run without a user.
     """
 
 
 class Save(Order[replies.Saved]):
-    """Return the session as a program that does the same, with names of files relative to a folder."""
+    """Return the session as a program with the same effect."""
 
     order: Literal["save"] = "save"
     folder: Annotated[str | None, Field(description="the path of a folder, or null")] = None
-    """Names of files are written relative to this folder."""
+    """Folder to which the names of files are made relative."""
 
 
 class Steer(Order[replies.Done]):
-    """Configure live motions from now on, before the first target is sent."""
+    """Configure the next live motions, before the first target is sent."""
 
     order: Literal["steer"] = "steer"
     moving: Name = "{TCP}"
-    """The frame that twists move, whose poses are meant, and whose speed is limited."""
+    """Frame that twists move, to which poses refer, and whose speed is limited."""
     speed: Annotated[float | None, Field(gt=0.0, le=1e9, description="a positive number, or null")] = None
     """Largest speed of that frame [mm/s]; null: the robot's jog speed."""
     share: Annotated[float, Field(gt=0.0, le=1.0, description="a number above 0, up to 1")] = 1.0
-    """Largest used share of the joints' velocity limits."""
+    """Largest share of the joints' velocity limits that is used."""
     again: Annotated[bool, Field(description="true or false")] = True
     """True: a target after the end of a motion begins another motion. False: each motion needs this order
-    before.
+    first.
     """
     title: Name = "master"
     """Name of the motion."""
 
 
 class Leave(Order[replies.Done]):
-    """Bring this client's live motion to rest at once, if there is one, since its user has gone."""
+    """Bring the live motion of this client to rest at once, if there is one, because its user has gone."""
 
     order: Literal["leave"] = "leave"
 

@@ -1,4 +1,4 @@
-"""Answers of a coordinator to orders. Each has `ok`, and `id` if the order had one."""
+"""Replies of a coordinator to orders. Each reply has `ok`, and `id` if the order had one."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from yarclang.runtime.state import State
 
 
 class Reply(Message):
-    """An order was taken."""
+    """Reply to an order that was accepted."""
 
     ok: Literal[True] = True
 
 
 class Denied(Message):
-    """The order was denied: the reason, a remedy, and the code of the finding, if there is one."""
+    """Reply to an order that was denied: the reason, a remedy, and the code of the finding, if there is
+    one.
+    """
 
     ok: Literal[False] = False
     error: str
@@ -25,11 +27,13 @@ class Denied(Message):
 
 
 class Done(Reply):
-    """The order was carried out."""
+    """Reply to an order that was carried out."""
 
 
 class Taken(Reply):
-    """The order was accepted: the state of the robot at that time. It may not have been carried out yet."""
+    """Reply to an order that was accepted, with the state of the robot at that time. The order may not have
+    been carried out yet.
+    """
 
     state: State
 
@@ -43,17 +47,17 @@ class Joint(Message):
 
 
 class Command(Message):
-    """Command that is being executed, and its line in the program."""
+    """The command that is being executed, and its line in the program."""
 
     title: str
     line: int
 
 
 class Status(Reply):
-    """State of the robot and of its run."""
+    """State of the robot and of its program."""
 
     program: str
-    """Name of what is under way, otherwise of the process's purpose."""
+    """Name of the program or motion in progress; if there is none, name of the process."""
     robot: str
     controller: str
     """Address of the controller, HOST:PORT."""
@@ -65,65 +69,67 @@ class Status(Reply):
     left: float
     """Remaining time at the present override [s]."""
     override: float
-    """Percent of the programmed speed."""
+    """Override [percent of the programmed speed]."""
     joints: tuple[Joint, ...]
     waiting: int
-    """Number of orders that wait to be handled."""
+    """Number of orders that haven't been processed yet."""
     pid: int
     since: str
-    """Start time, ISO 8601."""
+    """Start time of the process, ISO 8601."""
     owner: str | None = None
     """Client that may move the robot."""
     clients: tuple[str, ...] = ()
     """Names of the attached clients."""
     cell: str | None = None
-    """cell.toml against which motions are checked."""
+    """Path of the cell.toml with which motions are checked."""
     log: str | None = None
-    """File in which motions are logged; null: none yet."""
+    """File in which motions are logged; null: there is none yet."""
     log_lost: str = ""
-    """Fault of that file; empty: none."""
+    """Error of the log file; empty: none."""
     asks: Question | None = None
     """Question of a HOLD to the operator; null: none."""
     wants: ValuesWanted | None = None
-    """Values that the program takes from outside now; null: none."""
+    """Values that the program accepts from outside now; null: none."""
 
 
 class Filled(Reply):
-    """The values were accepted, as integers; the program sees them in its registers within 20 ms."""
+    """The values were accepted, as integers. The program reads them in its registers within 20 ms."""
 
     values: dict[str, int]
 
 
 class Welcome(Reply):
-    """The caller is a client from now on, under this name."""
+    """The caller is now a client with this name."""
 
     version: int
     yarclang: str
     name: str
     fingerprint: str
-    """Of the robot."""
+    """Fingerprint of the robot."""
     simulated: bool
     serves: bool
     """True if the process serves clients (`yarc serve`)."""
     checked: int
-    """Number of checks on the controller at the start of the process."""
+    """Number of checks that were made on the controller when the process started."""
     folder: str
     status: Status
 
 
 class Place(Reply):
-    """Commanded position of the robot, exact, and as the pose of a frame in another."""
+    """Commanded position of the robot: unrounded, and as the pose of a frame in another frame."""
 
     joints: Joints
     exact: tuple[float, ...]
     """Joint positions in the order of the joints, unrounded [rad or m]."""
     pose: tuple[tuple[float, ...], ...] | None
-    """(4, 4) base_from_moving [m]; null if a name is unknown."""
+    """Matrix (4, 4) base_from_moving, lengths in m; null if a name is unknown."""
     findings: tuple[Finding, ...]
 
 
 class NamedFrame(Message):
-    """A frame, in braces: (4, 4) base_from_frame [m], or, with `on_flange`, flange_from_frame."""
+    """A frame, in braces, and its pose, a matrix (4, 4) with lengths in m: base_from_frame, or, with
+    `on_flange`, flange_from_frame.
+    """
 
     name: str
     on_flange: bool
@@ -131,14 +137,14 @@ class NamedFrame(Message):
 
 
 class Frames(Reply):
-    """The frames that have a name in the session."""
+    """The named frames of the session."""
 
     frames: tuple[NamedFrame, ...]
 
 
 class MotorHealth(Message):
-    """A motor's last reported state: names of the status bits that are set; the reason why it can't move,
-    empty if it can; and its following error [counts], null if it isn't known.
+    """Last reported state of a motor: the names of the status bits that are set, the reason why the motor
+    can't move (empty if it can), and its following error [counts], null if not known.
     """
 
     number: int
@@ -150,10 +156,10 @@ class MotorHealth(Message):
 
 
 class Health(Reply):
-    """Last reported state of motors, link and buffer. `following` is each joint's distance from its command
-    [deg or mm]; `reply_s` how long the last reply took, `slowest_s` the slowest since the controller was
-    looked at; `ahead` how many lines the controller has in its buffer, null if nothing is streamed; `guard`
-    is true if the guard PLC was tried and found at work.
+    """Last reported state of motors, connection and buffer. `following` is the distance of each joint from
+    its commanded position [deg or mm]. `reply_s` is the time of the last reply, `slowest_s` the longest since
+    the controller was inspected. `ahead` is the number of lines in the controller's buffer, null if nothing
+    is streamed. `guard` is true if the guard PLC was tested and works.
     """
 
     motors: tuple[MotorHealth, ...]
@@ -161,11 +167,11 @@ class Health(Reply):
     reply_s: float
     slowest_s: float
     silence_s: float
-    """Longest silence of the computer before its controller holds [s]."""
+    """Longest silence of the computer after which the controller holds [s]."""
     ahead: int | None
     guard: bool
     link: str = ""
-    """Reason for a missing connection to the controller; empty: connected."""
+    """Reason why there is no connection to the controller; empty: there is one."""
 
 
 class Value(Reply):
@@ -176,8 +182,8 @@ class Value(Reply):
 
 
 class NamedSignal(Message):
-    """An input or output: its name, the controller's variable, and its value; null if the value isn't known
-    now.
+    """An input or output: its name, the controller's variable, and its value; null if the value isn't
+    known at present.
     """
 
     name: str
@@ -186,9 +192,9 @@ class NamedSignal(Message):
 
 
 class Surroundings(Reply):
-    """The robot's surroundings. `robot` is the folder of its robot.toml; `cell` is the file of the cell of
-    the program that was run last, else that of the session; `fixed` is the reason why `input` can't set an
-    input, empty if it can.
+    """The robot's surroundings. `robot` is the folder of its robot.toml. `cell` is the file of the cell: that
+    of the program that was run last, otherwise that of the session. `fixed` is the reason why `input` can't
+    set an input, empty if it can.
     """
 
     robot: str
@@ -203,12 +209,13 @@ class PartPlace(Message):
 
     name: str
     held: str | None
-    """Output whose gripper holds the part; empty for a part that is fixed to the flange; null: it isn't held.
+    """Output whose gripper holds the part; empty if the part is fixed to the flange; null if it isn't
+    held.
     """
     sure: bool
-    """false: the place isn't certain."""
+    """False: the place isn't certain."""
     pose: tuple[tuple[float, ...], ...]
-    """(4, 4) base_from_part [m]; of a part that is held, flange_from_part."""
+    """Matrix (4, 4) base_from_part, lengths in m; flange_from_part if the part is held."""
 
 
 class Parts(Reply):
@@ -216,14 +223,14 @@ class Parts(Reply):
 
     parts: tuple[PartPlace, ...]
     moved: bool
-    """false: nothing has moved the parts, and they are at the places of the cell's file."""
+    """False: nothing has moved the parts. They are in the places that the cell's file gives."""
     doubt: str | None
-    """Reason for which the places aren't known; null: they are known."""
+    """Reason why the places aren't known; null: they are known."""
     findings: tuple[Finding, ...]
 
 
 class ModelJoint(Message):
-    """A joint, with its limits per `unit` (deg or mm) and s; null: it turns without end."""
+    """A joint, with its limits in `unit` (deg or mm) and per s. Null: it turns without limits."""
 
     name: str
     unit: str
@@ -234,17 +241,17 @@ class ModelJoint(Message):
 
 
 class Model(Reply):
-    """The robot. `controller` is the kind of its controller, for people.
+    """The robot. `controller` is the kind of its controller, as text.
 
-    `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if it has no
+    `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if there is no
     {TCP}).
     """
 
     name: str
     controller: str = ""
     urdf: str
-    """Its text, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml are
-    links on the flange; joints that aren't the robot's axes are fixed at zero.
+    """Text of the URDF, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml
+    are links on the flange. Joints that aren't axes of the robot are fixed at zero.
     """
     base: str
     flange: str
@@ -254,9 +261,10 @@ class Model(Reply):
 
 
 class SceneShape(Message):
-    """A shape around the origin of its pose, in m: a `box` has its edges as `size`; a `cylinder`, and the
-    straight piece of a `capsule`, lie along z with their middle at the origin; a `mesh` is the URI of a file
-    on this computer, whose coordinates count `scale`; a `half-space` is all that lies above the plane z = 0.
+    """A shape around the origin of its pose, lengths in m. A `box` has its edge lengths as `size`. A
+    `cylinder`, and the straight piece of a `capsule`, are along z with their middle at the origin. A `mesh`
+    is the URI of a file on this computer, whose coordinates are multiplied by `scale`. A `half-space` is
+    everything on the positive side of the plane z = 0.
     """
 
     type: Literal["box", "sphere", "cylinder", "capsule", "mesh", "half-space"]
@@ -273,17 +281,19 @@ class SceneItem(Message):
     name: str
     kind: Literal["body", "zone", "part"]
     rule: Literal["allowed", "forbidden", "slow", "posture"] | None
-    """Rule of a zone: stay inside, stay outside, be slow inside, keep the joints in a window inside."""
+    """Rule of a zone: stay inside, stay outside, be slow inside, or keep the joints in a window while
+    inside.
+    """
     speed: float | None
     """Speed of a slow zone [mm/s]."""
     sure: bool
-    """false: a part whose place isn't certain."""
+    """False: a part whose place isn't certain."""
     carried: bool
-    """true: the robot carries it."""
+    """True: the robot carries it."""
     frame: str
     """Link of the URDF in which the pose is given: {B}, or {FLANGE} for carried bodies."""
     pose: tuple[tuple[float, ...], ...]
-    """(4, 4) frame_from_item [m]."""
+    """Matrix (4, 4) frame_from_item, lengths in m."""
     shape: SceneShape
 
 
@@ -291,32 +301,34 @@ class Scene(Reply):
     """Surroundings of the robot: the cell of the program that was run last, otherwise the session's."""
 
     version: str
-    """Changes with any other field."""
+    """Value that changes when any other field changes."""
     cell: str | None
     """The file of the cell; null: there is none."""
     items: tuple[SceneItem, ...]
     notes: tuple[str, ...]
     """Items that can't be shown, with reasons."""
     doubt: str | None
-    """Reason for which the places of parts aren't known; null: they are known."""
+    """Reason why the places of parts aren't known; null: they are known."""
 
 
 class Declarations(Reply):
-    """The declarations of the session as they were written, and how many commands were carried out."""
+    """The declarations of the session as written, and the number of commands that were carried out."""
 
     declarations: tuple[str, ...]
     count: int
 
 
 class Adopted(Reply):
-    """True if the declarations are in force from now on."""
+    """True if the declarations are in effect now."""
 
     holds: bool
     findings: tuple[Finding, ...]
 
 
 class Peak(Message):
-    """Largest used share of a limit (1: all of it), and the joint or motor; empty if nothing moves."""
+    """Largest used share of a limit (1 is the limit itself), and the joint or motor; empty if nothing
+    moves.
+    """
 
     name: str
     share: float
@@ -328,19 +340,21 @@ class Peaks(Message):
     velocity: Peak
     acceleration: Peak
     jerk: Peak | None
-    """Null if the program doesn't limit it."""
+    """Used share of the jerk limits; null if the program doesn't limit the jerk."""
     motor_velocity: Peak
 
 
 class PathBound(Message):
-    """Proved bound of the distance between the real and the programmed path."""
+    """Proved bound on the distance between the executed and the programmed path."""
 
     position_mm: float
     angle_deg: float
 
 
 class ClearanceBound(Message):
-    """Proved smallest distance between bodies, and their names, if they come near at all."""
+    """Proved smallest distance between bodies, and the names of the two bodies, if any come near each
+    other.
+    """
 
     distance_mm: float
     first: str
@@ -348,8 +362,8 @@ class ClearanceBound(Message):
 
 
 class MotionOffered(Message):
-    """One motion of an offer: its index and name, its duration, the chosen solution of a pose, and the proved
-    figures.
+    """A motion of an offer: its index and name, its duration, the chosen solution for a pose, and the
+    proved values.
     """
 
     title: str
@@ -357,21 +371,21 @@ class MotionOffered(Message):
     branch: str
     peaks: Peaks
     path: PathBound | None
-    """Null for motions of joints, which have no programmed path in space."""
+    """Bound on the path; null for joint motions, which have no programmed path in space."""
     clearance: ClearanceBound | None
 
 
 class Course(Message):
-    """A motion, thinned: joint positions [deg or mm], in the order of the robot's joints, at times [s]."""
+    """A motion at selected times [s]: joint positions [deg or mm], in the order of the robot's joints."""
 
     times: tuple[float, ...]
     joints: tuple[tuple[float, ...], ...]
 
 
 class Takes(Message):
-    """Duration. Motions and dwells take a known time, along the longest and the shortest ways of a WHEN;
-    commands that wait for an input or the operator is counted, along the ways with the most and the fewest of
-    them.
+    """Duration of a program. The times are the known times of motions and dwells along the longest and the
+    shortest branches of each WHEN. `waits` are the numbers of commands that wait for an input or the
+    operator, along the branches with the most and the fewest such commands.
     """
 
     duration_s: float
@@ -379,13 +393,13 @@ class Takes(Message):
     waits: int
     waits_at_least: int
     loops: bool = False
-    """True if the number of passes of its loops is known only at run time: the longest time counts each loop
-    once.
+    """True if the number of passes of a loop is known only at run time. Then the longest time counts each
+    loop once.
     """
 
 
 class OfferDescribed(Message):
-    """A planned and proved motion, which `go` of the owner starts."""
+    """A planned and proved motion. `go` of the owner starts it."""
 
     number: int
     text: str
@@ -393,25 +407,26 @@ class OfferDescribed(Message):
     duration_s: float
     takes: Takes
     moves: bool
-    """False if there are only declarations, which are in force after `go`."""
+    """False if there are only declarations, which take effect with `go`."""
     start: Joints
     end: Joints
     motions: tuple[MotionOffered, ...]
     parts: tuple[str, ...]
-    """Effects of its SETs on parts of the cell, in order: `takes BOX 3`, `puts down BOX 3`, `removes BOX 3`.
+    """Effects of the offer's SETs on parts of the cell, in order: `takes BOX 3`, `puts down BOX 3`,
+    `removes BOX 3`.
     """
     course: Course
 
 
 class Offered(Reply):
-    """Offer for a text; null if a finding forbids it, or if there is nothing to do."""
+    """The offer for a text; null if a finding forbids it, or if the text contains nothing to do."""
 
     offer: OfferDescribed | None
     findings: tuple[Finding, ...]
 
 
 class ProgramCommand(Message):
-    """A motion of a program, and its time [s]; after ways that part, the latest time."""
+    """A motion of a program, and its time [s]. After branches, this is the latest possible time."""
 
     title: str
     index: str
@@ -423,9 +438,9 @@ class ProgramCommand(Message):
 class ProgramDescribed(Message):
     """A program that can be run.
 
-    `duration_s` is the known time along the longest ways. `offset_s` and `rest_s` are where what is run first
-    begins, and how long it takes; `steps` is how many commands are carried out one by one, 0 where they
-    aren't.
+    `duration_s` is the known time along the longest branches. `offset_s` is the time at which the run begins
+    in the program, and `rest_s` the duration from there. `steps` is the number of commands that are run one
+    by one; 0 if the program isn't run in this way.
     """
 
     number: int
@@ -440,66 +455,68 @@ class ProgramDescribed(Message):
     begins_within: bool
     guarded: bool
     by_legs: bool
-    """True if the program waits or branches, so that the executed commands aren't known before."""
+    """True if the program waits or branches, so that the executed commands aren't known in advance."""
     not_looped: str
-    """Reason for which the program can't be repeated; empty: it can."""
+    """Reason why the program can't be repeated; empty: it can."""
     first: str
     """Index of the first command of the run."""
     tools: tuple[str, ...] | None
-    """Tools on the flange at the beginning of the run; null if the cell has no tools that are changed."""
+    """Tools on the flange at the beginning of the run; null if the robot doesn't change tools in this
+    cell.
+    """
 
 
 class Loaded(Reply):
-    """A program that was compiled and proved, or judged; null if an error forbids running it."""
+    """A program that was compiled and proved, or verified; null if an error forbids running it."""
 
     program: ProgramDescribed | None
     findings: tuple[Finding, ...]
 
 
 class Way(Reply):
-    """Distance of the robot from a program's start (empty: it stands there), and the slow motion that leads
-    there.
+    """Distance of the robot from a program's start (empty: it is at the start), and the slow motion to the
+    start.
     """
 
     text: str
     duration_s: float | None
-    """Null: no motion is needed, or none is possible."""
+    """Duration of the motion; null: no motion is needed, or none is possible."""
     title: str
     """Index of the motion's command."""
     end: Joints
     findings: tuple[Finding, ...]
     zone: str
-    """The start zone of the cell in which the robot stands: `run` goes to the start by itself there; empty:
-    it stands in none.
+    """Start zone of the cell in which the robot stands; there `run` moves to the start without a request.
+    Empty: it is in no start zone.
     """
 
 
 class Recovery(Reply):
-    """The proved way from the robot's position to a program: to its start, or to the nearest place at which
-    it may begin.
+    """The proved motion from the robot's position to a program: to its start, or to the nearest place at
+    which it can begin.
     """
 
     place: str | None
-    """Index of the command to begin with afterwards; empty: the program's start. Null: no motion is proved,
-    and `findings` give the reasons.
+    """Index of the command at which to begin afterwards; empty: the program's start. Null: no motion is
+    proved; `findings` are the reasons.
     """
     title: str
     """`the start`, or the command's index and name."""
     line: int
     offer: OfferDescribed | None
-    """The motion, which `go` carries out; null if the robot stands there, or if no motion is proved."""
+    """The motion, for `go`; null if the robot is already there, or if no motion is proved."""
     share: float
     """Speed as a share of the joints' limits."""
     assumed: tuple[str, ...]
-    """Parts with unconfirmed places: assumed to be as in the program at that place."""
+    """Parts whose places aren't confirmed: they are assumed as in the program at that place."""
     refused: tuple[Finding, ...]
-    """Reason for which the place isn't the start, if it isn't."""
+    """Reasons why the place isn't the program's start, if it isn't."""
     findings: tuple[Finding, ...]
 
 
 class SourcePlace(Message):
-    """Place of a command in its source; if the source isn't known, `note` gives the reason. For a command in
-    a module, the line is that of the CALL, and `note` names the module's line.
+    """Place of a command in its source. If the source isn't known, `note` is the reason. For a command in a
+    module, the line is that of the CALL, and `note` is the line of the module.
     """
 
     file: str
@@ -518,7 +535,7 @@ class RestingPlace(Message):
 
 
 class Ended(Reply):
-    """End of a run or motion. `joints` is null if the position isn't known."""
+    """End of a run or a motion. `joints` is null if the position isn't known."""
 
     well: bool
     what: str | None = None
@@ -533,17 +550,17 @@ class Ended(Reply):
     """True if the robot was on its way to the program's start."""
     passes: int = 1
     where: SourcePlace | None = None
-    """Place of the command that a fault is about."""
+    """Place of the command that has a fault."""
     resting: RestingPlace | None = None
-    """Place on its path at which the robot rests, if it does."""
+    """Place on the path at which the robot rests; null if it isn't on the path."""
     is_motion: bool = True
-    """True if the executed motion is one of the program."""
+    """True if the motion that was executed belongs to the program."""
     go_on: str | None = None
-    """Command with which to continue (--from); empty: the first one; null: not known."""
+    """Command with which to continue (--from); empty: the first command; null: not known."""
 
 
 class LogTold(Message):
-    """Log of the motions, and its fault, if it has one; `lost`: nothing of the log is left."""
+    """The log of the motions, and its error, if any. `lost`: nothing of the log is left."""
 
     path: str
     problem: str
@@ -552,27 +569,27 @@ class LogTold(Message):
 
 
 class Released(Reply):
-    """The robot was released; the state of the log of its motions, if there was one."""
+    """The robot was released; with the state of the log of its motions, if there was one."""
 
     log: LogTold | None
 
 
 class Saved(Reply):
-    """The session as a program that does the same."""
+    """The session as a program with the same effect."""
 
     text: str
 
 
 class Looked(Reply):
-    """Everything on the controller was checked: the number of checks, and those that failed."""
+    """The controller was inspected: the number of checks, and the checks that have failed."""
 
     checked: int
     wrong: tuple[str, ...]
 
 
 class Serviced(Reply):
-    """Loops were closed or opened. `what` failed, empty if nothing did; `wrong` lists what still keeps the
-    robot from moving.
+    """Result of closing or opening loops. `what` has failed, empty if nothing has; `wrong` lists what still
+    prevents the robot from moving.
     """
 
     what: str
@@ -581,7 +598,7 @@ class Serviced(Reply):
 
 class MotorSearch(Message):
     """The controller's own home search of a motor: the joint that it moves, its speed (with sign) [unit/s],
-    and its longest duration [s]; `refused` is the reason why it isn't allowed here.
+    and its longest duration [s]. `refused` is the reason why it isn't allowed here.
     """
 
     motor: int
@@ -594,14 +611,16 @@ class MotorSearch(Message):
 
 
 class HomeSearches(Reply):
-    """The home searches of all motors. None is proved, and no zone or obstacle is watched meanwhile."""
+    """The home searches of all motors. They aren't proved, and zones and obstacles aren't monitored
+    meanwhile.
+    """
 
     searches: tuple[MotorSearch, ...]
 
 
 class Comparison(Message):
-    """One check of the controller: what was found, what is needed, `ok`, `warning` or `error`, and the
-    remedy.
+    """One check of the controller: the actual value, the required value, the level `ok`, `warning` or
+    `error`, and the remedy.
     """
 
     name: str
@@ -613,7 +632,7 @@ class Comparison(Message):
 
 
 class SettingsCompared(Reply):
-    """Comparison of the controller with the settings that the robot needs: the number of their lines, and
+    """Comparison of the controller with the settings that the robot needs; the number of settings lines, and
     their SHA-256.
     """
 
@@ -623,8 +642,8 @@ class SettingsCompared(Reply):
 
 
 class SettingsSent(Reply):
-    """Number of settings lines that the controller has accepted, of all; the reason for an early end, empty
-    if there was none; and the checks that fail now.
+    """Number of settings lines that the controller has accepted, and of all lines; the reason for an early
+    end, empty if there was none; and the checks that fail now.
     """
 
     sent: int
@@ -635,10 +654,10 @@ class SettingsSent(Reply):
 
 
 class Wanted(Reply):
-    """A target of a live motion is accepted; the robot follows `lag_s` later."""
+    """A target of a live motion was accepted. The robot follows it after `lag_s`."""
 
     lag_s: float
     behind: Joints | None
-    """Distance of each streamed joint to its master [deg or mm]."""
+    """Distance of each joint from its master at the end of the streamed lines [deg or mm]."""
     why: str
-    """Obstacle to the target; empty: none."""
+    """Obstacle on the way to the target; empty: none."""

@@ -1,5 +1,5 @@
-"""Targets of a live motion, sent again and again. The key of an object determines its kind; the first one
-begins the motion.
+"""Targets of a live motion, which are sent again and again. The key of an object determines its kind. The
+first target begins the motion.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from yarclang.coordinator.messages.orders import Order
 
 
 class BeThere(Order[replies.Wanted]):
-    """Follow these joints [deg or mm]; `rate` [per s] is estimated if it is missing."""
+    """Follow these joint positions [deg or mm]; `rate` [per s] is estimated if it is missing."""
 
     key: ClassVar[str] = "joints"
     joints: Annotated[
@@ -26,7 +26,9 @@ class BeThere(Order[replies.Wanted]):
 
 
 class HoldPose(Order[replies.Wanted]):
-    """Follow this pose of the tool in {B}: x y z [mm], roll pitch yaw [deg]; next to the one before."""
+    """Follow this pose of the tool in {B}: x y z [mm], roll pitch yaw [deg]. Of several joint solutions, the
+    one nearest to the previous pose is taken.
+    """
 
     key: ClassVar[str] = "pose"
     pose: Annotated[
@@ -38,7 +40,7 @@ class HoldPose(Order[replies.Wanted]):
 
 
 class MoveJoints(Order[replies.Wanted]):
-    """Move joints at these speeds [deg/s or mm/s]."""
+    """Move joints with these velocities [deg/s or mm/s]."""
 
     key: ClassVar[str] = "velocity"
     velocity: Annotated[
@@ -48,7 +50,9 @@ class MoveJoints(Order[replies.Wanted]):
 
 
 class MoveTool(Order[replies.Wanted]):
-    """Move the tool at these speeds [mm/s along, deg/s about], along the axes of {B} or its own."""
+    """Move the tool with these velocities [mm/s along and deg/s about the axes], in the axes of {B} or of
+    the tool.
+    """
 
     key: ClassVar[str] = "twist"
     twist: Annotated[

@@ -1,4 +1,4 @@
-"""Frames and mounted tools of robot.toml as links of a URDF, since the robot's own URDF doesn't have them."""
+"""Frames and mounted tools of robot.toml as links of a URDF. The robot's own URDF doesn't have them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Bodies:
         return *self.frames, *self.tools
 
     def link_of(self, body: str) -> str:
-        """Return the name of the link of a body of the robot: that of a tool, or of the body itself."""
+        """Return the name of the link of a body of the robot: the link of a tool, or the body's own name."""
         return next((link for link, tool in self.tools.items() if tool.name == body), body)
 
 

@@ -1,4 +1,6 @@
-"""Description of a robot for readers on the same computer: its URDF for ROS, with meshes at their places."""
+"""Description of a robot for readers on the same computer: its URDF for ROS, in which meshes are named by
+their files.
+"""
 
 from __future__ import annotations
 
@@ -32,12 +34,12 @@ class Described:
 def described(robot: Robot) -> Result[Described]:
     """Return the URDF of a robot.
 
-    Its meshes are file URIs, the robot's frames and mounted tools are links, and only the axes are moving
-    joints.
+    Its meshes are named by file URIs, the robot's frames and mounted tools are links, and only the axes are
+    moving joints.
 
     Returns:
-        The description; None, with an error, if the files of the robot can't be read. A missing mesh is a
-        finding, and keeps its name.
+        The description; None, with an error, if the files of the robot can't be read. A missing mesh is
+        reported as a finding, and keeps its name.
     """
     read = urdf_of(robot)
     if isinstance(read, Diagnostic):

@@ -16,7 +16,8 @@ CONTROLLER_2, ACTION_2 = "joint_trajectory_controller", "follow_joint_trajectory
 VELOCITY_SHARE, ACCELERATION_SHARE = 0.9, 0.6
 """Shares of the limits for MoveIt's plans.
 
-The accelerations of the plans jump. A smooth motion through their points needs up to 1.4 times as much.
+The accelerations of these plans jump. A smooth motion through their points needs up to 1.4 times as much
+acceleration.
 """
 
 

@@ -22,7 +22,7 @@ def srdf_text(robot: Robot, urdf: Urdf, ends: tuple[str, str], bodies: Bodies, s
         urdf: its URDF.
         ends: the links {B} and {FLANGE}.
         bodies: links on the flange.
-        scene: the pairs of bodies to check. All others are disabled.
+        scene: the pairs of bodies to check. All other pairs are disabled.
     """
     base, flange = ends
     root = next(link for link in urdf.links if link not in {joint.child for joint in urdf.joints.values()})
@@ -70,7 +70,7 @@ def srdf_text(robot: Robot, urdf: Urdf, ends: tuple[str, str], bodies: Bodies, s
 
 
 def urdf_name(urdf: Urdf) -> str:
-    """Return the name of the robot in its URDF, which the SRDF must have, too."""
+    """Return the name of the robot in its URDF. The SRDF must have the same name."""
     assert urdf.root is not None  # a sound URDF has a root
     return urdf.root.attributes.get("name", "")
 

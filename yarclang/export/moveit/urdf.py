@@ -1,6 +1,7 @@
-"""The URDF of a robot for ROS: its text in version 1.0, with names of meshes in the package, and added links.
+"""The URDF of a robot for ROS: its text in version 1.0, with names of meshes in the package, and additional
+links.
 
-The links are those of the frames and mounted tools of robot.toml.
+The additional links are those of the frames and mounted tools of robot.toml.
 """
 
 from __future__ import annotations
@@ -66,9 +67,9 @@ def urdf_text(
         flange: the link {FLANGE}.
         bodies: links to add on the flange.
         meshes: names the files of the meshes, and collects findings about missing ones.
-        axes: for a text that is only drawn: the joints that move. All others are fixed at zero, as in the
-            robot, and links without visual shapes get their collision shapes. None to keep joints and links
-            as they are.
+        axes: the moving joints, for a text that is only drawn. All other joints are then fixed at zero, as in
+            the robot, and links without visual shapes get their collision shapes. None to keep joints and
+            links as they are.
     """
     text, root = urdf.text, urdf.root
     assert root is not None  # a sound URDF has a root
@@ -85,7 +86,7 @@ def urdf_text(
     added = "".join(f"{line}\n" for line in _added(flange, bodies, meshes))
     end = _COMMENT.sub(lambda found: " " * len(found[0]), text).rindex("</")
     text = f"{text[:end]}{added}{text[end:]}"
-    # The text is written as UTF-8, so that its declaration has to say this.
+    # The text is written in UTF-8, so its declaration must name this encoding.
     return _ENCODING.sub(r'\1"UTF-8"', text, count=1)
 
 
@@ -95,13 +96,15 @@ def _fixed(text: str, joint: Element) -> Edit:
 
 
 def _version(text: str, root: Element) -> Edit:
-    """Return the change of the root's version to 1.0, which all of ROS reads; later elements are replaced."""
+    """Return the change of the root's version to 1.0, which all versions of ROS read. Elements of later
+    versions are replaced elsewhere.
+    """
     tag = text[root.start : root.end]
     return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
 
 
 def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
-    """Return the change that adds the collision shapes of a link as visual ones."""
+    """Return the change that adds the collision shapes of a link as visual shapes."""
     lines = []
     for body in link.all("collision"):
         geometry = body.first("geometry")
@@ -158,7 +161,7 @@ def _material(material: Element | None) -> str:
 
 
 class MeshNames(ABC):
-    """Gives names to the files of meshes on request.
+    """Translates the names of mesh files on request.
 
     Args:
         robot: the robot whose URDF uses them.
@@ -173,7 +176,9 @@ class MeshNames(ABC):
         self.robot = robot
 
     def url(self, filename: str) -> str | None:
-        """Return the new name of a mesh, by its name in the URDF; None, with a finding, without a file."""
+        """Return the new name of a mesh, by its name in the URDF; None, with a finding, if there is no
+        file.
+        """
         path = mesh_path(filename, (self.robot.folder / self.robot.urdf).parent)
         if path is None:
             self._lost(filename, "there is no such file")
@@ -229,7 +234,9 @@ class PackageMeshes(MeshNames):
         return f"package://{self._package}/{self._places[path]}"
 
     def _place(self, path: Path) -> str:
-        """Return the path of a file in the package: that in the robot's folder, if its names are plain."""
+        """Return the path of a file in the package: its path in the robot's folder, if the file is there and
+        that path has only plain characters.
+        """
         folder = self.robot.folder.resolve()
         if path.is_relative_to(folder):
             inside = str(PurePosixPath(path.relative_to(folder)))

@@ -19,7 +19,7 @@ ABOUT, BETWEEN = "/yarc/about", "/yarc/between"
 def write_bag(path: Path, made: Exported) -> None:
     """Write a bag.
 
-    It has the trajectories on `TOPIC`, at the times at which they begin if waits take no time. JSON texts are
+    The topic `TOPIC` has the trajectories; their times assume that waits take no time. JSON texts are
     on `ABOUT` (origin and proof of the trajectories) and on `BETWEEN` (events between them).
 
     Args:

@@ -1,6 +1,6 @@
-"""Course of a certified text: stretches of motion without a stop, and the events between them.
+"""The course of a certified text: stretches of motion without a stop, and the events between them.
 
-It is made from the judge's own reading of the text.
+It is built from the judge's own reading of the text.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Between:
 class Path:
     """The executed path: S cubic pieces, for all stretches one after the other.
 
-    The last piece of each stretch is the rest after its end, which has no duration.
+    The last piece of each stretch represents the rest after its end, and has no duration.
 
     Attributes:
         stretch: (S,) index of the stretch of each piece.
@@ -90,7 +90,7 @@ class Path:
 
 @frozen(eq=False)
 class Course:
-    """A program for other drivers.
+    """A program's motion, prepared for other drivers.
 
     Attributes:
         path: path of all stretches.
@@ -154,7 +154,7 @@ class _Making:
         self._begin: list[float] = []
 
     def take(self, item: Run | Dwelt | Put | Barred | Stood, place: float) -> None:
-        """Add the next item of the text, which begins `place` [s] after the start of the program."""
+        """Add the next item of the text, which begins at time `place` [s] of the program."""
         match item:
             case Run():
                 self._run(item, place)
@@ -228,7 +228,7 @@ class _Making:
         self._open = False
 
     def done(self) -> Course:
-        """Return the course of all items."""
+        """Return the course of all added items."""
         return Course(self._path(), tuple(self._starts), tuple(self._between))
 
     def _path(self) -> Path:
@@ -249,7 +249,7 @@ class _Making:
         step = h[:, None]
         x, v = (f0 + 4.0 * f1 + f2) / 6.0, (f2 - f0) / (2.0 * step)
         a, jerk = (f2 - 2.0 * f1 + f0) / step**2, (f3 - 3.0 * f2 + 3.0 * f1 - f0) / step**3
-        # a piece at rest after each stretch
+        # add a piece at rest after each stretch
         behind = np.flatnonzero(np.append(np.diff(stretch) > 0, True))
         end = begin[behind] + h[behind]
         final, none = f3[behind], np.zeros((len(behind), size))

@@ -26,7 +26,7 @@ _LISTED = 5
 
 
 _SHARES = 1.0, 0.98, 0.9, 0.5
-"""Shares of the tolerance for which way-points are chosen. The next share is tried if the proof fails."""
+"""Shares of the tolerance with which way-points are chosen. The next share is tried if the proof fails."""
 
 
 @frozen(eq=False)
@@ -92,7 +92,7 @@ class Exported:
         return self.points.take(np.arange(first, last))
 
     def before(self, number: int) -> tuple[Between, ...]:
-        """Return the events between a trajectory, by its number from 0, and the one before.
+        """Return the events before a trajectory, by its number from 0, and after the trajectory before it.
 
         For the number of trajectories, return the events after all of them.
         """
@@ -151,8 +151,8 @@ def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
 
 
 def _watched(program: Program) -> list[Diagnostic]:
-    """Return warnings about inputs that aren't watched while a driver executes a trajectory, and about frames
-    that nothing shifts.
+    """Return warnings about inputs that nothing watches while a driver executes a trajectory, and about
+    frames that nothing shifts.
     """
     told = []
     for frame in dict.fromkeys(one.frame for one in offsets_of(program)):

@@ -1,9 +1,9 @@
-"""Interpolation of drivers between way-points, and the largest difference of two polynomials.
+"""Interpolation of drivers between way-points, and a bound on the difference of two polynomials.
 
 The joint_trajectory_controller of ros_control joins way-points by straight lines if they have only positions,
 by cubics if they also have velocities, and by quintics if they also have accelerations (ros_controllers and
-ros2_controllers, `sampleSplineWithTimeBounds` and `interpolate_between_points`). All are of degree 5 or less,
-as is their difference from the executed cubic.
+ros2_controllers, `sampleSplineWithTimeBounds` and `interpolate_between_points`). All these polynomials have
+degree 5 or less, and so has their difference from the executed cubic.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def largest(first: State, second: State, length: Array, halvings: int) -> Array:
     """Bound the absolute values of polynomials of degree 5 or less on intervals.
 
     Such a polynomial is given by its value and two derivatives at both ends, and is within the convex hull of
-    its Bernstein coefficients. Each halving of the interval reduces the distance of the hull from the
+    its Bernstein coefficients. Each halving of an interval reduces the distance of the hull from the
     polynomial to a quarter.
 
     Args:

@@ -1,7 +1,7 @@
 """Proof that a driver that follows way-points stays near the executed path.
 
-It uses the written numbers, and the path as the judge has read it. It doesn't depend on the choice of
-way-points.
+The proof uses the numbers as written, and the path as the judge has read it. It doesn't depend on the way in
+which way-points were chosen.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ _ROWS = 50_000
 def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
     """Bound the distance of an interpolation between way-points from a path at equal times.
 
-    Between neighbouring times of way-points and knots, both are polynomials, and so is their difference,
-    which is bounded by its Bernstein coefficients.
+    Between neighbouring times of way-points and knots, interpolation and path are polynomials. Their
+    difference is then a polynomial, too, and its Bernstein coefficients bound it.
 
     Args:
         path: the executed path.
@@ -57,7 +57,7 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
         first, second = differences
         length = at[rows + 1] - at[rows]
         found = largest(first, second, length, 1)
-        # Differences at ends are lower bounds of the result: only intervals that may exceed them are refined.
+        # Differences at ends are lower bounds of the result: refine only intervals that may exceed them.
         np.maximum(worst, np.abs(first[0]).max(axis=0), out=worst)
         close = (found > worst).any(axis=1)
         if close.any():

@@ -1,4 +1,6 @@
-"""Choice of way-points of a path: few points with which every interpolation is within a tolerance."""
+"""Choice of way-points on a path: as few points as possible with which every interpolation keeps a
+tolerance.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +18,17 @@ NS = 1e-9
 DECIMALS = 10, 9, 8
 """Decimals of positions, velocities and accelerations."""
 _RESERVE = 1e-3
-"""Share of the tolerance that is left as a reserve.
+"""Share of the tolerance that is kept as a reserve.
 
-The proof cuts the motion at other times, so that its hulls are different, and candidates are at multiples of
-a nanosecond, unlike knots.
+The proof divides the motion at other times than the choice of way-points does, which gives other hulls.
+Candidates are at multiples of a nanosecond, but knots aren't.
 """
 _FINER = 3.0
-"""For straight lines, about how many times a candidate interval is shorter than the tolerance allows."""
+"""For straight lines, the approximate ratio of the longest interval that the tolerance allows to an interval
+between candidates.
+"""
 _UNITS = 8
-"""Number of parts into which intervals of the first choice are cut for the second one."""
+"""Number of parts into which the intervals of the first choice are divided for the second one."""
 _ROWS = 3_000
 """Number of pieces that are examined at once, which bounds memory."""
 
@@ -51,15 +55,15 @@ class Points:
     a: Array
 
     def take(self, rows: Rows) -> Points:
-        """Return some of the points."""
+        """Return the points with the given indices."""
         return Points(self.stretch[rows], self.time[rows], self.x[rows], self.v[rows], self.a[rows])
 
 
 def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> Points:
     """Choose few way-points on a path with which several interpolations are within a tolerance of the path.
 
-    Neighbouring intervals are joined as long as the joined one keeps the tolerance. Then the longest allowed
-    step from each remaining place is found, and the way-points follow these steps.
+    Neighbouring intervals are joined as long as the joined interval keeps the tolerance. Then the longest
+    allowed step from each remaining place is found, and the way-points follow these steps.
 
     Args:
         path: the executed path.
@@ -75,7 +79,9 @@ def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> P
 
 
 def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
-    """Return candidates for way-points: the knots of the path and, for straight lines, points between."""
+    """Return candidates for way-points: the knots of the path and, for straight lines, also points between
+    the knots.
+    """
     count = len(path.begin)
     parts = np.ones(count, dtype=np.intp)
     if straight and count:
@@ -146,7 +152,7 @@ class _Fits:
 def _joined(fits: _Fits) -> Rows:
     """Return a choice of candidates in which no two neighbouring intervals of a stretch can be joined.
 
-    These are at most about twice as many as needed.
+    The choice has at most about twice as many candidates as necessary.
     """
     stretch = fits.points.stretch
     count = len(stretch)
@@ -171,7 +177,9 @@ def _joined(fits: _Fits) -> Rows:
 
 
 def _stepped(fits: _Fits, chosen: Rows) -> Rows:
-    """Return the candidates of steps that are as long as allowed, among parts of the chosen intervals."""
+    """Return the candidates at the ends of the longest allowed steps, taken among parts of the chosen
+    intervals.
+    """
     stretch = fits.points.stretch
     places = _parts(chosen, np.minimum(np.diff(chosen), _UNITS))
     within = np.flatnonzero(stretch[places[:-1]] == stretch[places[1:]])
@@ -201,7 +209,7 @@ def _stepped(fits: _Fits, chosen: Rows) -> Rows:
 
 
 def _parts(places: Rows, parts: Rows) -> Rows:
-    """Return places with each interval between them cut into a number of parts."""
+    """Return the given places, and between them those that divide each interval into a number of parts."""
     which = np.repeat(np.arange(len(parts)), parts)
     own = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
     return np.append(places[which] + own * np.diff(places)[which] // parts[which], places[-1])

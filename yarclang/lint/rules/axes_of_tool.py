@@ -14,10 +14,14 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.units import DEG
 
 TILTED = 10.0 * DEG
-"""Least angle between the axes of tool and base for a remark [rad]; below it both ways are nearly equal."""
+"""Smallest angle between the axes of tool and base for a remark [rad]. Below it, motions along both are
+nearly equal.
+"""
 
 _ALONG = 2.0 * DEG
-"""Largest angle at which the way before counts as along the tool's axis [rad]."""
+"""Largest angle between the previous path and the tool's axis at which the path counts as along this axis
+[rad].
+"""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -49,7 +53,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _axis(goal: PoseDelta) -> int | None:
-    """Return the only axis along which an increment goes; None if there are several, or if it turns."""
+    """Return the axis of an increment along a single axis; None if there are several, or if it rotates."""
     moves = np.flatnonzero(goal.shift)
     return int(moves[0]) if len(moves) == 1 and np.array_equal(goal.turn, np.eye(3)) else None
 

@@ -14,7 +14,7 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 FAR = 2.0
-"""Largest distance of a frame from {B} without a remark, as a multiple of the arm's length."""
+"""Distance of a frame from {B} above which there is a remark, as a multiple of the arm's length."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -47,7 +47,9 @@ def _placed(link: FrameLink) -> Array:
 
 
 def _length(robot: Robot) -> float:
-    """Return the largest distance of the flange from the first axis [m], with all sliding joints extended."""
+    """Return the largest distance of the flange from the first axis [m], with all prismatic joints
+    extended.
+    """
     limits = robot.limits
     travel = np.maximum(np.abs(limits.lower), np.abs(limits.upper))[robot.chain.is_prismatic]
     return arm_length(robot.chain, np.eye(4)) + float(travel.sum())

@@ -11,7 +11,9 @@ from yarclang.hir import Motion
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 
 MUCH = 1.9
-"""Largest share of the stop acceleration without a remark. Motions at full acceleration come close to it."""
+"""Share of the stop acceleration above which a motion gets a remark. Motions at full acceleration come
+close to it.
+"""
 
 
 def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:

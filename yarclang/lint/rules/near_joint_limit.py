@@ -13,7 +13,7 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.robot.model import Limits
 
 NEAR = 2.0
-"""Least distance from a limit without a remark [deg or mm]."""
+"""Distance from a limit below which there is a remark [deg or mm]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:

@@ -1,4 +1,4 @@
-"""Find bodies that may touch and never come near each other."""
+"""Find bodies that may touch but never come near each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find joint values in rad in a line of degrees."""
+"""Find joint values in rad in a line whose unit is deg."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.units import DEG
 
 _STEP = np.pi / 12.0
-"""People program multiples of this angle: 15 degrees [rad]."""
+"""Angle whose multiples people usually program: 15 degrees [rad]."""
 
 _EXACT = 6e-5
-"""Largest deviation from such a multiple if it is written with four digits [rad]."""
+"""Largest difference from such a multiple that results from writing it with four digits [rad]."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -36,10 +36,10 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 def _radian(values: Array) -> float | None:
     """Return a value that is a multiple of 15 deg if read as rad; None if the values are plausible degrees.
 
-    They are plausible if one is large or is a round number of degrees.
+    They are plausible if one of them is large or is a round number of degrees.
 
     Args:
-        values: values of the turning joints [deg].
+        values: values of the revolute joints [deg].
     """
     if np.abs(values).max(initial=0.0) > 2.0 * np.pi + _EXACT:
         return None

@@ -14,13 +14,15 @@ from yarclang.motion.profile import load_profile
 from yarclang.motion.zones import slow_zones
 
 MANY = 20.0
-"""Least ratio of a motion's time to the shortest time for a remark."""
+"""Smallest ratio of a motion's time to the shortest possible time for a remark."""
 
 SHORT = 5.0
-"""Least motion time for a remark [s]."""
+"""Smallest motion time for a remark [s]."""
 
 _NO_TIME = 1e-3
-"""Least shortest time for a remark [s]; a shorter motion goes nowhere, which is another finding."""
+"""Smallest value of the shortest possible time for a remark [s]. A shorter motion goes nowhere, which is
+another finding.
+"""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -29,12 +31,12 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
         given = step.timing.duration
-        # A timetable is as slow as its author wanted it.
+        # The author of a timetable has chosen its times.
         if given is None or given < SHORT or isinstance(step, TimedMove):
             continue
         bounds = limits if load_profile(motion.profile).has_jerk_limit else limits.without_jerk()
         bounds = replace(bounds, zones=slow_zones(around.robot, plan.program.cell, step))
-        # The control points don't depend on the segment time: compute the shortest one for these points.
+        # The control points don't depend on the segment time: compute the shortest segment time for them.
         needed = max(demand.segment for demand in bounds.demands(motion.curve.points))
         shortest = motion.curve.duration * needed / motion.curve.segment
         if _NO_TIME < shortest < given / MANY:

@@ -16,7 +16,7 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.units import DEG
 
 STRAIGHT = 5.0 * DEG
-"""Largest angle between two paths that counts as going straight on [rad]."""
+"""Largest angle between two paths that count as going straight on [rad]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -29,7 +29,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         between: tuple[Step, ...] = steps[first.step + 1 : second.step]
         if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
             continue
-        # Paths from the cache are the same objects, so that they can be part of a key.
+        # The same path from the cache is the same object, so that paths can be a part of a key.
         key = ("angle", first.path, second.path)
         (angle,) = recall(around.memory, key, partial(_angle, first, second, ways))
         if angle is not None and angle < STRAIGHT:
@@ -50,7 +50,7 @@ def _angle(
     Args:
         first: the motion before the stop.
         second: the motion after the stop.
-        ways: directions of motions by step, see `_ends`; receives those of both motions.
+        ways: directions of motions by step, see `_ends`; the directions of both motions are added.
     """
     one, other = first.path, second.path
     if not isinstance(one, CartesianPath) or not isinstance(other, CartesianPath):
@@ -67,7 +67,7 @@ def _angle(
 
 
 def _ends(path: CartesianPath) -> tuple[Array, Array] | None:
-    """Return the directions (3,) of a path at its start and at its end; None if it only turns."""
+    """Return the directions (3,) of a path at its start and at its end; None if it only rotates."""
     if path.extent[1]:
         return None
     begin, end = path.frame.tangents(np.array([0.0, 1.0]))[:, :3]

@@ -19,7 +19,7 @@ LARGEST = 250.0 * MM
 """The reduced speed of ISO 10218-1, 5.6.2 [m/s]."""
 
 _ROUNDING = 1e-3
-"""Allowed excess over this speed, as a share: the planner rounds a speed such as [V 250]."""
+"""Allowed excess over this speed, as a share, because the planner rounds a speed such as [V 250]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:

@@ -26,7 +26,7 @@ _KINDS = {
 
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
     names = around.names
-    # unused_tool.py reports frames on the flange.
+    # Frames on the flange are reported by unused_tool.py.
     on_flange = set(around.robot.flange_from_frame)
     for declared in names.declared:
         if (
@@ -49,7 +49,9 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
 
 
 def _without(one: Declared) -> Fix | None:
-    """Return the fix that removes a USE without comments; None otherwise: other names may be needed soon."""
+    """Return the fix that removes a USE without comments; None for other lines, since their names may be
+    needed soon.
+    """
     statement = one.statement
     if one.word != "USE" or statement.comments:
         return None

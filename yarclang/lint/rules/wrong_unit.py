@@ -13,13 +13,13 @@ from yarclang.robot.kinematics.reach import arm_length
 from yarclang.units import DEG, MM
 
 _NEAR, _FAR = 0.005, 20.0
-"""Least and largest plausible distance of a pose from {B}, as multiples of the arm's length."""
+"""Smallest and largest plausible distance of a pose from {B}, as multiples of the arm's length."""
 
 _SLOWEST, _FASTEST = 1.0 * MM, 10.0
-"""Least and largest plausible speed of a tool [m/s]."""
+"""Smallest and largest plausible speed of a tool [m/s]."""
 
 _BLEND = 0.1
-"""Least plausible size of a corner [mm and deg]."""
+"""Smallest plausible distance of a BLEND [mm and deg]."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -37,7 +37,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 
 def _oddly_placed(program: Program, arm: float) -> dict[int, float]:
-    """Find motions with a pose implausibly near to {B} or far from it.
+    """Find motions with a pose that is implausibly near to {B} or far from it.
 
     Args:
         program: the program.

@@ -42,7 +42,7 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
             actions += _renumber(server, document)
         if _wanted(FIX_ALL, only) and _fixable(document, analysis.checked):
             actions.append(_fix_all(uri))
-            # A general request must not wait for planning.
+            # A request for all kinds of actions must not wait for planning.
             if only is not None or (not _resolves(server) and analysis.is_whole):
                 await _resolve(server, actions[-1])
             elif not _resolves(server):
@@ -51,19 +51,19 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
 
 
 def _wanted(kind: str, only: Any) -> bool:
-    """Return True if a kind, or one of its parents, is requested."""
+    """Return True if an action's kind, or a kind that includes it, is requested."""
     names = [getattr(one, "value", one) for one in only or ()]
     return only is None or any(kind == one or kind.startswith(f"{one}.") or one == "" for one in names)
 
 
 def _resolves(server: Server) -> bool:
-    """Return True if the client requests the edit of an action later, when it is needed."""
+    """Return True if the client can request the edit of an action later, when the user selects it."""
     text = server.client_capabilities.text_document
     support = text.code_action.resolve_support if text and text.code_action else None
     return support is not None and "edit" in support.properties
 
 
-# Findings.
+# Actions for findings.
 
 
 def _quick_fixes(
@@ -87,7 +87,7 @@ def _is_own(document: Document, finding: Diagnostic) -> bool:
 
 
 def _touches(span: Span | None, asked: Span) -> bool:
-    """Return True if a finding is in the lines of the request, anywhere in them."""
+    """Return True if a finding is in one of the requested lines, at any column."""
     line, end_line = (span.line, span.end_line) if span else (1, 1)
     return line <= asked.end_line and asked.line <= end_line
 
@@ -103,7 +103,7 @@ def _quick_fix(server: Server, document: Document, repair: Repair) -> types.Code
     )
 
 
-# The whole text.
+# Actions for the whole text.
 
 
 def _renumber(server: Server, document: Document) -> Iterator[types.CodeAction]:
@@ -123,7 +123,9 @@ def _fixable(document: Document, checked: Checked) -> bool:
 
 
 def _fix_all(uri: str) -> types.CodeAction:
-    """Return the action without its edit, which is computed on request because each fix is tried."""
+    """Return the action without its edit. The edit is computed on request, because each fix has to be
+    tried.
+    """
     return types.CodeAction(title="apply all fixes that change no motion", kind=FIX_ALL, data={"uri": uri})
 
 

@@ -1,8 +1,8 @@
 """Code lenses, and the commands of the server: inspection of a command, and picture of a program.
 
-`yarc.inspect` takes a text's URI and a line from 1, and returns `{"text": ..., "path": ...}`: the output of
-`yarc inspect` and a file with it. `yarc.plot` takes the URI, and returns `{"path": ...}`, the picture of
-`yarc plot` as SVG. Clients that can show a file are asked to show it.
+`yarc.inspect` has a text's URI and a line (from 1) as arguments, and returns `{"text": ..., "path": ...}`:
+the output of `yarc inspect` and a file with it. `yarc.plot` has the URI as argument, and returns
+`{"path": ...}`, the picture of `yarc plot` as SVG. Clients that can show a file are asked to show it.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens
 
 
 def _heads(view: View) -> list[int]:
-    """Return the lines of the first motion of each paragraph: lenses above all lines hide the program."""
+    """Return the line of the first motion of each paragraph. Lenses above all motions would hide the
+    program.
+    """
     found, has_lens = [], False
     for one in view.sketch.module.statements:
         above = view.sketch.source.line(one.line - 1).strip()
@@ -122,14 +124,14 @@ def _draw(plan: MotionPlan, path: Path) -> None:
 
 
 def _arguments(arguments: tuple[Any, ...]) -> tuple[str, int]:
-    """Return URI and line from the arguments of a client, which may be anything."""
+    """Return URI and line from the client's arguments, which may have any type."""
     uri = arguments[0] if arguments and isinstance(arguments[0], str) else ""
     line = arguments[1] if len(arguments) > 1 and isinstance(arguments[1], int | float) else 1
     return uri, int(line)
 
 
 def _told(server: Server, message: str) -> None:
-    """Show the person the reason why there is no result."""
+    """Show the user the reason why there is no result."""
     server.window_show_message(types.ShowMessageParams(types.MessageType.Warning, message))
 
 

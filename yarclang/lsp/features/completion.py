@@ -1,4 +1,4 @@
-"""Completion: the candidates at the place where somebody types."""
+"""Completion: the candidates at the place where the user types."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _completion(server: Server, params: types.CompletionParams) -> types.Complet
         return None
     source = view.sketch.source
     found = candidates_at(view, *place_of(source, params.position, server.encoding))
-    # Commands get their suffixes only once they are typed, therefore the list is incomplete.
+    # Suffixes of commands are offered only after the name is typed, so the list is incomplete.
     return types.CompletionList(
         is_incomplete=any(one.kind == "command" for one in found),
         items=[_item(server, view.sketch.source, one) for one in found],

@@ -1,4 +1,4 @@
-"""Findings: pulled by the client, or pushed to clients that don't pull; never both."""
+"""Findings. The client pulls them, or they are pushed to clients that don't pull; never both."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ def _items(server: Server, analysis: Analysis) -> list[types.Diagnostic]:
 
 
 def _shows_pages(server: Server) -> bool:
-    """Return True if the client shows a link from a code to its page."""
+    """Return True if the client can show a link from a finding's code to its page."""
     text = server.client_capabilities.text_document
     shown = text.publish_diagnostics if text else None
     return bool(shown and shown.code_description_support)
 
 
 def _page(server: Server, code: str) -> types.CodeDescription:
-    """Return the link to a code's page. The page is written at its first use."""
+    """Return the link to a code's page. The page is written when it is first needed."""
     path = server.files / f"{code}.md"
     if not path.exists():
         path.write_text(page(everything()[code]), encoding="utf-8")
@@ -84,7 +84,7 @@ async def _asked(
 
 
 def _arrived(server: Server, analysis: Analysis) -> None:
-    """Push the findings, or ask a client that pulls to request again."""
+    """Push the findings. If the client pulls, ask it to request them again."""
     uri = analysis.document.uri
     if analysis.repeats:
         server.owed.discard(uri)

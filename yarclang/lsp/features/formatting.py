@@ -1,4 +1,4 @@
-"""Formatting as by `yarc fmt`, of the whole text or of some lines."""
+"""Formatting of the whole text or of some lines, in the same way as `yarc fmt`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,9 @@ def _part(server: Server, params: types.DocumentRangeFormattingParams) -> list[t
 
 
 def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list[types.TextEdit] | None:
-    """Format the line that was just ended. The rest of the text must not change while somebody types."""
+    """Format the line that the user has just ended. The rest of the text must not change while the user
+    types.
+    """
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return None
@@ -60,7 +62,7 @@ def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list
 
 
 def _last_line(line: int, column: int) -> int:
-    """Return the last line that an edit touches. The edit may end where the next line begins."""
+    """Return the last line that an edit changes. The edit may end at the beginning of the line after it."""
     return line - 1 if column == 1 else line
 
 

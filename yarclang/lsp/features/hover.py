@@ -1,4 +1,4 @@
-"""Hover: the explanation of the place under the mouse."""
+"""Hover: the explanation of the text under the mouse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links from the names of files to the files, and selections around a place."""
+"""Links from names of files to the files, and growing selections around a place."""
 
 from __future__ import annotations
 

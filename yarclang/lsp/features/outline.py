@@ -81,7 +81,7 @@ def _declared(entries: Iterable[Entry]) -> Iterator[Entry]:
 
 
 def _fits(query: str, name: str) -> bool:
-    """Return True if a name contains the letters of a query in their order."""
+    """Return True if a name contains the letters of a query in the same order."""
     rest = iter(name)
     return all(letter in rest for letter in query)
 

@@ -25,7 +25,7 @@ def _signature(server: Server, params: types.SignatureHelpParams) -> types.Signa
     parameters = []
     start = len(found.head) + 1
     for one in found.values:
-        # All of it is ASCII: a column is one unit in any encoding.
+        # All characters are ASCII, so a column is one unit in any encoding.
         parameters.append(types.ParameterInformation((start, start + len(one.label)), one.meaning or None))
         start += len(one.label) + 1
     active = found.active if found.active is not None else len(parameters)

@@ -20,7 +20,7 @@ def _initialized(server: Server, params: types.InitializeParams) -> None:
 
 
 def _ready(server: Server, params: types.InitializedParams) -> None:  # noqa: ARG001  (the protocol's)
-    """Register for changes of files by others."""
+    """Ask the client to report changes of files by other programs."""
     workspace = server.client_capabilities.workspace
     watches = workspace.did_change_watched_files if workspace else None
     if watches is None or not watches.dynamic_registration:
@@ -51,7 +51,7 @@ def _saved(server: Server, params: types.DidSaveTextDocumentParams) -> None:
 
 
 def _watched(server: Server, params: types.DidChangeWatchedFilesParams) -> None:
-    """Check the texts that depend on files that others have changed."""
+    """Check the texts that depend on files that other programs have changed."""
     for one in params.changes:
         server.touched(one.uri)
 

@@ -1,9 +1,9 @@
-"""Draw the tool straight out of a tight place: along the axes of the moved frame and of the flange, with its
-orientation kept.
+"""Draw the tool straight out of a tight place, along the axes of the moved frame and of the flange, without
+turning it.
 
 A random search seldom finds the way out of a box that is a few millimetres wider than the tool. The tool's
-own axes lead out of nearly all places into which tools are led. From the end of a first line, or from half
-way along it, a second one may lead on: past the rails of a slot, or around a corner.
+own axes lead out of nearly all places into which people lead tools. From the end of a first line, or from
+half way along it, a second line may lead on: past the rails of a slot, or around a corner.
 """
 
 from __future__ import annotations
@@ -28,30 +28,31 @@ FARTHEST = 0.4
 """Largest length of a line [m]."""
 
 _LEAST = 4
-"""A line with fewer steps leads nowhere."""
+"""Least number of steps of a line; shorter ones lead nowhere."""
 
 _EVERY = 5
-"""Every `_EVERY` steps a joint position of a line is kept as a way-point, and every `_ROOTS` steps a search
-may begin there.
+"""Every `_EVERY` steps, a joint position of a line is kept as a way-point. A search may begin every `_ROOTS`
+steps.
 """
 
 _ROOTS = 20
 
 _JUMP = 0.15
-"""A joint that moves by more than this in one step [rad or m] is beside a singularity, where a line ends."""
+"""Motion of a joint in one step [rad or m] above which it is close to a singularity; a line ends there."""
 
 
 @frozen(eq=False)
 class Retreat:
-    """A way of straight lines of the tool out of a place: joint positions `corners` (k, n) [rad or m],
-    beginning with the place itself.
+    """A way out of a place along straight lines of the tool.
+
+    The joint positions `corners` (k, n) [rad or m] begin with the place itself.
     """
 
     corners: Array
 
 
 def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool) -> list[Retreat]:
-    """Return ways out of a place, the ones that end in the widest room first.
+    """Return ways out of a place, those that end in the widest room first.
 
     Args:
         room: the surroundings.
@@ -70,7 +71,7 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
 
 
 def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
-    """Return the ways that end where most room is, the shortest of equals first.
+    """Return the ways that end in the widest room; the shorter one wins a tie.
 
     A search that also begins in tight places would draw most of its samples into walls.
     """
@@ -80,14 +81,14 @@ def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
 
 
 _OPEN = 0.1
-"""A place farther than this from everything around it is in the open [m]."""
+"""Distance from everything around it above which a place counts as open [m]."""
 
 _MOST = 3
 """The largest number of places at which a search begins."""
 
 
 def _roots(line: Array) -> list[Retreat]:
-    """Return the places along a line at which a search may begin: its end, and some before."""
+    """Return the places along a line at which a search may begin: its end, and some places before it."""
     ends = {*range(_ROOTS, len(line) - 1, _ROOTS), len(line) - 1}
     return [Retreat(line[: end + 1]) for end in sorted(ends)]
 
@@ -100,8 +101,8 @@ def _thinned(corners: Array) -> Array:
 
 
 def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> list[Array]:
-    """Return the ways (k, n) that continue from the ends of others along the axes, as far as the arm reaches
-    and nothing is in the way.
+    """Return ways (k, n) that continue other ways along the axes, until the arm can't reach farther or
+    something is in the way.
     """
     if not begun:
         return []
@@ -117,6 +118,7 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
     for _ in range(round(FARTHEST / STEP)):
         go_on()
         poses[going, :3, 3] += STEP * way[going]
+        # Continue the joints' last step as the guess for the next one.
         guess = np.clip(here[going] + before[going], limits.lower, limits.upper)
         moved = fit(chain, poses[going], guess, lower=limits.lower, upper=limits.upper, rounds=8)
         good = moved.total < reached_within(chain)
@@ -138,8 +140,8 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
 
 
 def _directions(room: Room) -> Array:
-    """Return the axes (d, 3), in both directions, of the moved frame and those of the flange that differ, in
-    the flange's frame.
+    """Return the axes (d, 3) of the moved frame and of the flange, each in both directions and without
+    duplicates, in the flange's frame.
     """
     axes = [*room.flange_from_moving[:3, :3].T]
     axes += [one for one in np.eye(3) if all(abs(float(one @ other)) < _ALONG for other in axes)]

@@ -39,10 +39,10 @@ _ALONG = 0.999
 
 @frozen(eq=False)
 class Change:
-    """A pose near one that can't be taken: `words` describe the difference, `title` the fix,
-    `base_from_moving` (4, 4) is the pose.
+    """A small change of a pose that can't be taken.
 
-    `is_reversed` is True if the tool's z points the other way.
+    `words` describe the change, `title` is that of its fix, and `base_from_moving` (4, 4) is the changed
+    pose. `is_reversed` is True if the tool's z points the other way.
     """
 
     words: str
@@ -54,16 +54,16 @@ class Change:
 def helpful_changes(
     robot: Robot, room: Room | None, goal: PoseGoal, near: Array, origin: Origin
 ) -> tuple[Change, ...]:
-    """Return the first change of each kind that lets the arm take a pose with nothing in the way: z reversed,
-    a turn about z, a move.
+    """Return the first change of each kind with which the arm can take a pose and nothing is in the way.
 
-    Some 45 poses are tried, which takes about 10 ms with a closed form and 50 ms without.
+    The kinds are: z reversed, a turn about z, a move. Some 45 poses are tried, which takes about 10 ms with a
+    closed form of the inverse kinematics, and 50 ms without.
 
     Args:
         robot: the arm.
         room: the surroundings; None if nothing can be in the way.
         goal: the pose.
-        near: (n,) [rad or m], to which solutions are near.
+        near: (n,) joint position near which solutions are wanted [rad or m].
         origin: the command; moves are along the axes of its frame.
     """
     kinds = (
@@ -89,8 +89,9 @@ def _is_free(room: Room | None, q: Array) -> bool:
 
 
 def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array]:
-    """Return solutions (m, n) [rad or m] within limits for each of several poses (N, 4, 4); without a closed
-    form, those that a short search finds.
+    """Return solutions (m, n) [rad or m] within limits for each of several poses (N, 4, 4).
+
+    Without a closed form of the inverse kinematics, these are the solutions that a short search finds.
     """
     chain, limits = robot.chain, robot.limits
     if has_all(chain):
@@ -102,6 +103,7 @@ def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array
         fitted = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper, rounds=_ROUNDS)
         q = fitted.q.reshape(len(base_from_flange), _STARTS, -1)
         reached = (fitted.total < reached_within(chain)).reshape(-1, _STARTS)
+    # Of each solution, take the full turns nearest to `near` within the limits.
     q = nearest_turn(chain, limits, q, near)
     inside = reached & (np.abs(beyond(limits, q)).max(axis=-1) <= EDGE)
     q = np.clip(q, limits.lower, limits.upper)
@@ -113,8 +115,9 @@ _STARTS, _ROUNDS = 16, 15
 
 
 def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
-    """Return changes as a sentence, the first with its numbers; `how` is what the pose would be then: free,
-    or in reach.
+    """Return a sentence that lists changes, the first with its numbers.
+
+    `how` is the state of the changed pose: free, or in reach.
     """
     first, *others = changes
     numbers = _written(first.base_from_moving, origin)
@@ -131,7 +134,7 @@ def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
 def change_fix(goal: PoseGoal, change: Change, origin: Origin) -> Fix | None:
     """Return a fix that writes the pose of a change; None if the command's six values aren't plain numbers.
 
-    Only people know if the robot should go there, so the fix is applied only by choice.
+    Only a person knows if the robot should go there, so the fix is applied only by choice.
     """
     where = origin.values_span
     if where is None:
@@ -173,8 +176,8 @@ def _turned(pose: Array) -> Iterator[Change]:
 
 
 def _moved(pose: Array, origin: Origin) -> Iterator[Change]:
-    """Yield moves of a pose: first away from where the tool points, then along the axes of the line's frame
-    that differ.
+    """Yield moves of a pose: first along -z and z of the tool, then along those axes of the line's frame
+    that differ from them.
     """
     ways: list[tuple[str, Array]] = [("-z of the tool", -pose[:3, 2]), ("z of the tool", pose[:3, 2])]
     axes = _base(origin)[:3, :3]

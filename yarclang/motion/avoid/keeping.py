@@ -1,10 +1,10 @@
-"""Find a way of straight pieces along which an axis keeps its angle: two trees whose branches are pulled back
-into the angle at every step.
+"""Find a way of straight pieces along which an axis keeps its angle, by two search trees whose branches are
+pulled back into the angle at every step.
 
-Of all joint positions only a thin layer is upright, so that samples hardly ever hit it, and straight lines
-leave it. So samples, and each step of a branch, are projected (Berenson, Srinivasa and Kuffner, "Manipulation
-planning on constraint manifolds", 2009). Random numbers come from a seed, and a search ends by the number of
-its samples, as in `yarclang.motion.avoid.search`.
+The joint positions at which an axis is upright are a thin layer among all joint positions: samples hardly
+ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are projected onto it
+(Berenson, Srinivasa and Kuffner, "Manipulation planning on constraint manifolds", 2009). Random numbers come
+from a seed, and a search ends by the number of its samples, as in `yarclang.motion.avoid.search`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ from yarclang.progress import go_on
 _STEP = 0.1
 """Length of a step of a branch before it is pulled back [m, of bodies]."""
 _INSIDE = 0.7
-"""Share of the angle within which projected joint positions are, so that the pieces between them fit."""
+"""Share of the angle to which joint positions are pulled back, so that straight pieces between them stay
+within the angle.
+"""
 _ROUNDS = 12
 """Steps of Newton's method to pull a joint position back."""
 _MOST_STEPS = 60
@@ -37,16 +39,17 @@ _CUTS = 120
 
 
 def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Array | None:
-    """Return a joint position (n,) near another one at which all tilts are within a share of their angles.
+    """Return a joint position (n,) near another one at which all tilts are within the share `_INSIDE` of
+    their angles.
 
     Args:
         scene: has the arm.
         tilts: axes, directions and angles.
-        reach: (n,) scale of the joints [m/rad or 1]: joints that move bodies less turn more.
+        reach: (n,) scale of the joints [m/rad or 1]. Joints that move the bodies less turn more.
         q: (n,) [rad or m].
 
     Returns:
-        None if it isn't found.
+        The joint position; None if none is found.
     """
     around = np.concatenate((np.zeros((1, len(q))), np.eye(len(q)) * _DELTA))
     for _ in range(_ROUNDS):
@@ -61,14 +64,18 @@ def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Arr
         size = float(slopes @ slopes)
         if size < 1e-9:
             return None
+        # Newton step along the gradient of the worst angle, in joint coordinates scaled by `reach`.
         q = q - slopes * ((worst + 1e-4) / size) / reach
     return None
 
 
 @frozen(eq=False)
 class _Space:
-    """What a search needs: `free` checks joint positions, `pull` projects them, `step` (n,) is the distance
-    between checks [rad or m], and `low` and `high` (n,) are the range of joint positions.
+    """The data of a search.
+
+    `free` checks joint positions, `pull` projects them, `reach` (n,) is the scale of the joints [m/rad or 1].
+    `step` (n,) is the distance between checks [rad or m], and `low` and `high` (n,) are the range of joint
+    positions.
     """
 
     free: Callable[[Array], bool]
@@ -79,12 +86,17 @@ class _Space:
     high: Array
 
     def joined(self, one: Array, other: Array) -> bool:
-        """Return True if the straight piece between two joint positions is free, the first one excluded."""
+        """Return True if the straight piece between two joint positions is free; `one` itself isn't
+        checked.
+        """
         count = int(np.ceil(float(np.linalg.norm((other - one) / self.step)))) or 1
         return all(self.free(one + (other - one) * (at / count)) for at in range(count, 0, -1))
 
     def walk(self, one: Array, other: Array) -> list[Array]:
-        """Return joint positions on the way from one to another, as far as it is free and comes nearer."""
+        """Return joint positions on the way from one position to another.
+
+        The walk ends where the way isn't free, or comes no nearer to `other`.
+        """
         found: list[Array] = []
         here, left = one, float(np.linalg.norm((other - one) * self.reach))
         for _ in range(_MOST_STEPS):
@@ -132,13 +144,15 @@ class _Tree:
 
 
 def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: Effort) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which tilts
-    are kept; or how near the search came.
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal along which tilts are kept.
+
+    The corners include start and goal. If no way is found, the result is the place at which the two trees
+    come nearest to each other.
 
     Args:
         scene: has the arm.
         tilts: axes, directions and angles.
-        question: its `free` checks the tilts too.
+        question: starts and goals; its `free` checks the tilts too.
         effort: parameters of the search.
     """
     random = np.random.default_rng(effort.seed)
@@ -151,10 +165,12 @@ def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: E
         go_on()
         if question.is_over():
             break
-        # the first branches lead straight from one end to the other
+        # The first sample is the goal, so that the first branches lead straight from one end to the other.
         sample = in_.points[0] if tries == 1 else pull(low + random.random(len(low)) * (high - low))
         if sample is None:
             continue
+        # RRT-Connect: grow one tree towards the sample, and the other one towards its new tip; then swap
+        # roles.
         one, other = (out, in_) if tries % 2 else (in_, out)
         near = one.nearest(sample, space.reach)
         at = one.grow(near, space.walk(one.points[near], sample))
@@ -190,7 +206,7 @@ def _shortened(space: _Space, points: list[Array], random: np.random.Generator) 
             points = [*points[: first + 1], *cut, *points[last + 1 :]]
     kept, at = [points[0]], 0
     while at < len(points) - 1:
-        # as far as a straight piece leads
+        # Go as far as a straight piece leads.
         end = at + 1
         while end + 1 < len(points) and space.joined(points[at], points[end + 1]):
             end += 1

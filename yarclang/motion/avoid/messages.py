@@ -33,8 +33,9 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
-    """Return the finding for a path that doesn't exist, or that wasn't found. It names what blocks the robot at
-    the start, at the goal, or in between.
+    """Return the finding that no path exists, or that none was found.
+
+    It names the obstruction at the start, at the goal, or in between.
     """
     if why.start is not None:
         message = f"there is no way from where the robot stands: {inside(why.start)}"
@@ -62,8 +63,8 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
 
 
 def tried(robot: Robot, why: NoWay) -> str:
-    """Return a clause with the number of tries, a reminder that they prove nothing, and how far the search
-    came.
+    """Return a clause with the number of tries, a reminder that they prove nothing, and the farthest place of
+    the search.
     """
     said = f"in {why.tries:,} tries, which doesn't prove that there is none: "
     if why.has_corners:
@@ -79,8 +80,8 @@ def tried(robot: Robot, why: NoWay) -> str:
 
 
 def parted(robot: Robot, parting: Parting | Barrier) -> str:
-    """Return a clause with the zone that lies between start and target, and its joint, or the item that can't
-    get past it.
+    """Return a clause that names the zone between start and target, and its joint or the item that can't get
+    past the zone.
     """
     if isinstance(parting, Barrier):
         return f"zone {parting.name}, which the arm can't reach past, lies between where {parting.item} is and where it shall be"
@@ -94,7 +95,7 @@ def parted(robot: Robot, parting: Parting | Barrier) -> str:
 def configuration_blocked(
     robot: Robot, step: Motion, taken: Array, nearest: tuple[Array, Obstruction], which: str
 ) -> Message:
-    """Return the finding that another solution was taken since the nearest one isn't free."""
+    """Return the finding that another solution was taken because the nearest one isn't free."""
     origin = step.origin
     message = f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: with that, {inside(nearest[1])}"
     help_ = "NEAR with a joint position in this configuration says that it is meant"
@@ -104,7 +105,7 @@ def configuration_blocked(
 def configuration_without_way(
     robot: Robot, step: Motion, taken: Array, nearest: Array, why: NoWay
 ) -> Message:
-    """Return the finding that another solution was taken since no way to the nearest one was found."""
+    """Return the finding that another solution was taken because no way to the nearest one was found."""
     origin = step.origin
     message = (
         f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to that was found"
@@ -136,13 +137,12 @@ _BLOCKED = "Y0925"
 def with_changes(
     told: Message, goal: PoseGoal, changes: tuple[Change, ...], origin: Origin, *, is_alone: bool
 ) -> Message:
-    """Add to a message about a pose that can't be taken the changes that would help, the first with its
-    numbers.
+    """Add helpful changes to a message about a pose that can't be taken, the first one with its numbers.
 
     Args:
         told: the message.
         goal: the pose.
-        changes: those that help; empty if all were tried in vain.
+        changes: the changes that help; empty if none of those tried helps.
         origin: its command.
         is_alone: True if the command has no other way-point: then the first change may be a fix.
     """
@@ -174,7 +174,7 @@ def inside(one: Obstruction) -> str:
 
 
 def in_way(one: Obstruction) -> str:
-    """Return what is in the way, or comes nearest, as the end of a sentence."""
+    """Return the obstruction, or the item that comes nearest to one, as the end of a sentence."""
     moving, other = one.names
     if one.is_zone and one.distance <= 0.0:
         return f"zone {other} leaves {moving} too little room"
@@ -184,8 +184,8 @@ def in_way(one: Obstruction) -> str:
 
 
 def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
-    """Return a fix that declares the way-points and writes MOVEJ_SPLINE; None if the command stands for
-    several places.
+    """Return a fix that declares the way-points and writes MOVEJ_SPLINE; None if the command's line is
+    executed in several places.
     """
     origin = step.origin
     if not origin.index or ">" in origin.place or "(" in origin.place:
@@ -212,7 +212,7 @@ def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
 
 
 def _written(robot: Robot, q: Array, fine: int = 4) -> str:
-    """Return a joint position as numbers with at most `fine` decimals; way-points have two."""
+    """Return a joint position as numbers with at most `fine` decimals; those of way-points have two."""
     return " ".join(
         f"{value:.{fine}f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, fine) + 0.0
     )

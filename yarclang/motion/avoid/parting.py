@@ -1,5 +1,6 @@
-"""Detect zones that certainly separate two joint positions: whatever the other joints do, no motion gets past
-them. No search is needed.
+"""Detect zones that certainly separate two joint positions, without a search.
+
+No motion gets past such a zone, whatever the other joints do.
 """
 
 from __future__ import annotations
@@ -21,8 +22,10 @@ from yarclang.shapes import Box
 
 @frozen
 class Parting:
-    """A forbidden window of a single joint, number `joint` (from 0), between start and goal: `lower` to
-    `upper` [rad or m] of the zone `name`.
+    """A forbidden window of a single joint between start and goal.
+
+    The zone `name` forbids the positions from `lower` to `upper` [rad or m] of joint number `joint`, counted
+    from 0.
     """
 
     name: str
@@ -33,8 +36,9 @@ class Parting:
 
 @frozen
 class Barrier:
-    """A forbidden box, zone `name`, that the arm can't reach past, between the places of the watched `item`
-    at the start and at the goal.
+    """A forbidden box that the arm can't reach past: the zone `name`.
+
+    At the start and at the goal, the watched `item` is on opposite sides of the box.
     """
 
     name: str
@@ -42,9 +46,7 @@ class Barrier:
 
 
 def parting(room: Room, start: Array, goal: Array) -> Parting | Barrier | None:
-    """Return a zone that no motion from `start` to `goal` (n,) [rad or m] gets past; None if no zone
-    certainly is one.
-    """
+    """Return a zone that certainly separates `start` from `goal` (n,) [rad or m]; None if there is none."""
     for watch in room.watches:
         if watch.zone.rule != "forbidden":
             continue
@@ -64,15 +66,17 @@ def _window(limits: Limits, watch: Watch, start: Array, goal: Array) -> Parting 
     joint = int(np.argmax(narrows))
     lower, upper = float(window.lower[joint]), float(window.upper[joint])
     low, high = sorted((float(start[joint]), float(goal[joint])))
-    # a window narrower than the resolution separates nothing
+    # A window narrower than the resolution of the proof separates nothing.
     if low <= lower and upper <= high and upper - lower > 4.0 * WINDOW_SLACK:
         return Parting(watch.zone.name, joint, lower, upper)
     return None
 
 
 def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | None:
-    """Return the barrier that a zone is, or None: a watched point would have to go through the box, since its
-    other faces are out of reach.
+    """Return a zone as a barrier; None if it isn't one.
+
+    A box is a barrier if the watched item can't reach the box's other faces: a point of the item would then
+    have to go through the box.
     """
     region, item = watch.zone.region, watch.item
     if item is None or watch.zone.posture is not None:
@@ -82,6 +86,8 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
     middle, radius = _reach(room.robot.chain, room.robot.limits, item)
     turn, origin = region.base_from_shape[:3, :3], region.base_from_shape[:3, 3]
     half = region.shape.size / 2.0
+    # Axes of the box in which the ball of the item's point is inside of the box's faces: the point can't pass
+    # the box sideways in these directions.
     covered = np.abs((middle - origin) @ turn) + radius < half
     posed = Arm.at(room.scene, np.stack([start, goal])).of(item)
     sides = (posed.point(item.points[0]) - origin) @ turn
@@ -97,7 +103,7 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
 
 
 def _reach(chain: Chain, limits: Limits, item: Item) -> tuple[Array, float]:
-    """Return a ball, middle (3,) in {B} and radius [m], that the first point of an item never leaves.
+    """Return a ball that the first point of an item never leaves: middle (3,) in {B} and radius [m].
 
     A turn about an axis keeps the distances to points of the axis. From the item to the first axis, the
     distances from one axis to the nearest point of the next therefore add up, together with all slides.

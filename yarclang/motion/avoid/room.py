@@ -1,5 +1,5 @@
-"""Describe the room in which a way is searched for: limits, bodies and zones, and how far joints move the
-bodies.
+"""Describe the surroundings in which a way is searched for: limits, bodies and zones, and the levers by which
+joints move the bodies.
 """
 
 from __future__ import annotations
@@ -38,13 +38,15 @@ _AT_ONCE = 16
 """Number of joint positions that are checked together."""
 
 TOUCH = 1e-6
-"""Distance beyond which bodies are ignored when only obstructions matter [m]."""
+"""Distance beyond which bodies are ignored if only obstructions matter [m]."""
 
 
 @frozen(eq=False)
 class Obstruction:
-    """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
-    and by how much it is broken [m; rad or m for joints; rad for a tilt].
+    """An obstruction at a joint position: two bodies that are too close, or a broken zone.
+
+    The names are those of two bodies, with their distance [m], or of a watched item and its zone, with the
+    amount by which the zone is broken [m; rad or m for joints; rad for a tilt].
     """
 
     names: tuple[str, str]
@@ -55,8 +57,10 @@ class Obstruction:
 
 @frozen(eq=False)
 class Room:
-    """The surroundings of a robot while a frame is moved, `flange_from_moving` (4, 4) [m]: the bodies, and
-    the watches of all but slow zones.
+    """The surroundings of a robot while a frame is moved: the bodies, and the watches of all zones but slow
+    ones.
+
+    `flange_from_moving` (4, 4) is the moved frame [m].
     """
 
     robot: Robot
@@ -66,7 +70,7 @@ class Room:
 
     @property
     def tilts(self) -> tuple[Tilt, ...]:
-        """The angles that axes keep along the way."""
+        """The limits of angles that axes must keep along the way."""
         regions = (watch.zone.region for watch in self.watches)
         return tuple(one for one in regions if isinstance(one, Tilt))
 
@@ -85,8 +89,8 @@ class Room:
         return _broken(watch, -by)
 
     def nearest(self, q: Array) -> Obstruction:
-        """Return the worst obstruction at a joint position (n,) [rad or m], or what comes nearest to being
-        one.
+        """Return the worst obstruction at a joint position (n,) [rad or m], or the pair or zone that is
+        nearest to being one.
         """
         found = self.obstruction(q)
         if found is not None:
@@ -101,8 +105,9 @@ class Room:
         return _broken(watch, -float(slack_at(self.scene, watch, q[None])[0]))
 
     def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
-        """Yield `obstruction` for each of several joint positions (n,) [rad or m], lazily: full turns of
-        joints leave bodies in place.
+        """Yield the result of `obstruction` for each of several joint positions (n,) [rad or m].
+
+        Each is computed only when it is requested. Positions that differ by full turns are computed once.
         """
         known = dict[bytes, Obstruction]()
         for one in q:
@@ -115,8 +120,8 @@ class Room:
     def free_among(self, q: Sequence[Array]) -> Iterator[Array]:
         """Yield those of several joint positions (n,) at which nothing is in the way, in their order.
 
-        `_AT_ONCE` are checked together, later ones only if they are requested. Full turns of joints are
-        checked once, unless a zone is about joints.
+        `_AT_ONCE` positions are checked together, and later ones only if they are requested. Positions that
+        differ by full turns are checked once, unless a zone is about joints.
         """
         is_once = not any(_of_joints(watch) for watch in self.watches)
         known = dict[bytes, bool]()
@@ -127,7 +132,7 @@ class Room:
             if new:
                 is_free = self.clearances(np.array(list(new.values())), TOUCH) > 0.0
                 known.update(zip(new, is_free.tolist(), strict=True))
-            # the single check has the last word
+            # The check of a single position decides.
             yield from (
                 one
                 for key, one in zip(keys, part, strict=True)
@@ -143,8 +148,8 @@ class Room:
     def clearances(self, q: Array, near: float) -> Array:
         """Return the least reserve at joint positions (N, n): (N,) [m; rad or m for a joint window].
 
-        It is how much the distance of the nearest pair of bodies exceeds its margin, or how far the nearest
-        zone is from being broken: negative if something is in the way, and at most `near`.
+        The reserve of a pair of bodies is its distance less its margin; that of a zone is its distance from
+        being broken. The result is negative if something is in the way, and at most `near`.
         """
         left = self.spare(q, near)
         for watch in self.watches:
@@ -152,8 +157,9 @@ class Room:
         return left
 
     def spare(self, q: Array, near: float) -> Array:
-        """Return how much the distance of the nearest pair of bodies exceeds its margin at joint positions
-        (N, n): (N,) [m], at most `near`.
+        """Return the least distance less margin of any pair of bodies at joint positions (N, n): (N,) [m].
+
+        The result is at most `near`.
         """
         scene, left = self.scene, np.full(len(q), near)
         count = len(scene.pairs.first)
@@ -170,8 +176,8 @@ class Room:
         return left
 
     def is_free(self, q: Array) -> bool:
-        """Return True if nothing is in the way at a joint position (n,), without regard to the inside of
-        hollow meshes.
+        """Return True if nothing is in the way at a joint position (n,). The inside of hollow meshes isn't
+        examined.
         """
         return plain_free_space(self.scene).has(q) and self._keeps(q)
 
@@ -192,15 +198,17 @@ class Room:
         return np.array(times)
 
     def padding(self, start: Array, goal: Array, most: float) -> Array:
-        """Return the distance that pairs should keep in addition to their margins, (K,) [m]: `most`, or half
-        of the reserve at the ends if that is less.
+        """Return the additional distance beyond their margins that pairs should keep, (K,) [m].
+
+        It is `most`, or half of the reserve at the ends if that is less.
         """
         least = np.minimum(gaps(self.scene, start), gaps(self.scene, goal))
         return np.clip(least / 2.0, 0.0, most)
 
     def check(self, more: Array) -> Callable[[Array], bool]:
-        """Return a predicate for free joint positions (n,), for pairs that keep `more` (K,) in addition to
-        their margins [m].
+        """Return a function that returns True for free joint positions (n,).
+
+        Pairs keep `more` (K,) in addition to their margins [m].
         """
         space = free_space(self.scene, more)
         return lambda q: space.has(q) and self._keeps(q)
@@ -223,7 +231,7 @@ JOINTS = "the joints"
 """The watched item of a joint window."""
 
 _INSIDE = 1e-5
-"""Distance that a way keeps from the borders of zones [m]; with less, it couldn't be proved."""
+"""Distance that a way keeps from the borders of zones [m]; a smaller one couldn't be proved."""
 
 
 def _of_joints(watch: Watch) -> bool:
@@ -231,9 +239,10 @@ def _of_joints(watch: Watch) -> bool:
 
 
 def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
-    """Return the room around a robot while a frame is moved.
+    """Return the surroundings of a robot while a frame is moved.
 
-    None if nothing can be in the way, or if a mesh can't be read, which the certificate reports.
+    The result is None if nothing can be in the way, or if a mesh can't be read, which the certificate
+    reports.
     """
     zones = cell is not None and any(zone.rule != "slow" for zone in cell.zones)
     if not (robot.shapes or zones or (cell is not None and cell.obstacles)):
@@ -248,8 +257,9 @@ def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
 
 @lru_cache(maxsize=32)
 def reaches(scene: Scene, robot: Robot) -> Array:
-    """Return the largest lever of each joint on any body, approximately (n,) [m/rad, or 1]; it makes
-    distances in joint space comparable.
+    """Return the approximate largest lever of each joint on any body, (n,) [m/rad, or 1 for a slide].
+
+    The levers make distances in joint space comparable.
     """
     q = within(robot.chain, robot.limits, _POSITIONS)
     arms: Array = arm_lengths(place(scene, q)).max(axis=(1, 2), initial=_LEAST_REACH)

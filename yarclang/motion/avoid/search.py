@@ -1,9 +1,9 @@
-"""Find a way of straight pieces through joint space: RRT-Connect and shortcuts, by OMPL.
+"""Find a way of straight pieces through joint space by OMPL's RRT-Connect and shortcuts.
 
-OMPL's random numbers come from one seed, which is set before anything of OMPL is created, and a search ends
-by the number of its samples, never by a clock. The same question therefore has the same answer in every
-process, whatever was asked before. OMPL has one random generator for all threads, so no two threads may
-search at once.
+OMPL's random numbers come from one seed, which is set before any object of OMPL is created. A search ends by
+the number of its samples, never by a clock. The same question therefore has the same answer in every process,
+whatever was asked before. OMPL has one random generator for all threads, so no two threads may search at
+once.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ class Effort:
 
     `padding` [m] is the distance that pairs keep in addition to their margins if possible. `step` [m] is the
     approximate motion of bodies between two joint positions that are checked. At most `samples` samples are
-    drawn, from `seed` on. `lines` is the number of straight lines by which the tool is first drawn out of
-    start and goal (`backing`). A search that `is_for_lines` is skipped if no line leads out of either.
+    drawn, with the random numbers of `seed`. `lines` is the number of straight lines by which the tool is
+    first drawn out of start and goal (`backing`). With `is_for_lines`, the search is skipped if no line leads
+    out of either.
     """
 
     padding: float
@@ -39,11 +40,11 @@ class Effort:
 
 @frozen(eq=False)
 class Question:
-    """A question: the way from one of the joint positions `starts` (k, n) [rad or m] to one of `goals` (m,
-    n), within limits.
+    """A question to a search: the way from any of several starts to any of several goals.
 
-    `reach` (n,) are the joints' scales [m/rad or 1]. `free` returns True for free joint positions. `is_over`
-    ends the search before its samples are used up.
+    `starts` (k, n) and `goals` (m, n) are joint positions [rad or m] within limits. `reach` (n,) are the
+    joints' scales [m/rad or 1]. `free` returns True for free joint positions. `is_over` returns True to end
+    the search before its samples are used up.
     """
 
     starts: Array
@@ -58,9 +59,9 @@ class Question:
 class Apart:
     """The result of a search that found no way.
 
-    Of all joint positions reached from the starts, `q` (n,) is the one nearest to a position `beyond` (n,)
-    from which a goal is reached; `left` is the distance between them [m, of bodies]. `tries` is the number of
-    samples drawn.
+    `q` (n,) is a position reached from the starts, and `beyond` (n,) one from which a goal is reached: the
+    nearest two of all. `left` is the distance between them [m, of bodies]. `tries` is the number of samples
+    drawn.
     """
 
     q: Array
@@ -80,8 +81,9 @@ _FARTHEST = 6.4
 
 
 def polyline(question: Question, effort: Effort) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included; or how near the
-    search came.
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included.
+
+    If no way is found, the result is the place at which the two trees come nearest to each other.
     """
     from ompl import base, geometric, util
 
@@ -99,7 +101,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     around = base.SpaceInformation(space)
     joints, free = range(size), question.free
 
-    # the checker must not hold a reference to its owner: the circle would never be freed
+    # The checker must not hold a reference to its owner, since neither would then ever be freed.
     around.setStateValidityChecker(lambda state: free(np.array([state[joint] for joint in joints]) / scale))
     around.setup()
     problem = base.ProblemDefinition(around)
@@ -146,7 +148,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
         return _apart(question, data, tries)
     path = problem.getSolutionPath()
     simplifier = geometric.PathSimplifier(around)
-    # each simplification is bounded by its number of tries
+    # Each simplification is limited by its number of tries.
     simplifier.reduceVertices(path)
     for _ in range(2):
         simplifier.partialShortcutPath(path)
@@ -159,7 +161,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
 
 
 def _apart(question: Question, data: Any, tries: int) -> Apart:
-    """Return where the two trees of a search come nearest to each other."""
+    """Return the place at which the two trees of a search come nearest to each other."""
     from scipy.spatial import cKDTree
 
     trees: dict[int, list[list[float]]] = {_FROM_START: [], _FROM_GOAL: []}
@@ -168,7 +170,7 @@ def _apart(question: Question, data: Any, tries: int) -> Apart:
         vertex = data.getVertex(number)
         state = vertex.getState()
         trees[vertex.getTag()].append([state[joint] for joint in joints])
-    # the ends on a side without samples belong to no tree
+    # Add the ends: on a side without samples they are in no tree.
     out, in_ = (
         np.concatenate((np.array(grown).reshape(-1, len(joints)), ends * question.reach))
         for grown, ends in ((trees[_FROM_START], question.starts), (trees[_FROM_GOAL], question.goals))
@@ -183,14 +185,15 @@ _FROM_START, _FROM_GOAL = 1, 2
 
 
 def _nearest(ends: Array, q: Array) -> Array:
-    """Return the exact joint position, of several (k, n), at which a way begins or ends."""
+    """Return the exact end of a way: the joint position of `ends` (k, n) that is nearest to `q` (n,)."""
     found: Array = ends[int(np.argmin(np.abs(ends - q).max(axis=1)))]
     return found
 
 
 def bounds_of(question: Question) -> tuple[Array, Array]:
-    """Return the least and the largest joint positions (n,) of the search: slightly inside the limits, but
-    including start and goal.
+    """Return the least and the largest joint positions (n,) of the search.
+
+    They are slightly inside the limits, but include start and goal.
     """
     ends = np.concatenate([question.starts, question.goals])
     least, most = ends.min(axis=0), ends.max(axis=0)

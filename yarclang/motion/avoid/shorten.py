@@ -1,4 +1,4 @@
-"""Shorten ways in time: what counts is the time that joints need at their limits, not the distance that
+"""Shorten ways in time: the measure is the time that joints need at their limits, not the distance that
 bodies travel.
 """
 
@@ -17,16 +17,20 @@ TRIES = 200
 """Number of shortcuts that are tried."""
 
 _LEAST = 0.005
-"""A shortcut that saves a smaller share of the whole way isn't checked."""
+"""Least share of the whole way that a shortcut must save to be checked."""
 
 _PLACES = 201
 
 
 def duration(curve: NaturalSpline, limits: Limits) -> float:
-    """Estimate how long a curve takes from rest to rest within the limits of velocity and acceleration [s],
-    by a law that is a polynomial of degree 5.
+    """Estimate the time that a curve takes from rest to rest within the limits of velocity and acceleration
+    [s].
+
+    The estimate is that of a law of motion that is a polynomial of degree 5.
     """
     u = np.linspace(0.0, 1.0, _PLACES)[:, None]
+    # First and second derivative of s(u) = u^3 (10 - 15 u + 6 u^2). By the chain rule, q' = y' s' and q'' =
+    # y'' s'^2 + y' s''; a duration T divides them by T and T^2.
     rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
     s = (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))[:, 0]
     slope = curve.slope_at(s)
@@ -39,18 +43,20 @@ def duration(curve: NaturalSpline, limits: Limits) -> float:
 def shortened(
     corners: Array, free: Callable[[Array], bool], step: Array, velocity: Array, seed: int
 ) -> Array:
-    """Shorten a way of straight pieces (k, n) [rad or m] in time, at the joints' largest speeds, with the
-    same ends.
+    """Shorten a way of straight pieces in time, at the joints' largest speeds, with the same ends.
 
-    Pieces are replaced by straight ones, of all joints or of one joint alone, wherever that is shorter and
-    free.
+    Parts of the way are replaced by straight pieces, of all joints or of one joint alone, wherever the piece
+    is shorter and free.
 
     Args:
         corners: (w, n) [rad or m], of a way that is free.
         free: returns True if a joint position (n,) is free.
         step: (n,) distance between joint positions that are checked [rad or m].
         velocity: (n,) the joints' largest speeds [rad/s or m/s].
-        seed: of the random choices.
+        seed: seed of the random choices.
+
+    Returns:
+        The corners of the shortened way (k, n) [rad or m].
     """
     random = np.random.default_rng(seed)
     points = corners
@@ -74,8 +80,8 @@ def shortened(
 
 
 def _length(points: Array, velocity: Array) -> Array:
-    """Return the time up to each corner, (k,) [s]: that of the slowest joint, plus a small share of all
-    joints.
+    """Return the time up to each corner, (k,) [s]: that of the slowest joint, plus a small share of the times
+    of all joints.
     """
     legs = np.abs(np.diff(points, axis=0)) / velocity
     taken = legs.max(axis=1) + _ALL * np.linalg.norm(legs, axis=1)
@@ -119,10 +125,12 @@ def _is_free(one: Array, other: Array, free: Callable[[Array], bool], step: Arra
 
 
 def _by_halves(count: int) -> Array:
-    """Return 0 to `count`, each next one farthest from all before it, so that an obstruction is found
-    early.
+    """Return the integers from 0 to `count` in an order that finds an obstruction early.
+
+    Each one is as far as possible from all before it.
     """
     places = np.arange(count + 1)
+    # Odd multiples of a power of two, for falling powers: the middle, the quarters, the eighths, and so on.
     stride = 1 << int(np.ceil(np.log2(count + 1)))
     found = []
     while stride:
@@ -144,4 +152,4 @@ def _without_idle(points: Array, velocity: Array) -> Array:
 
 
 _SAME = 1e-6
-"""Corners nearer to each other than this [s], or with a smaller turn, are dropped."""
+"""Distance [s] between corners, or size of a turn, below which a corner is dropped."""

@@ -1,5 +1,5 @@
-"""Turn a way of straight pieces into a curve with continuous acceleration that is proved to be free: the
-natural spline through way-points.
+"""Turn a way of straight pieces into the natural spline through way-points, which has a continuous
+acceleration and is proved to be free.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ GRID = 0.01
 """Way-points are multiples of this [deg or mm], so that they can be written with two decimals."""
 
 _ROUNDS = 14
-"""The largest number of rounds in which way-points are added where a curve swings into something."""
+"""Largest number of rounds in which way-points are added to a curve that swings into something."""
 
 _SHORTEST = 0.01
-"""Shortest leg between two way-points [rad or m]: more of them wouldn't help."""
+"""Shortest leg between two way-points [rad or m]: more way-points wouldn't help."""
 
 _MOST = 60
 """The largest number of way-points."""
@@ -49,7 +49,9 @@ class Bend:
         return through(points, self.room.robot.chain.is_prismatic).spline
 
     def seen(self, curve: NaturalSpline) -> Array:
-        """Return places s (T,) at which samples show a curve beyond joint limits, or else not free."""
+        """Return places s (T,) at which samples show that a curve is beyond joint limits; if there are none,
+        places at which it isn't free.
+        """
         beyond = _swings_out(self.room, curve)
         return beyond if len(beyond) else _hits(curve, self.free, self.step)
 
@@ -59,8 +61,8 @@ class Bend:
 
 
 def smooth(bend: Bend, corners: Array) -> Array | None:
-    """Return way-points (k, n), without the start, whose natural spline is proved to be free; None if there
-    are none.
+    """Return way-points (k, n), without the start, whose natural spline is proved to be free; None if none
+    are found.
 
     Args:
         bend: the clearance to keep.
@@ -88,11 +90,10 @@ def smooth(bend: Bend, corners: Array) -> Array | None:
 
 
 def _fewer(bend: Bend, points: Array) -> Array:
-    """Return way-points (w, n), the start included, without those that can be removed while samples show a
-    free curve.
+    """Return way-points (w, n), the start included, without those that the curve doesn't need.
 
-    The others are moved towards the straight way as long as the curve stays free: a shorter way with fewer
-    bends.
+    A way-point is removed if samples show that the curve stays free. The others are moved towards the
+    straight way as long as the curve stays free, which gives a shorter way with fewer bends.
     """
     at = 1
     while at < len(points) - 1 and len(points) > 3:
@@ -148,7 +149,7 @@ def course_of(curve: NaturalSpline) -> Course:
     jerk = (np.diff(curve.bends, axis=0) / width[:, None])[leg]
     bend = curve.bends[leg] + (begin - curve.knots[leg])[:, None] * jerk
     slope = curve.slope_at(begin)
-    # the slope is a parabola: largest at an end, or at its vertex
+    # The slope is a parabola, which is largest at an end or at its vertex.
     end = slope + h[:, None] * (bend + h[:, None] * jerk / 2.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = np.where(jerk != 0.0, -bend / jerk, -1.0)
@@ -181,12 +182,12 @@ def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> A
             for leg, count in enumerate(counts.tolist())
         ]
     )
-    # the ends of the way are given
+    # The ends of the way are given, so they are not checked.
     return s[[not free(q) for q in curve.at(s)]]
 
 
 def _between(points: Array, curve: NaturalSpline, wrong: Array, unit: Array) -> Array:
-    """Return the way-points with the middles of those legs on which something is wrong."""
+    """Return the way-points and the middles of those legs on which something is wrong."""
     legs = np.unique(np.clip(np.searchsorted(curve.knots, wrong, side="right") - 1, 0, len(points) - 2))
     legs = legs[np.linalg.norm(points[legs + 1] - points[legs], axis=1) > 2.0 * _SHORTEST]
     middles = np.round((points[legs] + points[legs + 1]) / 2.0 / unit) * unit

@@ -1,4 +1,4 @@
-"""Find the way from one joint position to another around obstacles: the straight one if it is free, otherwise
+"""Find the way from one joint position to another around obstacles: the straight way if it is free, otherwise
 a smooth one.
 """
 
@@ -29,21 +29,24 @@ EFFORTS = (
     Effort(0.003, 0.03, 3_000, 3),
     Effort(0.0005, 0.02, 3_000, 4, lines=2),
 )
-"""Searches made one after the other until a way is found: first fast and with room to spare, then with the
-tool drawn out of its places, finally close to obstacles and long.
+"""Searches that are made one after the other until one finds a way.
+
+The first ones are fast and keep a distance; then the tool is drawn out of its places; the last ones are long
+and come close to obstacles.
 """
 
 OTHERS = EFFORTS[:2]
-"""Searches for further solutions of a pose, after all searches for the first: these two find nearly all ways
-that are found.
+"""Searches for further solutions of a pose, made after all searches for the first solution.
+
+These two find nearly all ways that any search finds.
 """
 
 QUICK = EFFORTS[:1]
-"""Searches for motions that are routed once more."""
+"""Searches for motions that are routed a second time."""
 
 _PROVED = 1e-3
-"""Largest distance in addition to the margins that the curve is proved to keep [m]: the executed motion may
-deviate by this.
+"""Largest distance beyond the margins that the curve is proved to keep [m]: the executed motion may deviate
+by this distance.
 """
 
 
@@ -53,9 +56,10 @@ _LOOK = 0.05
 
 @frozen(eq=False)
 class Way:
-    """A way: way-points (k, n) [rad or m], without the start; the last is the goal.
+    """A way from a start to a goal.
 
-    A single one is the straight way; otherwise `between` is what is in the straight way.
+    `waypoints` (k, n) [rad or m] don't include the start; the last one is the goal. A single way-point means
+    the straight way. Otherwise `between` is the obstruction in the straight way.
     """
 
     waypoints: Array
@@ -72,9 +76,10 @@ class NoWay:
     """The reason why there is no way.
 
     `start` and `goal` are obstructions there; `parting` is a zone that certainly separates them. If all three
-    are None, a search of `tries` tries found nothing: `between` is in the straight way, and the search came
-    as far as `furthest`. `has_corners` is True if there was a way of straight pieces, but no curve along it
-    was proved to be free. `is_cut` is True if the search ended early because there are many bodies.
+    are None, a search of `tries` tries found nothing: `between` is the obstruction in the straight way, and
+    `furthest` the farthest place of the search. `has_corners` is True if a way of straight pieces was found,
+    but no curve along it was proved to be free. `is_cut` is True if the search ended early because there are
+    many bodies.
     """
 
     start: Obstruction | None = None
@@ -89,8 +94,10 @@ class NoWay:
 
 @frozen(eq=False)
 class Furthest:
-    """The farthest place of a search: the joint position `q` (n,) [rad or m], with the moving frame `left`
-    from its place at the goal [m]; from there on, `blocked` is in the way.
+    """The farthest place of a search.
+
+    At the joint position `q` (n,) [rad or m], the moving frame is `left` [m] from its place at the goal. From
+    there on, `blocked` is in the way.
     """
 
     q: Array
@@ -112,8 +119,8 @@ def find_way(
         start: (n,) [rad or m], within limits.
         goal: (n,) [rad or m], within limits.
         efforts: searches to make one after the other until one finds a way; None for all `EFFORTS`.
-        searches: number of ways to find with the successful search, each shortened in time; the fastest is
-            taken. With 1, the first way found is taken.
+        searches: number of ways to find with the parameters of the successful search. Each is shortened in
+            time, and the fastest is taken. With 1, the first way found is taken.
     """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
@@ -121,6 +128,7 @@ def find_way(
     between = _straight(room, start, goal)
     if between is None:
         return straight
+    # Cheap answers before any search: an obstruction at an end, or a zone that separates the ends.
     at_start, at_goal = room.obstruction(start), room.obstruction(goal)
     if at_start is not None or at_goal is not None:
         return NoWay(at_start, at_goal)
@@ -152,8 +160,9 @@ def find_way(
 
 
 class _Looks:
-    """Counts the checks of joint positions that are left. A check costs more among many bodies, so that every
-    search ends after about the same time.
+    """A budget of checks of joint positions.
+
+    A check costs more among many bodies, so that every search ends after about the same time.
     """
 
     def __init__(self, room: Room, searches: int) -> None:
@@ -161,7 +170,7 @@ class _Looks:
         self.cost = 1.0 + (len(room.scene.bodies) / _MANY) ** 2
 
     def counted(self, free: Callable[[Array], bool]) -> Callable[[Array], bool]:
-        """Return a predicate with the same results that counts its calls."""
+        """Return a function with the same results as `free` that counts its calls."""
 
         def look(q: Array) -> bool:
             self.left -= self.cost
@@ -170,12 +179,14 @@ class _Looks:
         return look
 
     def are_over(self) -> bool:
-        """Return True if none are left."""
+        """Return True if no checks are left."""
         return self.left <= 0.0
 
 
 MOST_LOOKS = 300_000
-"""Checks of joint positions among few bodies for each search: more than all efforts need, and about 5 s."""
+"""Number of checks of joint positions for each search among few bodies: more than all efforts need, and about
+5 s.
+"""
 
 _MANY = 100.0
 """Number of bodies at which a check takes twice as long."""
@@ -183,8 +194,10 @@ _MANY = 100.0
 
 @frozen(eq=False)
 class _Corners:
-    """A way of straight pieces (k, n) [rad or m], and the clearance for its curve; `free` is the predicate
-    for the pieces, checked `step` (n,) apart [rad or m].
+    """A way of straight pieces, with the clearance that its curve must keep.
+
+    The corners are (k, n) [rad or m]. `free` returns True for free joint positions, which are checked `step`
+    (n,) apart on the pieces [rad or m].
     """
 
     corners: Array
@@ -219,8 +232,11 @@ def _duration(room: Room, start: Array, waypoints: Array) -> float:
 
 
 def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks) -> _Corners | Apart | None:
-    """Return a way of straight pieces, or how near its ends came to each other; None if the effort doesn't
-    apply to this question.
+    """Search for a way of straight pieces.
+
+    Returns:
+        The way; or the place at which its two ends came nearest to each other; or None if the effort doesn't
+        apply to this question.
     """
     padding = room.padding(start, goal, effort.padding)
     reach = reaches(room.scene, room.robot)
@@ -243,17 +259,19 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks)
         for side, end in ((out, corners[0]), (in_, corners[-1]))
     )
     corners = np.concatenate((first[:-1], corners, last[-2::-1]))
-    # the proof needs less room than the search
+    # The proof needs less distance than the search keeps.
     kept = np.minimum(padding / 2.0, _PROVED)
     step = effort.step / reach
     return _Corners(corners, Bend(room, room.check(kept), step, kept), free, step)
 
 
 def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
-    """Return where a failed search came nearest, and what is in the way from there on."""
+    """Return the place at which a failed search came nearest to its goal, and the obstruction from there
+    on.
+    """
     way = np.linspace(0.0, 1.0, _PLACES)[1:, None] * (apart.beyond - apart.q)
     places = apart.q + way
-    # only near bodies matter: those that only the search's padding excluded also count as in the way
+    # Only near bodies matter. Those that only the padding of the search excluded also count as in the way.
     spare = room.clearances(places, _NEAR)
     blocked = np.flatnonzero(spare <= 0.0)
     at = int(blocked[0]) if len(blocked) else int(np.argmin(spare))
@@ -263,14 +281,14 @@ def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
 
 
 _PLACES = 129
-"""Number of places between the nearest place of a search and the one that it didn't reach."""
+"""Number of places examined between the nearest place of a search and the place that it didn't reach."""
 
 _NEAR = 0.1
-"""Bodies whose distance exceeds their margin by more than this are ignored [m]."""
+"""Distance beyond their margins above which bodies are ignored [m]."""
 
 
 def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:
-    """Return what is in the straight way; None if it is proved to be free."""
+    """Return the obstruction in the straight way; None if the straight way is proved to be free."""
     steps = np.abs(goal - start) * reaches(room.scene, room.robot)
     count = int(np.ceil(np.linalg.norm(steps) / _LOOK)) + 1
     places = start + np.linspace(0.0, 1.0, count + 1)[:, None] * (goal - start)

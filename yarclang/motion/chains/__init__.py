@@ -1,1 +1,1 @@
-"""Let motions flow into each other: corners, and chains of motions without a stop in between."""
+"""Let motions flow into each other: corners, and chains of motions without a stop."""

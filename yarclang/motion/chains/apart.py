@@ -1,6 +1,6 @@
-"""Make chains whose laws are those of the separate motions, with part of the limits in reserve.
+"""Make chains whose laws are those of the separate motions, with a part of the limits in reserve.
 
-A law that uses all of a limit leaves nothing for the one that it overlaps.
+A law that uses all of a limit leaves nothing for the law that it overlaps.
 """
 
 from __future__ import annotations
@@ -23,9 +23,7 @@ from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
 _MORE, _LITTLE = 0.03, 0.002
-"""Margins, relative and as a share of the path, by which more of a path may lie in a ball than is
-estimated.
-"""
+"""Margins by which more of a path may be in a ball than estimated: relative, and as a share of the path."""
 
 
 def apart(
@@ -37,16 +35,16 @@ def apart(
     segment: float,
     middles: Sequence[int | None],
 ) -> list[Piece] | float | None:
-    """Return the pieces of a chain whose laws use a share of the limits of acceleration and jerk where
+    """Return the pieces of a chain whose laws use only a share of the limits of acceleration and jerk, where
     possible.
 
     Args:
         chain: the arm.
         links: the motions.
-        share: of the limits of acceleration and jerk.
+        share: share of the limits of acceleration and jerk.
         inside: for each corner, as returned by `find_inside`.
-        at_most: the durations above which a chain without a stop at a corner, and one with stops, are of no
-            use [s].
+        at_most: the durations above which a chain without a stop at a corner, and a chain with stops, are of
+            no use [s].
         segment: the segment time [s].
         middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
 
@@ -68,8 +66,9 @@ class _Maker:
     at_most: float
     at_most_with_stops: float
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
-    """Trials of motions without a given time, by their place and the identity of their trials: they don't
-    depend on the overlaps.
+    """Trials of motions without a given time, by their place and the identity of their `Trials`.
+
+    They don't depend on the overlaps.
     """
 
     def made(self) -> list[Piece] | float | None:
@@ -79,7 +78,7 @@ class _Maker:
         overlaps = [0] * (len(self.links) - 1)
         for place, link in enumerate(self.links):
             if self._part(trials, overlaps, place) is None:
-                # its given time needs more than the share
+                # The given time of this motion needs more than the share.
                 whole = self._trials(link, 1.0)
                 if whole is None:
                     return None
@@ -106,7 +105,9 @@ class _Maker:
 
     def _least(self, trials: list[Trials], overlaps: list[int]) -> tuple[float, list[int]]:
         """Return a lower bound of the chain's duration [s], and the largest overlap at each corner in
-        segments, for which both motions are in the corner's ball.
+        segments.
+
+        With the largest overlap, both motions are in the corner's ball.
         """
         parts = [self._part(trials, overlaps, place) for place in range(len(self.links))]
         segments = [
@@ -129,11 +130,11 @@ class _Maker:
         return sum(segments) * self.segment - saved, rooms
 
     def _saved(self, place: int, overlap: int) -> float:
-        """Return how much time an overlap saves [s]; motions with a given time take as long as before."""
+        """Return the time that an overlap saves [s]; motions with a given time take as long as before."""
         return overlap * self.segment * sum(self.middles[side] is None for side in (place, place + 1)) / 2.0
 
     def _trials(self, link: Link, share: float) -> Trials | None:
-        """Return the trials of a motion with a share of the limits; None if it has no law for them."""
+        """Return the trials of a motion with a share of the limits; None if it has no law within them."""
         bounds = link.own_bounds.reduced(1.0, share)
         law = (
             link.profile.law(link.path, bounds) if link.full is None else cruise_law(link.full / self.segment)
@@ -143,7 +144,7 @@ class _Maker:
         return Trials(link.path, law, bounds, link.tolerance)
 
     def _part(self, trials: list[Trials], overlaps: list[int], place: int) -> Part | None:
-        """Return a motion between its overlaps; None if it can't be done."""
+        """Return a motion between its overlaps; None if it breaks a limit."""
         own, link = trials[place], self.links[place]
         middle = self.middles[place]
         trial: Trial | None
@@ -171,12 +172,12 @@ class _Maker:
         return fewest(tried, least, max(2 * least, least + 64))
 
     def _widest(self, trials: list[Trials], overlaps: list[int], place: int, room: int) -> int:
-        """Return the widest overlap at a corner, at most its room; 0 if there is none."""
+        """Return the widest overlap that a corner allows, at most `room`; 0 if there is none."""
         first, second = (self._part(trials, overlaps, number) for number in (place, place + 1))
         assert first is not None
         assert second is not None
         before = overlaps[place - 1] if place else 0
-        # of the second motion, half is reserved for the next corner
+        # Half of the second motion is reserved for the next corner.
         half = second.segments if place + 1 == len(overlaps) else second.segments // 2
 
         def serves(overlap: int) -> bool:
@@ -191,14 +192,15 @@ class _Maker:
                 return False
             if not before or self.middles[place] is None:
                 return True
-            # the law of a motion with a given time changes, and with it the corner before
+            # The law of a motion with a given time depends on both overlaps: check the corner before it
+            # again.
             earlier = self._part(trials, trying, place - 1)
             return earlier is not None and self._is_kept(earlier, one, place - 1, before)
 
         return widest(serves, min(first.segments - before, half))
 
     def _is_kept(self, one: Part, other: Part, place: int, overlap: int) -> bool:
-        """Return True if two motions may overlap by that many segments: within limits, in the ball, and no
+        """Return True if two motions may overlap by `overlap` segments: within limits, in the ball, and no
         faster than requested.
         """
         return (
@@ -208,8 +210,9 @@ class _Maker:
 
 
 def _segments_within(part: Part | None, share: float, *, is_end: bool) -> int:
-    """Return an upper bound of the number of segments in which a motion traverses the last share of its path,
-    or the first one.
+    """Return an upper bound of the number of segments in which a motion traverses the last share of its path.
+
+    Without `is_end`, it is the first share of the path.
     """
     assert part is not None
     if share >= 0.5:

@@ -1,5 +1,5 @@
-"""Plan one motion of a chain between its corners at a given cruise: the candidate laws, and the first one
-that keeps the limits.
+"""Plan one motion of a chain between its corners at a given cruise: try the candidate laws, and take the
+first one that keeps the limits.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_r
 from yarclang.motion.trials import Trial, Trials
 
 STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
-"""Shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
+"""Shares of a ramp in which its acceleration rises, and in which it falls again: the gentlest first."""
 
 _BY_ITS_WAY = 1.08
-"""If the middle third of a path demands more than this factor of the limits, no other ramps are tried: none
-of them makes it slower there.
+"""Factor of the limits in the middle third of a path above which no other ramps are tried: no ramp makes the
+motion slower there.
 """
 
 _AT_ONCE = 40
-"""Number of laws that are tried together if the first few break limits: solving many takes hardly longer than
-solving a few.
+"""Number of laws that are tried together if the first few break limits. Solving many laws takes hardly longer
+than solving a few.
 """
 
 
 @frozen
 class Turn:
-    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap
-    of `overlap` segments.
+    """A corner: its ramps take `width` segments, within an overlap of `overlap` segments.
 
-    `asked` is the factor by which the motions must be slower to keep the limits.
+    The acceleration of a ramp rises in `rise` segments. `asked` is the factor by which the motions must be
+    slower to keep the limits.
     """
 
     width: int
@@ -50,8 +50,10 @@ class Turn:
 
 @frozen(eq=False)
 class _Timed:
-    """A candidate law: control values (segments + 3,), the lengths `into` and `out` of the overlaps at its
-    ends, in segments, and the phase `behind` of its last ramp after a knot.
+    """A candidate law.
+
+    Its control values are (segments + 3,). `into` and `out` are the lengths of the overlaps at its ends, in
+    segments. `behind` is the phase of its last ramp after a knot.
     """
 
     control: Array
@@ -64,8 +66,8 @@ class _Timed:
 class Between:
     """A motion between two corners, and the segment time [s].
 
-    `before` and `behind` are the corners before and after it; None if it starts or ends at rest. `middle` is
-    its number of segments from middle to middle of its overlaps, if its duration is given.
+    `before` and `behind` are the corners before and after the motion; None if it starts or ends at rest.
+    `middle` is its number of segments from middle to middle of its overlaps, if its duration is given.
     """
 
     link: Link
@@ -79,8 +81,8 @@ class Between:
 
         Args:
             cruise: number of segments in which the whole path would be traversed at full speed.
-            phase: that of the motion before. The first ramp of this motion is the mirror image of the other's
-                last ramp, so that both add up to a constant speed.
+            phase: phase of the last ramp of the motion before. The first ramp of this motion is its mirror
+                image, so that both add up to a constant speed.
 
         Returns:
             The motion, or, if its own limits don't allow it, the factor (at least 1) by which it must be
@@ -112,6 +114,8 @@ class Between:
             before = self.before
             first = Ramp(phase, before.width, before.rise) if before else Ramp(0.0, blend, rise)
             if self.behind is None:
+                # From the middle of the first ramp to the middle of the last one, the motion covers the whole
+                # path at its cruise.
                 segments = math.ceil(first.middle + cruise + blend / 2.0 - 1e-9)
                 if self.middle is not None:
                     segments = self.middle + into // 2
@@ -119,6 +123,8 @@ class Between:
                     yield _Timed(to_rest(segments, first, cruise, rise), into, 0, 0.0)
                 continue
             turn = self.behind
+            # The last ramp is the overlap with the next motion. It begins at the phase `last.start - knot`
+            # after a knot, which the next motion's first ramp takes over.
             last = Ramp(first.middle + cruise - turn.width / 2.0, turn.width, turn.rise)
             knot = int(last.start + 1e-9)
             if last.start < 0.0 or knot < into:
@@ -129,7 +135,9 @@ class Between:
 
     def _ramps(self, cruise: float) -> Iterator[tuple[int, float]]:
         """Yield lengths and steepnesses of a ramp from rest or to rest, the shortest that might suffice
-        first; a single dummy if there is none.
+        first.
+
+        If the motion has no such ramp, the only item is a dummy.
         """
         if self.before and self.behind:
             yield 0, 0.0
@@ -140,6 +148,8 @@ class Between:
                 yield length, share
 
     def _lengths(self, cruise: float) -> list[int]:
+        # The joints gain their cruise speed, slope / (cruise h), within `blend` segments: the acceleration
+        # needs at least slope / (cruise a h^2) of them.
         rate = (self.link.path.slope / cruise / self.link.own_bounds.acceleration).max() / self.segment**2
         least = max(FEWEST_IN_BLEND, int(rate))
         most = max(least + 2, int(2.0 * cruise))
@@ -148,13 +158,14 @@ class Between:
     def _tried(self, laws: Sequence[_Timed]) -> list[Trial]:
         """Return the trials of several laws; their joint positions are solved together."""
         controls, link = [law.control for law in laws], self.link
-        # zones are checked later, and only for the law that is taken
+        # Zones are checked later, and only for the law that is taken.
         trials = Trials(link.path, law_of(*controls), replace(link.own_bounds, zones=None), link.tolerance)
         return trials.trials([(len(control) - 3, (number,)) for number, control in enumerate(controls)])
 
     def _asked(self, law: _Timed, trial: Trial) -> float:
-        """Return the factor by which a trial must be slower to keep the limits outside of its overlaps; at
-        most 1 if it keeps them.
+        """Return the factor by which a trial must be slower to keep the limits outside of its overlaps.
+
+        The factor is at most 1 if the trial keeps the limits.
         """
         return self._asked_by(self._own(law, trial))
 
@@ -179,7 +190,7 @@ def _has_room(segments: int, first: Ramp, cruise: float) -> bool:
 
 
 def law_of(*controls: Array) -> Law:
-    """Return a law without free parameters for each set of control values; the form is its number."""
+    """Return a law that has one form for each given set of control values, by its number."""
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
         return np.full((len(forms), 3), 1.0 / segments)

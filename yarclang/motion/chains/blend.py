@@ -1,12 +1,12 @@
 """Superpose motions that flow into each other: their laws overlap, and during the overlap both paths are
 traversed at once.
 
-Each law starts and ends at rest. While motion 1 is ending and motion 2 begins, the displacements of both are
-added: from the corner back by the rest of 1, and forward by the done part of 2. The curve is therefore smooth
-at any corner, and leaves the programmed path only where laws overlap. Between two paths of
-one moving frame, poses are added, and the frame stays in the plane of its two lines; otherwise joint
-positions are added. If the ball has no size, the paths are tangent: then distances along both are added, and
-the path isn't left at all.
+Each law starts and ends at rest. While motion 1 is ending and motion 2 begins, two displacements from the
+corner are added: back by the part of motion 1 that is left, and forward by the part of motion 2 that is done.
+The curve is therefore smooth at any corner, and leaves the programmed path only where laws overlap. Between
+two paths of one moving frame, poses are added, and the frame stays in the plane of its two lines; otherwise
+joint positions are added. If the ball has no size, the paths are tangent. Distances along both paths are then
+added, and the path isn't left at all.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from yarclang.robot.kinematics.inverse import follow
 from yarclang.robot.model import Chain
 
 _FADE = 24
-"""Number of knots beside an overlap at which a correction of its knots is still felt: it falls to about a
-fourth from knot to knot.
+"""Number of knots beside an overlap to which a correction of its knots extends: it falls to about a fourth
+from knot to knot.
 """
 
 
@@ -37,8 +37,9 @@ fourth from knot to knot.
 class Corner:
     """The corner at which one motion flows into the next.
 
-    The curve stays within `radius` [m] of the frame `flange_from_moving` (4, 4), or, if that is None, within
-    `reach` (n,) [rad or m] of each joint. `point` (n,) is the joint position at the corner.
+    If `flange_from_moving` (4, 4) is given, the curve stays within `radius` [m] of this frame's place at the
+    corner. If it is None, each joint stays within `reach` (n,) [rad or m] of the corner. `point` (n,) is the
+    joint position at the corner.
     """
 
     point: Array
@@ -48,13 +49,13 @@ class Corner:
 
     @property
     def key(self) -> Hashable:
-        """A hashable key that contains everything by value."""
+        """A hashable key that contains all values of the corner."""
         arrays = (self.point, self.flange_from_moving, self.reach)
         return self.radius, *(None if one is None else one.tobytes() for one in arrays)
 
     def farthest(self, chain: Chain, q: Array) -> Array:
-        """Return how far joint positions `q` (N, n) are from the corner, as shares (N,) of the allowed
-        distance.
+        """Return the distances of joint positions `q` (N, n) from the corner, as shares (N,) of the
+        allowed distance.
         """
         if self.flange_from_moving is None:
             assert self.reach is not None
@@ -88,12 +89,13 @@ def superpose(
 ) -> Array:
     """Return the control points (n + 3, d) of a chain.
 
-    A spline is linear in its control points, so that those of the motions can be added, each relative to its
-    start. If poses or distances along the paths are to be added instead, the difference is corrected.
+    A spline is linear in its control points, so the control points of the motions can be added, each relative
+    to its start. If poses, or distances along the paths, are to be added instead, the difference is
+    corrected.
 
     Args:
         chain: the arm.
-        parts: its motions, k of them.
+        parts: its k motions.
         corners: the k - 1 corners between them.
         overlaps: the segments (k - 1) in which two laws overlap; even, and within both.
     """
@@ -102,6 +104,7 @@ def superpose(
     points = np.tile(parts[0].path.start, (total + 3, 1))
     for part, begin in zip(parts, starts, strict=True):
         own = part.trial.points
+        # Add each motion's displacement from its start; after its end, it stays at its full displacement.
         points[begin : begin + len(own)] += own - part.path.start
         points[begin + len(own) :] += part.path.end - part.path.start
     for number, (corner, overlap) in enumerate(zip(corners, overlaps, strict=True)):
@@ -120,15 +123,15 @@ def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
 
 
 def shares(first: Part, second: Part, overlap: int) -> tuple[Array, Array]:
-    """Return the done shares of two motions at the knots strictly inside their overlap, (overlap - 1,)
-    each.
+    """Return the shares of two paths that are done at the knots strictly inside their overlap, (overlap -
+    1,) each.
     """
     done, begun = knot_values(first.trial.control), knot_values(second.trial.control)
     return done[len(done) - overlap : -1], begun[1:overlap]
 
 
 def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> bool:
-    """Return True if two paths lead one moving frame, which is the given one (4, 4)."""
+    """Return True if two paths both lead the given moving frame (4, 4)."""
     return (
         flange_from_moving is not None
         and isinstance(first, CartesianPath)
@@ -138,13 +141,13 @@ def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> 
 
 
 def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return the places (N, 3) [m] of the frame that two paths lead, relative to their corner.
+    """Return the places (N, 3) [m] of a frame that is led along two paths at once, relative to their corner.
 
     Args:
         first: the first path.
         second: the second path.
-        done: (N,) the done share of the first.
-        begun: (N,) the done share of the second.
+        done: (N,) share of the first path that is done.
+        begun: (N,) share of the second path that is done.
     """
     assert isinstance(first, CartesianPath)
     assert isinstance(second, CartesianPath)
@@ -155,7 +158,7 @@ def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Arra
 
 
 def _share_a_frame(first: Path, second: Path) -> bool:
-    """Return True if both lead one moving frame along paths of its own."""
+    """Return True if both paths are paths of one moving frame."""
     return (
         isinstance(first, CartesianPath)
         and isinstance(second, CartesianPath)
@@ -171,16 +174,24 @@ def _correct(
     low, high = max(begin + 1 - _FADE, 1), min(begin + overlap + _FADE, len(points) - 3)
     miss = np.zeros((high - low, points.shape[1]))
     inside = slice(begin + 1 - low, begin + overlap - low)
+    # The miss is zero at the knots around the overlap.
     miss[inside] = wanted - knot_values(points[begin + 1 : begin + overlap + 2])
-    # the change of control points that corrects the misses at the knots near the overlap
+    # Compute the change of control points that corrects the misses at the knots near the overlap.
     points[low + 1 : high + 1] += solve_tridiagonal(
         np.full(len(miss), 4.0), np.ones(len(miss) - 1), 6.0 * miss
     )
 
 
 def both(chain: Chain, first: Path, second: Path, corner: Corner, done: Array, begun: Array) -> Array:
-    """Return joint positions (N, n) where two motions overlap: `done` (N,) of the first, `begun` (N,) of the
-    second.
+    """Return joint positions (N, n) during an overlap of two motions.
+
+    Args:
+        chain: the arm.
+        first: path of the first motion.
+        second: path of the second motion.
+        corner: the corner between them.
+        done: (N,) done share of the first path.
+        begun: (N,) done share of the second path.
     """
     if corner.is_tangent:
         return _along_both(first, second, done, begun)
@@ -198,14 +209,16 @@ def _poses_of_both(
     middle = second.frame.poses(np.zeros(1))[0]
     poses = other.copy()
     poses[:, :3, 3] += one[:, :3, 3] - middle[:3, 3]
+    # Turn of motion 1 up to now, followed by the turn of motion 2 from the corner on, R2 Rc' R1.
     poses[:, :3, :3] = other[:, :3, :3] @ middle[:3, :3].T @ one[:, :3, :3]
     seeds = first.followed.at(done) + second.followed.at(begun) - corner.point
     return follow(chain, poses @ np.linalg.inv(first.flange_from_moving), seeds)[0]
 
 
 def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return joint positions along the first path to its end and on along the second: the distances that both
-    have covered are added.
+    """Return joint positions along the first path to its end and on along the second one.
+
+    The distances covered on both paths are added.
     """
     go_on()
     lengths = way_length(first), way_length(second)

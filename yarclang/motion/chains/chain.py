@@ -1,5 +1,5 @@
-"""Carry out a chain of motions without a stop in between: the length of each law, the overlaps, and the
-common segment time.
+"""Carry out a chain of motions without a stop: choose the length of each law, the overlaps, and the common
+segment time.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from yarclang.motion.limits import Grid
 from yarclang.robot.model import Chain
 
 _LONGEST = 0.02
-"""Longest segment of a chain, if the controller accepts segments that short [s]: an overlap is a whole number
-of segments.
+"""Longest segment of a chain [s]; an overlap is an integer number of segments.
+
+A controller that doesn't accept segments this short has a longer one.
 """
 
 _SHORTEST = 0.004
@@ -35,13 +36,13 @@ to more than the limits.
 """
 
 _FOR_FLOW = 1.1
-"""Factor by which a chain may take longer than the fastest one if it has fewer stops, since a blend is
-requested to flow.
+"""Factor by which a chain with fewer stops may take longer than the fastest chain: a blend is requested so
+that the motion flows.
 """
 
 _ABOUT = 1.005
-"""Factor up to which slower chains count as equal; then the one with longer segments, which comes first, is
-taken.
+"""Factor up to which slower chains count as equally fast. Of these the first one is taken, which has longer
+segments.
 """
 
 _EXACT = 1e-7
@@ -58,21 +59,23 @@ None.
 def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
     """Carry out a chain with the fewest stops, unless it is much slower than the fastest way.
 
-    Since each motion can be done by itself, so can the chain, if necessary with stops at corners. The least
-    duration of a method is known long before it is finished: one that takes longer than a finished chain is
-    given up.
+    Each motion can be done by itself, so the chain can be done too, if necessary with stops at corners. The
+    least duration of a method is known long before its result: a method that takes longer than a finished
+    chain is given up.
     """
     as_one = flowing(links, grid)
     if as_one is not None and len(links) > MANY:
         return as_one
     inside = find_inside(chain, links)
     steady_ones = None if len(links) > MANY else _Steady(chain, links, grid, inside)
+    # If all motions have a time or a speed, a steady chain that meets them can't be beaten: try it first.
     if steady_ones and all(link.duration is not None or link.full is not None for link in links):
         asked = steady_ones.made(0.0)
         if asked and _is_as_asked(links, asked[-1]):
             return asked[-1]
     flows = [] if as_one is None else [as_one]
     apart_ones = list[list[Piece]]()
+    # Separate laws: with less of the limits, each law is slower, but laws may overlap more.
     for share in _SHARES:
         quickest = _quickest(flows + apart_ones)
         way = partial(apart, chain, links, share, inside, (quickest, quickest / _FOR_FLOW))
@@ -84,6 +87,8 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
         found = steady_ones.made(_ABOUT * _quickest(found)) + found
     if not found:
         return [link.as_alone for link in links]
+    # Of the chains that are not much slower than the fastest, take those with the fewest stops, then the
+    # fastest of these.
     fastest = min(_duration(pieces) for pieces in found)
     quick = [pieces for pieces in found if _duration(pieces) <= _FOR_FLOW * fastest]
     fewest = min(_stops(pieces) for pieces in quick)
@@ -93,13 +98,13 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
 
 
 def _quickest(found: Sequence[list[Piece]]) -> float:
-    """Return the shortest duration [s] of the chains whose only stop is the last."""
+    """Return the shortest duration [s] of the chains that stop only at their end."""
     return min((_duration(pieces) for pieces in found if _stops(pieces) == 1), default=math.inf)
 
 
 def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
-    """Return True if all motions have a given time or speed and meet it exactly, so that nothing better can
-    be found.
+    """Return True if each motion has a given time, or reaches its requested speed: no better chain can
+    then be found.
     """
     return all(
         link.duration is not None or (link.full is not None and piece.kept > 1.0 - 1e-9)
@@ -111,7 +116,7 @@ def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
 class _Steady:
     """Maker of the chain at steady speed.
 
-    `_least` are the known lower bounds of its duration [s], by the longest segment allowed [s].
+    `_least` are the known lower bounds of the chain's duration [s], by the longest segment allowed [s].
     """
 
     chain: Chain
@@ -121,10 +126,10 @@ class _Steady:
     _least: dict[float, float] = field(default_factory=dict)
 
     def made(self, at_most: float) -> list[list[Piece]]:
-        """Return chains within the limits; one that isn't as requested only if it takes no longer than
-        `at_most` [s].
+        """Return chains within the limits.
 
-        Shorter segments are tried as well, since they leave more room for turns.
+        A chain that isn't as requested is included only if it takes no longer than `at_most` [s]. Shorter
+        segments are tried as well, since they leave more room for turns.
         """
         found: list[list[Piece]] = []
         grid, longest = self.grid, _LONGEST
@@ -165,7 +170,7 @@ def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten |
 
 
 def _segment(links: Sequence[Link], grid: Grid) -> float:
-    """Return a segment time of which all given durations are integer multiples, at least nearly."""
+    """Return a segment time of which all given durations are integer multiples, at least approximately."""
     longest = max(
         grid.smallest, min(grid.largest, _LONGEST, *(link.profile.longest_segment for link in links))
     )
@@ -176,6 +181,8 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
     least = max(FEWEST_SEGMENTS, math.ceil(shortest / longest - 1e-9))
     most = max(least, math.floor(shortest / grid.smallest))
     numbers = np.arange(least, most + 1)
+    # Divide the shortest given duration by 1, 2, 3, ... segments, and measure by how much the other durations
+    # miss a whole number of these segments.
     counts = given[None] * (numbers / shortest)[:, None]
     miss = (np.abs(counts - np.round(counts)) * (shortest / numbers)[:, None]).max(axis=1)
     exact = miss < _EXACT
@@ -185,9 +192,9 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
 
 def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
     """Return the number of segments from middle to middle of the overlaps for each motion with a given
-    duration, None for the others.
+    duration.
 
-    The result is None if a motion would have too few.
+    The entry of any other motion is None. The whole result is None if a motion would have too few segments.
     """
     middles: list[int | None] = []
     behind, counted = 0.0, 0
@@ -195,7 +202,7 @@ def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
         if link.duration is None:
             middles.append(None)
             continue
-        # round the sum, so that the whole chain is exact even where a seam can't be
+        # Round the sum, so that the whole chain is exact even if a seam can't be.
         behind += link.duration
         number = round(behind / segment) - counted
         counted += number

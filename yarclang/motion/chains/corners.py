@@ -1,4 +1,4 @@
-"""Decide which motions flow into each other, and how far their corners may be left."""
+"""Decide which motions flow into each other, and how far they may stay from their corners."""
 
 from __future__ import annotations
 
@@ -36,15 +36,13 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot
 
 _TANGENT = 1e-3
-"""Directions that differ by less than this [rad], and turns that differ by less [rad per m], count as
-equal.
-"""
+"""Difference of directions [rad], and of turns [rad per m], up to which they count as equal."""
 
 _ROUNDING = 1e-9
 """Excess over a half that counts as rounding."""
 
 _NO_WAY = 1e-9
-"""A path shorter than this has no half [m or rad]."""
+"""Length below which a path has no half [m or rad]."""
 
 
 def chained(
@@ -54,11 +52,11 @@ def chained(
     ways: Mapping[int, Path | FrameWay],
     found: list[list[Diagnostic]],
 ) -> Iterator[tuple[list[int], list[Link]]]:
-    """Yield the motions in chains, each with its corners; most chains have a single motion.
+    """Yield the motions in chains, each motion with its corner; most chains have a single motion.
 
     Args:
         robot: the robot.
-        steps: the program's.
+        steps: the steps of the program.
         links: each motion that can be done by itself, by its step.
         ways: the known paths of all motions, faulty ones included, so that faults of their blends are
             reported at once.
@@ -89,11 +87,13 @@ def chained(
 
 
 MANY = 40
-"""In longer chains than this, motions aren't planned by themselves if the chain can be done as one path."""
+"""Number of motions above which the motions of a chain aren't planned by themselves, if the chain can be
+planned as one path.
+"""
 
 
 def long_chains(steps: Sequence[Step]) -> frozenset[int]:
-    """Return the steps of the motions in chains of more than `MANY`, as far as blends tell."""
+    """Return the steps of the motions in chains of more than `MANY` motions, judged by their BLENDs alone."""
     found: list[int] = []
     chain: list[int] = []
     for number, step in enumerate(steps):
@@ -123,12 +123,14 @@ def _corner(
     number: int,
     findings: Collector,
 ) -> Corner | None:
-    """Return the corner between a motion and the next; None if there is none, with a finding if the blend is
-    the reason.
+    """Return the corner between a motion and the next; None if they don't flow into each other.
+
+    If the blend is the reason for None, a finding is added.
     """
     step = steps[number]
     assert isinstance(step, Motion)
     assert step.blend is not None
+    # Outputs between two motions don't interrupt a blend.
     behind = number + 1
     while behind < len(steps) and isinstance(steps[behind], SetOutput):
         behind += 1
@@ -163,8 +165,9 @@ _Ways = tuple[Path | FrameWay | None, Path | FrameWay | None]
 def _between_joints(
     robot: Robot, step: Motion, ways: _Ways, blend: Reading, findings: Collector
 ) -> _Room | None:
-    """Return the room of a corner between joint motions: each joint stays within an angle (a sliding one
-    within a length) of the corner.
+    """Return the room of a corner between joint motions.
+
+    Each revolute joint stays within an angle of the corner, each prismatic joint within a length.
     """
     if blend.angle is None:
         findings.add(*messages.blend_without_unit("angle", "between two motions of joints", step.origin))
@@ -175,7 +178,7 @@ def _between_joints(
         return None
     if not reach.any():
         return _tangent(step, ways, None, findings)
-    # the joint that moves farthest leaves the ball first
+    # The joint that moves farthest leaves the ball first.
     halves = [
         math.inf
         if way is None or isinstance(way, FrameWay)
@@ -206,7 +209,8 @@ def _of_frame(
 ) -> _Room | None:
     """Return the room of a corner of a moving frame, which stays within a distance of the corner.
 
-    In a long chain, or if less is allowed, the distance is limited to half of the shorter path.
+    The distance is limited to half of the shorter path in a long chain, or if the blend may be smaller
+    (`or_less`).
     """
     if blend.length is None:
         findings.add(*messages.blend_without_unit("length", "of a moving frame", step.origin))
@@ -235,8 +239,9 @@ def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
 
 
 def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector) -> _Room | None:
-    """Return the room of a corner with BLEND 0: both paths continue in one direction, or the motion of a
-    frame has a tolerance of its own.
+    """Return the room of a corner with BLEND 0.
+
+    Such a corner needs paths that continue in one direction, or a frame motion with a tolerance of its own.
     """
     first, second = ways
     if first is None or second is None:
@@ -245,6 +250,7 @@ def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector
         findings.add(*messages.not_tangent(None, step.origin))
         return None
     ahead, behind = _direction(first, 1.0), _direction(second, 0.0)
+    # Angle between the directions, and difference of the turns per distance.
     bend = float(np.arccos(np.clip(ahead[0] @ behind[0], -1.0, 1.0)))
     twist = float(np.linalg.norm(ahead[1] - behind[1]))
     is_within = frame is not None and step.tolerance is not None

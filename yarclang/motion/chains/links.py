@@ -1,4 +1,4 @@
-"""Define the links from which a chain is made, and the pieces that result."""
+"""Define the links of a chain, and the pieces into which it is planned."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from yarclang.robot.model import Tolerance
 class Link:
     """One motion of a chain.
 
-    `duration` [s] is None if the limits or a speed decide; `full` [s] is how long the path takes at a
+    `duration` [s] is None if the limits or a speed determine it. `full` [s] is the duration of the path at a
     requested speed. `corner` is the corner to the next motion, None after the last. `by_itself` is the curve
-    of the motion by itself, None as long as it isn't needed.
+    of the motion by itself, None until it is needed.
     """
 
     path: Path
@@ -47,7 +47,7 @@ class Link:
         if self.full is not None:
             kept = self.full * float(np.diff(self.alone.law).max()) / self.alone.segment
             if kept < 1.0 and isinstance(self.path, CartesianPath):
-                # at a sharp place of its path the frame is slightly faster or slower than its law
+                # At a sharp place of its path, the frame is slightly faster or slower than its law.
                 shares = np.array(top_speeds(self.path, self.alone)) * self.full / self.path.extent[0]
                 kept, least = max(kept, float(shares[0])), min(1.0, float(shares[1]))
         return Piece(self.alone, None, self.alone.law, min(1.0, kept), least)
@@ -61,7 +61,7 @@ class Link:
 
     @property
     def own_bounds(self) -> Bounds:
-        """The limits that apply: without that of jerk, for a law that has none."""
+        """The limits that apply; without the jerk limit for a law that has none."""
         return self.bounds if self.profile.has_jerk_limit else self.bounds.without_jerk()
 
 
@@ -70,9 +70,9 @@ class Piece:
     """One motion as part of a chain.
 
     `curve` goes from the middle of one overlap to the middle of the next. `overlap` is the number of segments
-    of the overlap at its end (0: both paths are kept; None: a stop). `law` are the control values of its own
-    law, from rest to rest. `kept` is the share of a requested speed that is reached and kept. If the speed
-    changes on the way, `least` is the share below which it doesn't fall once it is reached.
+    of the overlap at its end (0: both paths are kept; None: a stop). `law` are the control values of the
+    motion's own law, from rest to rest. `kept` is the share of a requested speed that is reached and kept. If
+    the speed changes on the way, `least` is the share below which it doesn't fall after it has been reached.
     """
 
     curve: Curve

@@ -25,7 +25,7 @@ from yarclang.units import DEG, MM, MS, Kind
 
 
 def blend_without_unit(kind: Kind, what: str, origin: Origin) -> MessageAbout:
-    """Return the finding about a BLEND without the unit that it needs."""
+    """Return the finding about a BLEND whose amount needs a unit and has none."""
     message = f"BLEND {what} needs {'an' if kind == 'angle' else 'a'} {kind} unit"
     subject = MissingUnit(kind, f"BLEND {what}")
     return "Y0304", message, origin.span, "for example (mm,deg,s)", None, subject

@@ -30,7 +30,7 @@ from yarclang.motion.trials import Trial
 from yarclang.robot.model import Chain, Tolerance
 
 _WITHIN = 0.98
-"""Share of a ball that is used: between the samples the curve may go slightly farther."""
+"""Share of a ball that is used: between the samples, the curve may be slightly farther from the corner."""
 
 _ROUNDING = 1e-6
 """Share of a ball by which joint positions may differ from the poses for which they were solved."""
@@ -48,11 +48,11 @@ _INSIDE = 0.97
 """Share of a ball that the paths in it may use."""
 
 Inside = tuple[float, float]
-"""The shares of the paths before and after a corner that lie in its ball; at most a half each."""
+"""The shares of the paths before and after a corner that are in its ball; at most a half each."""
 
 
 def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
-    """Return, for each corner of a chain, the shares of the two paths that lie in its ball."""
+    """Return, for each corner of a chain, the shares of the two paths that are in its ball."""
     found: list[Inside] = []
     back = np.linspace(0.0, 0.5, 65)
     for one, other in pairwise(links):
@@ -67,20 +67,25 @@ def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
 
 
 def _first_out(back: Array, far: Array) -> float:
-    """Return the share of a path up to which it is in the ball, given the distances `far` (N,) of places
-    `back` (N,) from the corner.
+    """Return the share of a path up to which the path is in the ball.
+
+    Args:
+        back: (N,) shares of the path, counted from the corner.
+        far: (N,) distances of these places from the corner, as shares of the allowed distance.
     """
     out = np.flatnonzero(far > _INSIDE)
     if not len(out):
         return 0.5
     k = int(out[0])
+    # Interpolate linearly between the last place inside and the first one outside.
     share = (_INSIDE - far[k - 1]) / (far[k] - far[k - 1])
     return float(back[k - 1] + (back[k] - back[k - 1]) * share)
 
 
 def changes_speed(one: Link, other: Link) -> bool:
-    """Return True if the requested speed changes at a corner that may not be left: two overlapping laws would
-    be too fast on one side of it, or too slow.
+    """Return True if the requested speed changes at a corner at which the path must be kept.
+
+    Two overlapping laws would be too fast on one side of such a corner, or too slow on the other.
     """
     if one.corner is None or not one.corner.is_tangent or one.speed is None or other.speed is None:
         return False
@@ -95,10 +100,10 @@ class Overlaps:
     links: Sequence[Link]
     segment: float
     _last: dict[tuple[Trial, Trial, int], Array] = field(default_factory=dict)
-    """The last superposition: most are needed twice."""
+    """The last superposition, since most superpositions are needed twice."""
 
     def serves(self, first: Part, second: Part, place: int, overlap: int) -> bool:
-        """Return True if motion number `place` and the next may overlap by that many segments: in the ball,
+        """Return True if motion number `place` and the next may overlap by `overlap` segments: in the ball,
         within limits, on the paths.
         """
         corner = self.links[place].corner
@@ -106,7 +111,7 @@ class Overlaps:
             return False
         if changes_speed(self.links[place], self.links[place + 1]):
             return False
-        # for a frame's own paths, its place follows from the poses: joint positions are checked last
+        # On paths of the frame, its place follows from the poses, so joint positions are checked last.
         is_framed = corner.radius > 0.0 and leads_frame(first.path, second.path, corner.flange_from_moving)
         if is_framed and not self._is_near(first, second, corner, overlap):
             return False
@@ -122,10 +127,10 @@ class Overlaps:
         return not is_framed or self._in_ball(first, second, corner, overlap)
 
     def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
-        """Return the ratio of the moving frame's speed in an overlap to the requested one, at the knots and
-        between; 0 if none was requested.
+        """Return the ratio of the moving frame's speed in an overlap to the requested one; 0 if none was
+        requested.
 
-        Of two requested speeds the larger counts.
+        The speed is sampled at the knots and between them. The larger of two requested speeds counts.
         """
         links = self.links[place : place + 2]
         asked = [link.speed for link in links if link.speed is not None]
@@ -169,7 +174,7 @@ class Overlaps:
         return bool(corner.farthest(self.chain, inner).max(initial=0.0) <= _WITHIN)
 
     def _on_both(self, first: Part, second: Part, points: Array, overlap: int, tolerance: Tolerance) -> bool:
-        """Return True if the curve is on one of two tangent paths in the middle of each segment of their
+        """Return True if the curve follows one of two tangent paths in the middle of each segment of their
         overlap.
         """
         begin = first.segments - overlap
@@ -192,7 +197,7 @@ class Overlaps:
         return True
 
     def _loosest(self, place: int) -> Bounds:
-        """Return the limits for two motions together where they overlap: the larger share of each."""
+        """Return the limits in the overlap of two motions: of each limit, the larger one of both motions."""
         one, other = (link.own_bounds for link in self.links[place : place + 2])
         return replace(
             one,
@@ -206,8 +211,9 @@ class Overlaps:
     def cut(
         self, parts: Sequence[Part], overlaps: Sequence[int], kept: Sequence[float] | None = None
     ) -> list[Piece]:
-        """Return the chain's curve, cut in the middle of its overlaps; `kept` are the shares of the requested
-        speeds that are reached.
+        """Return the chain's curve, cut in the middle of its overlaps.
+
+        `kept` are the shares of the requested speeds that are reached.
         """
         corners = [link.corner for link in self.links if link.corner is not None]
         points = superpose(self.chain, parts, corners, overlaps)
@@ -235,6 +241,7 @@ def widest(serves: Callable[[int], bool], most: int) -> int:
     """
     if most < 2:
         return 0
+    # Count in pairs of segments, since an overlap is even.
     widths = np.unique(np.round(np.geomspace(1, most // 2, _WIDTHS)).astype(int))[::-1].tolist()
     place = next((place for place, pairs in enumerate(widths) if serves(2 * pairs)), None)
     if place is None:

@@ -1,9 +1,9 @@
-"""Make chains that keep their speed through corners: the ramps of both motions there are exactly as long as
-their overlap.
+"""Plan chains that keep their speed through corners: the ramps of both motions are exactly as long as their
+overlap.
 
-What the first motion loses in its last ramp, the second gains in its first one. Two lines in one direction
-are traversed at one speed, and at a corner one velocity changes into the other over the whole overlap. Only
-laws with a cruise can do that.
+The speed that the first motion loses in its last ramp is gained by the second one in its first ramp. Two
+lines in one direction are therefore traversed at one speed, and at a corner one velocity changes into the
+other over the whole overlap. This is possible only for laws with a cruise.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ _SLOWER = 1.08
 """Factor by which a motion that demands too much is slowed down."""
 
 _CAUTIOUS = 0.9
-"""Share of its excess by which a motion is slowed down at once: when it is slower, its ramps and corners
-change.
+"""Share of its excess by which a motion is slowed down at once: its ramps and corners change with its
+speed.
 """
 
 _MOST_ROUNDS = 40
 """Number of times that a chain is slowed down before it is given up."""
 
 _TOO_SLOW = 3.0
-"""A motion that would take this many times as long as by itself is better done with stops."""
+"""Ratio of a motion's duration to its duration by itself, above which stops are better."""
 
 _OUTER = (1 / 3, 0.45, 0.6)
 """Shares of a given time that speeding up from rest, or slowing down to rest, may take."""
 
 _BESIDE_ZONES = 1.005
-"""Factor by which a cruise is first slower than a slow zone allows: ramps and corners are rounded differently
-from its path.
+"""Factor by which a cruise is at first slower than a slow zone allows: ramps and corners are rounded
+differently from the path.
 """
 
 _ROUNDING = 1e-9
@@ -54,7 +54,7 @@ _ROUNDING = 1e-9
 
 @frozen
 class Beaten:
-    """The result of a chain that takes at least `least` [s], which is too long."""
+    """A chain that takes at least `least` [s], which is too long."""
 
     least: float
 
@@ -78,15 +78,15 @@ def steady(
         middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
 
     Returns:
-        The pieces; or a shorter segment time to try; or a lower bound of its duration, if it is of no use; or
-        None if the limits don't allow it.
+        The pieces; or a shorter segment time to try; or a lower bound of the duration, if the chain is of no
+        use; or None if the limits don't allow it.
     """
     if not all(link.profile.has_cruise for link in links):
         return None
     if any(changes_speed(one, other) for one, other in pairwise(links)):
         return None
     maker = _Maker(links, Overlaps(chain, links, segment), segment, middles, inside, at_most)
-    # only given times depend on this share
+    # Only motions with given times depend on this share.
     given = any(link.full is None and middle is not None for link, middle in zip(links, middles, strict=True))
     shares = _OUTER if given else _OUTER[:1]
     beaten_ones = list[Beaten]()
@@ -100,7 +100,7 @@ def steady(
 
 
 class _Maker:
-    """Maker of one chain."""
+    """Planner of one chain."""
 
     def __init__(
         self,
@@ -117,7 +117,9 @@ class _Maker:
         self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
 
     def made(self, outer: float) -> list[Piece] | float | Beaten | None:
-        """Return the pieces, where given times begin and end with ramps of the share `outer`."""
+        """Return the pieces; motions with given times begin and end with ramps that take the share
+        `outer`.
+        """
         count = len(self.links)
         cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
         for _ in range(_MOST_ROUNDS):
@@ -127,7 +129,12 @@ class _Maker:
                 return Beaten(least)
             turns = [self._turn(place, cruises) for place in range(count - 1)]
             slow = {
-                place + side: _SLOWER for place, turn in enumerate(turns) if turn is None for side in (0, 1)
+                # First, both motions at a corner without room are slowed down; then motions that break their
+                # own limits; then motions at corners that break a limit or a speed.
+                place + side: _SLOWER
+                for place, turn in enumerate(turns)
+                if turn is None
+                for side in (0, 1)
             }
             taken = [turn for turn in turns if turn is not None]
             parts: list[Part] = []
@@ -143,7 +150,7 @@ class _Maker:
                 slow = self._slow_corners(parts, taken)
             if not slow:
                 return self._finished(parts, taken, cruises)
-            # a motion with a given time can't be slowed down, but the one that it flows into may be
+            # A motion with a given time can't be slowed down, but the motion that it flows into may be.
             free = [place for place in slow if self._is_free(place)]
             if not free:
                 return None
@@ -153,9 +160,11 @@ class _Maker:
         return None
 
     def _keep_together(self, cruises: list[float]) -> None:
-        """Give both motions at each corner that may not be left the same share of their speeds, so that it is
-        passed without a change.
+        """Give both motions at each corner where the path must be kept the same share of their speeds.
+
+        The corner is then passed without a change of this share.
         """
+        # One pass forwards and one backwards carry the slowest share through a run of tangent corners.
         for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
             for place in order:
                 corner, pair = self.links[place].corner, self.links[place : place + 2]
@@ -166,7 +175,9 @@ class _Maker:
                 cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
-        """Estimate the fastest speeds at which the corners can be passed, from the directions there alone."""
+        """Estimate the fastest speeds at which the corners can be passed, from the directions at the
+        corners alone.
+        """
         for _ in range(_MOST_ROUNDS):
             asked = [1.0] * len(cruises)
             for place in range(len(cruises) - 1):
@@ -183,7 +194,7 @@ class _Maker:
         return cruises
 
     def _slow_corners(self, parts: list[Part], turns: list[Turn]) -> dict[int, float]:
-        """Return the motions on both sides of the corners that demand too much, and the factors by which they
+        """Return the motions beside the corners that demand too much, with the factors by which they
         should be slower.
         """
         slow: dict[int, float] = {}
@@ -216,13 +227,13 @@ class _Maker:
         return self.corners.cut(parts, [turn.overlap for turn in turns], kept)
 
     def _is_too_slow(self, place: int, cruise: float) -> bool:
-        """Return True if a motion would be so slow that a stop at both its ends takes less time."""
+        """Return True if a motion is so slow that stops at both its ends take less time."""
         return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
 
     def _least(self, cruises: list[float]) -> float | None:
-        """Return a lower bound of the chain's duration [s]; None as long as everything is as requested.
+        """Return a lower bound of the chain's duration [s]; None as long as all motions are as requested.
 
-        From middle to middle of its corners a motion covers its path at its cruise.
+        From middle to middle of its corners, a motion covers its path at its cruise.
         """
         taken, is_as_asked = 0.0, True
         for link, middle, cruise in zip(self.links, self.middles, cruises, strict=True):
@@ -237,18 +248,21 @@ class _Maker:
         return self.middles[place] is None
 
     def _is_outer(self, place: int) -> tuple[bool, bool]:
-        """Return True for a motion that starts from rest, and for one that ends at rest."""
+        """Return True if a motion starts from rest, and True if it ends at rest."""
         return place == 0, place == len(self.links) - 1
 
     def _first_cruise(self, place: int, outer: float) -> float:
-        """Return the number of segments in which the whole path is traversed at full speed: as given, or
-        approximately the fewest.
+        """Return the number of segments in which the whole path is traversed at full speed.
+
+        The number follows from a given time or speed; otherwise it is approximately the smallest possible
+        one.
         """
         link, middle = self.links[place], self.middles[place]
         if link.full is not None:
             return link.full / self.segment
         if middle is not None:
             blend = round(outer * middle)
+            # A ramp of `blend` segments from rest covers as much path as half of them at full speed.
             return middle - blend / 2.0 * sum(self._is_outer(place))
         bounds, slope = link.own_bounds, link.path.slope
         motors = np.abs(bounds.counts) @ slope / bounds.motor_velocity
@@ -264,18 +278,23 @@ class _Maker:
         """
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
+        # In its ramp a motion covers as much path as in half of the overlap at full speed; this part must be
+        # in the ball.
         overlap = 2 * int(min(one * before, other * behind) + 1e-9)
-        # if ramps begin between two knots, the overlap must have room for both shifted copies
+        # If ramps begin between two knots, the overlap must have room for both shifted copies.
         width = overlap - (0 if self.on_knots else 1)
         if width < FEWEST_IN_BLEND:
             return None
         bounds = self.links[place].own_bounds, self.links[place + 1].own_bounds
+        # The joints' velocities change from one motion's to the other's, over h. A change over `width`
+        # segments, with a share for the rise of the acceleration, has the peaks change / ((1 - share) width
+        # h^2) and change / ((1 - share) share width^2 h^3).
         change = np.abs(self.slopes[place][1] / one - self.slopes[place + 1][0] / other)
         h = self.segment
         acceleration = np.maximum(bounds[0].acceleration, bounds[1].acceleration)
         bend = float((change / (width * h**2) / acceleration).max())
         snap = float((change / (width**2 * h**3) / np.maximum(bounds[0].jerk, bounds[1].jerk)).max())
-        # slower motions also have wider overlaps
+        # Slower motions also have wider overlaps.
         asked = {
             share: max((bend / (1.0 - share)) ** (1 / 2), (snap / ((1.0 - share) * share)) ** (1 / 3))
             for share in STEEPNESS
@@ -284,8 +303,9 @@ class _Maker:
         return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
     def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | float]:
-        """Return the motions one after the other; for those that their own limits don't allow, the factor by
-        which they must be slower.
+        """Return the motions, planned one after the other.
+
+        For a motion that breaks its own limits, the item is the factor by which it must be slower.
         """
         parts: list[Part | float] = []
         phase = 0.0

@@ -1,1 +1,1 @@
-"""Route single motions from the robot's position, each kind in its own module."""
+"""Route single motions from the robot's position, with a module for each kind of motion."""

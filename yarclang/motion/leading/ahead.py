@@ -1,9 +1,9 @@
-"""Follow many straight lines and arcs together, before it is known that the robot stands where each begins.
+"""Follow many straight lines and arcs together, before the robot's position at their begins is known.
 
-Except for the configuration, the end of a line or an arc to a given pose doesn't depend on the way there. The
+The end of a line or an arc to a given pose depends only on the configuration, not on the way there. The
 robot's present configuration is therefore assumed for the whole run, and all samples of all paths are solved
-at once. Only paths that stay in it without any decision are kept: for these, `track` returns the same bits.
-All others are followed by `track`.
+at once. Only paths that stay in this configuration without any decision are kept: for these, `track` returns
+the same bits. All others are followed by `track`.
 """
 
 from __future__ import annotations
@@ -32,21 +32,19 @@ _STANDS = 1e-6
 """Distance up to which a configuration counts as the robot's present one [rad]."""
 
 _SHORT, _LITTLE = 0.01, 0.1
-"""Paths shorter than `_SHORT` [m] that turn by less than `_LITTLE` [rad] are sampled at only `_FEW` places if
-they are among many.
-"""
+"""Length [m] and turn [rad] below which a path among many others is sampled at only `_FEW` places."""
 _FEW = 5
 """See `_SHORT`."""
 
 MOST_IN_CHAINS = 512
-"""The largest number of motions of a long chain that are followed together; each is sampled at few places."""
+"""Largest number of motions of a long chain that are followed together; each is sampled at few places."""
 
 
 @dataclass(slots=True)
 class WaysAhead:
     """The paths of straight lines and arcs to given poses, if they can be followed together.
 
-    `chained` are the steps in long chains: of short paths in them, fewer places are kept.
+    `chained` are the steps in long chains, whose short paths keep fewer places.
     """
 
     robot: Robot
@@ -56,8 +54,8 @@ class WaysAhead:
     _growing: Growing = field(default_factory=Growing)
 
     def path(self, number: int, stands: Array) -> CartesianPath | None:
-        """Return the path of step `number` from `stands` (n,) [rad]; None if it has to be followed by
-        itself.
+        """Return the path of step `number` from `stands` (n,) [rad]; None if the step has to be followed
+        by itself.
         """
         found = self._ready.pop(number, None)
         if found is not None and np.array_equal(found.start, stands):
@@ -80,8 +78,8 @@ class WaysAhead:
         return self._ready.pop(number, None)
 
     def _run(self, number: int, size: int) -> tuple[list[int], list[LineMove | ArcMove]]:
-        """Return consecutive lines and arcs to given poses of one frame, from a step on, up to `size` of
-        them.
+        """Return up to `size` consecutive lines and arcs to given poses of one frame, from step `number`
+        on.
         """
         numbers, steps = list[int](), list[LineMove | ArcMove]()
         for here in range(number, len(self.steps)):
@@ -101,8 +99,8 @@ class WaysAhead:
     def _followed(
         self, arm: Form, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
     ) -> list[CartesianPath]:
-        """Return the paths of motions to given poses from `stands` (n,) on, up to the first one that needs a
-        decision.
+        """Return the paths of motions to given poses from `stands` (n,) on, up to the first motion that needs
+        a decision.
         """
         goals = [step.goal for step in steps if isinstance(step.goal, PoseGoal)]
         chain, tool = self.robot.chain, goals[0].flange_from_moving
@@ -110,6 +108,8 @@ class WaysAhead:
         begin = tool_poses(chain, stands[None], tool)
         wanted = [goal.base_from_moving for goal in goals]
         ends = np.concatenate((begin, wanted)) @ flange_from_moving
+        # All branches of all goals at once; the branch that the robot is on at the start is kept for the
+        # whole run.
         corners = closed_form(arm, ends, stands[:, None])
         branch = _standing(corners.q[:, :, 0].T, stands)
         if branch is None or corners.singular.any():
@@ -122,6 +122,8 @@ class WaysAhead:
         is_short = is_chain and all(way.length < _SHORT and way.angle < _LITTLE for way in ways)
         s = np.linspace(0.0, 1.0, _FEW if is_short else SAMPLES)
         skeleton = _poses_along(ways, s) @ flange_from_moving
+        # A path is plain if the branch is followed without a jump or a singularity. Keep the paths before the
+        # first one that isn't.
         q, is_plain = plain_strands(arm, skeleton, s, starts[: len(ways)], branch)
         is_plain &= (np.abs(beyond(self.robot.limits, q)) <= EDGE).all(axis=(1, 2))
         s.setflags(write=False)
@@ -138,8 +140,9 @@ def _same(one: Array, other: Array) -> bool:
 
 
 def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> list[Line | Arc]:
-    """Return the paths of the moving frame from `poses` (m, 4, 4) to the goals (4, 4), up to the first motion
-    that has none, or stands still.
+    """Return the paths of the moving frame from `poses` (m, 4, 4) to the goals (4, 4).
+
+    The result ends before the first motion that has no path, or doesn't move.
     """
     straight = [row for row, step in enumerate(steps) if isinstance(step, LineMove)]
     lines = iter(lines_between(poses[straight], [goals[row] for row in straight])) if straight else iter(())
@@ -161,8 +164,9 @@ def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
 
 
 def _standing(branches: Array, stands: Array) -> int | None:
-    """Return the one of the branches (8, n) that the robot's position `stands` (n,) is on, or None if there
-    isn't exactly one.
+    """Return the index of the branch of `branches` (8, n) that equals the robot's position `stands` (n,).
+
+    The result is None if there isn't exactly one such branch.
     """
     away = np.abs(next_to(branches, stands)[1]).max(axis=1)
     found = np.flatnonzero(away < _STANDS)
@@ -170,15 +174,17 @@ def _standing(branches: Array, stands: Array) -> int | None:
 
 
 def _unwound(ends: Array, stands: Array) -> Array:
-    """Return where lines begin (m + 1, n): at `stands` (n,), and at the ends (m, n) of the lines before, each
-    on the turns nearest to its predecessor.
+    """Return the begins (m + 1, n) of lines: `stands` (n,), and the ends (m, n) of the lines before.
+
+    Each is on the full turns nearest to its predecessor.
     """
     starts = np.concatenate((stands[None], ends))
+    # Remove full turns between consecutive ends, all at once, then check the result end by end.
     starts[1:] -= TURN * np.cumsum(np.round((ends - np.concatenate((starts[:1], ends[:-1]))) / TURN), axis=0)
     near = next_to(ends, starts[:-1])[0]
     off = np.flatnonzero((near != starts[1:]).any(axis=1))
     starts[1:] = near
-    # if a joint moves by half a turn, rounding decides: follow one by one
+    # If a joint moves by half a turn, rounding decides: follow the lines one by one.
     for number in range(off[0] if len(off) else len(ends), len(ends)):
         starts[number + 1] = next_to(ends[number], starts[number])[0]
     return starts

@@ -1,5 +1,5 @@
-"""Lead arms with spare joints past bodies and zones on their lines, by motions that leave the moving frame in
-place.
+"""Lead arms with redundant joints past bodies and zones on their lines, by motions that don't move the moving
+frame.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from yarclang.robot.kinematics.bending import bent
 from yarclang.robot.kinematics.singularity import smallest_singular_values
 
 _PLACES = 65
-"""Least number of places of a path that are checked for obstructions; three for each place at which the arm
-was followed.
+"""Least number of places of a path that are checked for obstructions; at least three for each place at which
+the arm was followed.
 """
 
 _WANTED = 0.02
-"""Distance that bodies should keep in addition to their margins if possible, and zones as well [m]."""
+"""Distance that bodies and zones should keep in addition to their margins if possible [m]."""
 
 _CLEAR = 1.5 * NEAR
-"""Smallest singular value from which on nothing can be gained."""
+"""Smallest singular value above which nothing is gained by a larger one."""
 
 _SINGULAR = 0.5
 """Cost of a singularity relative to that of bodies that touch."""
 
 
 def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPath:
-    """Return another way along a path on which nothing is in the way, if something is and one is found;
-    otherwise the path itself.
+    """Return another motion of the joints along the same path if something is in the way; the path itself if
+    nothing is in the way, or no other motion is found.
 
-    A way that isn't slowed by a singularity is preferred. A free path is kept: avoiding a singularity may
+    A motion that isn't slowed by a singularity is preferred. A free path is kept: avoiding a singularity may
     demand more of the joints than passing it.
     """
     robot = solver.robot
@@ -45,6 +45,8 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
     velocity = robot.limits.velocity
 
     def cost(q: Array) -> Array:
+        # Cost of a posture: closeness to a singularity plus closeness to bodies and zones, each from 0 to
+        # about 1.
         smallest = smallest_singular_values(robot.chain, q, path.flange_from_moving)
         total: Array = _SINGULAR * np.maximum(1.0 - smallest / _CLEAR, 0.0)
         return total + np.maximum(1.0 - room.clearances(q, _WANTED) / _WANTED, 0.0)
@@ -63,8 +65,9 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
 
 
 def _is_free(room: Room, path: CartesianPath) -> bool:
-    """Return True if nothing is in the way at places of a path, from the second on: the robot is at the first
-    one anyway.
+    """Return True if nothing is in the way at places of a path.
+
+    The first place isn't checked, since the robot is there anyway.
     """
     places = np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s)))[1:]
     return bool((room.clearances(path.followed.at(places), TOUCH) > 0.0).all())

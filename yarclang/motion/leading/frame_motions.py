@@ -51,7 +51,9 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
 
 
 def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[FrameWay | None, PoseGoal]:
-    """Return the way of the moving frame, if joint positions aren't known, and its goal.
+    """Return the way of the moving frame and its goal, without joint positions.
+
+    The way is None if there is no path; a finding is then added.
 
     Args:
         step: the motion.
@@ -77,7 +79,9 @@ def _goal(step: CartesianMove, start: Array) -> PoseGoal:
 
 
 def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector) -> FramePath | None:
-    """Return the path of the moving frame from its pose at the start (4, 4); None with a finding."""
+    """Return the path of the moving frame from its pose at the start (4, 4); None, with a finding, if
+    there is none.
+    """
     match step:
         case LineMove():
             line = line_between(start, goal.base_from_moving)

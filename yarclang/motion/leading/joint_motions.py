@@ -23,14 +23,15 @@ _FEWEST_TOGETHER, _MOST_TOGETHER = 32, 1_024
 """The least and the largest number of poses of a spline that are solved together."""
 
 _CONFIGURATIONS = 3
-"""Number of solutions of a pose that are tried until one has a way."""
+"""Number of solutions of a pose that are tried until one can be reached."""
 
 
 def joint_motion(
     solver: Solver, step: JointMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Route a straight motion from `stands` (n,) [rad or m]; `choice` (n,) is the solution to take for its
-    pose, or None.
+    """Route a straight motion from `stands` (n,) [rad or m].
+
+    `choice` (n,) is the solution to take for its pose; None for the nearest one.
     """
     if isinstance(step.goal, JointDelta):
         end: Array | None = stands + step.goal.dq
@@ -46,7 +47,7 @@ def joint_motion(
 def avoiding_motion(
     solver: Solver, step: AvoidMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Route a motion around obstacles; of the solutions of its pose, the nearest one that has a way is
+    """Route a motion around obstacles. Of the solutions of its pose, the nearest one that has a way is
     taken.
     """
     end = _end(solver, step, step.goal, stands, findings, choice)
@@ -90,7 +91,7 @@ def _end(
 def spline_motion(
     solver: Solver, step: SplineMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Route a spline; `choice` (n,) is the solution to take for its last pose, or None."""
+    """Route a spline. `choice` (n,) is the solution to take for its last pose; None for the nearest one."""
     waypoints: list[Array] = []
     near, together = stands, _FEWEST_TOGETHER
     while (place := len(waypoints) + 1) <= len(step.waypoints):
@@ -99,6 +100,7 @@ def spline_motion(
         if len(alike) >= _FEWEST_TOGETHER:
             go_on()
             found = solver.chosen_in_turn(alike, near, step)
+            # Solve more way-points together as long as none needs a decision.
             together = min(2 * together, _MOST_TOGETHER) if len(found) == len(alike) else _FEWEST_TOGETHER
             if len(found):
                 waypoints += list(found)
@@ -125,7 +127,7 @@ def spline_motion(
 
 
 def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Collector) -> Led:
-    """Route a timetable from `stands` (n,) [rad or m]. If its first row is the start, it must be there."""
+    """Route a timetable from `stands` (n,) [rad or m]. A first row at time 0 must equal this position."""
     robot, table = solver.robot, step.table
     last = table.positions[-1]
     if table.begins:
@@ -147,8 +149,9 @@ def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Colle
 
 
 def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
-    """Return up to `most` consecutive way-points from number `begin` (from 0) on that are poses of one frame
-    to solve; never the last way-point.
+    """Return up to `most` consecutive way-points from number `begin` (from 0) on that are solved together.
+
+    They are poses of one frame, and never include the last way-point.
     """
     alike: list[PoseGoal] = []
     for goal in step.waypoints[begin : min(begin + most, len(step.waypoints) - 1)]:
@@ -161,8 +164,9 @@ def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
 
 
 def _swings_within_limits(robot: Robot, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
-    """Return True if a spline keeps the joint limits everywhere; add a note if it leaves its way-points by
-    much.
+    """Return True if a spline keeps the joint limits everywhere.
+
+    A note is added if it swings far beyond its way-points.
     """
     low, low_at, high, high_at = spline.extremes()
     limits = robot.limits

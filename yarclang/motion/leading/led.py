@@ -1,4 +1,4 @@
-"""Describe what is known of a motion before it has a time."""
+"""Define the result of routing a motion, before the motion has a time."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class Led:
     """The routing of a motion.
 
     `path` is None if the motion can't be done. `end` is its end, if known. `waypoints` (k, n) [rad or m] are
-    the joint positions chosen for its way-points. `broken` is True if it can't be done from the robot's
-    position, though perhaps from another one.
+    the joint positions chosen for its way-points. `broken` is True if the motion can't be done from the
+    robot's position, but perhaps from another one.
     """
 
     path: Path | None
@@ -28,8 +28,9 @@ NOWHERE = Led(None, None, None)
 
 @frozen(eq=False)
 class FrameWay:
-    """The way of a moving frame whose ends are known though no joint positions are: all that is known of a
-    motion after one that can't be done.
+    """The way of a moving frame with known ends but without joint positions.
+
+    Nothing more is known of a motion after one that can't be done.
     """
 
     frame: FramePath

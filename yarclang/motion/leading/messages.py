@@ -1,4 +1,4 @@
-"""Word findings about where motions lead, and in which configurations; see `yarclang.motion.messages`."""
+"""Word findings about the goals of motions and their configurations; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 
@@ -161,8 +161,9 @@ def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Messa
 
 
 def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
-    """Return the finding about branches that meet, but end at different joint positions; for a loop its
-    EXITs, or the end and the beginning of a pass.
+    """Return the finding about branches that meet, but end at different joint positions.
+
+    In a loop these are the EXITs, or the end and the beginning of a pass.
     """
     off = np.abs(one - other) / robot.axis_units
     joint = int(np.argmax(off))
@@ -219,7 +220,7 @@ def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
     """Return the joints in which a solution differs from the nearest one, in brackets."""
     if nearest is None:
         return ""
-    # no negative zeros
+    # Avoid negative zeros.
     shown = [np.round(one / robot.axis_units, 1) + 0.0 for one in (taken, nearest)]
     apart = np.abs(taken - nearest) / robot.axis_units
     joints = [joint for joint in np.argsort(-apart).tolist() if apart[joint] > 1.0][:3]
@@ -232,8 +233,8 @@ def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
 
 
 def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
-    """Return a fix that names the joint position and uses it by NEAR; None if the command stands for several
-    places.
+    """Return a fix that names the joint position and uses it by NEAR; None if the command's line is executed
+    in several places.
     """
     if not origin.index or ">" in origin.place or "(" in origin.place or origin.end_span is None:
         return None

@@ -1,5 +1,6 @@
-"""Check many given poses together for being reachable: after a fault the robot's position isn't known, and
-each pose is checked by itself.
+"""Check many given poses together for being in reach.
+
+After a fault the robot's position isn't known, so each pose is checked by itself.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ MOST_POSES = 512
 
 @dataclass(slots=True)
 class ReachedAhead:
-    """The lines and arcs whose goals can certainly be reached."""
+    """The lines and arcs whose goals are certainly in reach."""
 
     robot: Robot
     steps: Sequence[Step]
@@ -37,8 +38,9 @@ class ReachedAhead:
         return self._known.pop(number, False)
 
     def _looked_at(self, number: int) -> dict[int, bool]:
-        """Return the results for lines and arcs from step `number` on; nothing if it is neither, or if a
-        single one is requested.
+        """Return the results for lines and arcs from step `number` on.
+
+        The result is empty if the step is neither, or if only a single step is requested.
         """
         goals = dict[int, PoseGoal]()
         size = self._growing.size(number)

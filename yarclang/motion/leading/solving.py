@@ -27,10 +27,10 @@ from yarclang.robot.model import Robot
 class Solver:
     """Solves poses for a robot in its cell.
 
-    `measures` is True to compute how far poses are out of reach, and to search for nearby poses if one can't
-    be taken. `is_again` is True if a search for this command found nothing before, in an earlier pass of a
-    loop; the next one is then short. `searches` is the number of ways around obstacles that are searched for;
-    the fastest is taken.
+    With `measures`, the distance of a pose out of reach is computed, and nearby poses are searched for if a
+    pose can't be taken. `is_again` is True if a search for this command found nothing in an earlier pass of a
+    loop; the next search is then short. `searches` is the number of ways around obstacles that are searched
+    for; the fastest is taken.
     """
 
     robot: Robot
@@ -46,10 +46,9 @@ class Solver:
     def nearest(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """Return the joint position nearest to `near` that takes the moving frame to its goal, without regard
-        to obstructions.
+        """Return the joint position nearest to `near` that takes the moving frame to its goal.
 
-        None, with a finding, if there is none.
+        Obstructions are ignored. The result is None, with a finding, if there is no such joint position.
 
         Args:
             goal: the pose; its own NEAR takes precedence.
@@ -70,8 +69,9 @@ class Solver:
     def chosen(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """Return the nearest joint position at which nothing is in the way, with a finding if it isn't the
-        nearest of all. A position given by NEAR is taken as it is.
+        """Return the nearest joint position at which nothing is in the way.
+
+        A finding is added if it isn't the nearest of all. A position given by NEAR is taken as it is.
         """
         q = self.nearest(goal, near, step, findings, which)
         if q is None or goal.near is not None:
@@ -95,16 +95,19 @@ class Solver:
     def _along_self_motion(
         self, goal: PoseGoal, near: Array, blocked: list[Array], room: Room
     ) -> Array | None:
-        """Return the joint position nearest to `near` at which nothing is in the way, of those that a
-        redundant arm can take while its flange is at rest.
+        """Return the joint position of a redundant arm nearest to `near` at which nothing is in the way.
+
+        The positions examined are those that the arm can take while its flange is at rest.
         """
         chain, limits = self.robot.chain, self.robot.limits
         if chain.size <= 6:
             return None
         flange = flange_at(goal)
+        # The flange rests while the redundant arm moves through the solutions that are connected to the
+        # seeds.
         seeds = blocked[:_SEEDS]
         if np.abs(beyond(limits, near)).max() <= EDGE and reaches(chain, flange, near):
-            # include the position in which the robot stands
+            # Include the robot's present position.
             seeds = [near, *seeds[:-1]]
         more = np.concatenate((np.array(seeds), self_motion(chain, limits, flange, np.array(seeds))))
         nearest = more[np.argsort(np.round(np.square(more - near).sum(axis=1), 9), kind="stable")]
@@ -112,9 +115,9 @@ class Solver:
 
     def chosen_in_turn(self, goals: Sequence[PoseGoal], near: Array, step: Motion) -> Array:
         """Return the joint positions (k, n) that `chosen` returns for the first k of several goals of one
-        moving frame, each near the one before.
+        moving frame.
 
-        The result ends before the first goal that needs a decision or a finding.
+        Each is near the one before. The result ends before the first goal that needs a decision or a finding.
         """
         chain, limits = self.robot.chain, self.robot.limits
         moving = np.array([goal.base_from_moving for goal in goals])
@@ -127,8 +130,8 @@ class Solver:
         return q[: next(blocked, len(q))]
 
     def _with_changes(self, told: Message, goal: PoseGoal, near: Array, step: Motion, which: str) -> Message:
-        """Add to a message about a pose that can't be taken the changes that would help; they are searched
-        for only if `measures`.
+        """Add changes that would help to a message about a pose that can't be taken; they are searched for
+        only with `measures`.
         """
         if not self.measures:
             return told
@@ -147,7 +150,9 @@ class Solver:
 
     def others(self, goal: PoseGoal, near: Array, step: Motion) -> Iterator[Array]:
         """Yield the solutions after the nearest one at which nothing is in the way, the nearest to `near`
-        first; each is checked only when it is requested.
+        first.
+
+        Each is checked only when it is requested.
         """
         room = self.room(step)
         solved = nearest_solutions(
@@ -159,7 +164,7 @@ class Solver:
         yield from others if room is None else room.free_among(others)
 
     def _after(self, goal: PoseGoal, near: Array, q: Array) -> list[Array]:
-        """Return all solutions except one (n,), the nearest to `near` first."""
+        """Return all solutions except `q` (n,), the nearest to `near` first."""
         return [one for one in self.solutions(goal, near) if np.abs(one - q).max() > SAME]
 
 

@@ -1,1 +1,1 @@
-"""Define paths, one kind in each file."""
+"""Define paths, with one module for each kind."""

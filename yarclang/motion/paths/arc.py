@@ -1,4 +1,4 @@
-"""Define a circular arc of the moving frame, which turns about one fixed axis in proportion to its travel."""
+"""Define a circular arc of the moving frame, which turns about a fixed axis in proportion to its travel."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from yarclang.hir import Array
 from yarclang.motion.rotation import turn_between, turned
 
 NO_CIRCLE = 1e-6
-"""Three points nearer to each other [m], or to a line [rad], than this determine no circle."""
+"""Distance of three points from each other [m], or from a line [rad], below which they determine no
+circle.
+"""
 
 
 @frozen(eq=False)
 class Arc:
-    """Poses of the moving frame over s, in {B}: the origin goes by the angle `sweep` [rad] about `normal`
-    (3,) through `centre` (3,) [m], and the frame turns by `angle` [rad] about `axis` (3,).
+    """Poses of the moving frame over s, in {B}.
 
-    It begins at `base_from_start` (4, 4) and ends exactly at `base_from_end` (4, 4), to the last bit: what
-    follows doesn't depend on the digits of the start.
+    The origin goes by the angle `sweep` [rad] about `normal` (3,) through `centre` (3,) [m], and the frame
+    turns by `angle` [rad] about `axis` (3,). The arc begins at `base_from_start` (4, 4) and ends exactly at
+    `base_from_end` (4, 4), to the last bit, so that later motions don't depend on the digits of the start.
     """
 
     base_from_start: Array
@@ -66,8 +68,10 @@ class Arc:
 
 @frozen
 class NoArc:
-    """The reason why there is no arc: two of the points coincide (`apart` [m]), all three lie on a line
-    (`bend` [rad]), or the orientation turns by half a revolution.
+    """The reason why there is no arc.
+
+    Two of the points coincide (`apart` [m]), all three are on a line (`bend` [rad]), or the orientation turns
+    by half a revolution.
     """
 
     kind: Literal["coincident", "straight", "half turn"]
@@ -92,10 +96,11 @@ def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
         return NoArc("half turn")
-    # the circumcentre of the triangle, relative to its first corner
+    # The circumcentre of the triangle, relative to its first corner.
     middle = np.cross((a @ a) * b - (b @ b) * a, across) / (2.0 * (across @ across))
     normal = across / np.linalg.norm(across)
     spoke = -middle
     to_end = b - middle
+    # The normal is that of start, via and end, so the sweep passes the via point, and is between 0 and 2 pi.
     sweep = float(np.arctan2(normal @ np.cross(spoke, to_end), spoke @ to_end)) % (2.0 * np.pi)
     return Arc(base_from_start, base_from_end, start + middle, normal, sweep, *turn)

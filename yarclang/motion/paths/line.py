@@ -1,6 +1,4 @@
-"""Define a straight line of the moving frame, which turns about one fixed axis in proportion to its
-travel.
-"""
+"""Define a straight line of the moving frame, which turns about a fixed axis in proportion to its travel."""
 
 from __future__ import annotations
 
@@ -18,8 +16,8 @@ class Line:
     """Poses of the moving frame over s, from `base_from_start` (4, 4) to `base_from_end` (4, 4).
 
     The frame moves by `shift` (3,) [m], of length `length` [m], and turns by `angle` [rad] about the unit
-    vector `axis` (3,), both in the axes of {B}. It ends exactly at `base_from_end`, to the last bit: what
-    follows doesn't depend on the digits of the start.
+    vector `axis` (3,), both in the axes of {B}. It ends exactly at `base_from_end`, to the last bit, so that
+    later motions don't depend on the digits of the start.
     """
 
     base_from_start: Array
@@ -50,8 +48,8 @@ class Line:
 
 
 def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
-    """Return the line between two poses (4, 4), turning the short way; None for half a turn, which has
-    none.
+    """Return the line between two poses (4, 4), turning the short way; None for half a turn, which has no
+    short way.
     """
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
@@ -61,15 +59,13 @@ def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
 
 
 def lines_between(base_from_start: Array, goals: Sequence[Array]) -> list[Line | None]:
-    """Return the lines from poses (M, 4, 4) to as many goals (4, 4): the same bits as `line_between`
-    returns.
-    """
+    """Return the lines from poses (M, 4, 4) to as many goals (4, 4), with the same bits as `line_between`."""
     ends = np.array(goals)
     axes, angles = turns_between(base_from_start[:, :3, :3], ends[:, :3, :3])
     shifts = ends[:, :3, 3] - base_from_start[:, :3, 3]
     lengths = np.sqrt((shifts[:, None] @ shifts[:, :, None]).ravel()).tolist()
     parts = zip(base_from_start, goals, axes, angles.tolist(), lengths, strict=True)
-    # NaN marks half a turn
+    # NaN marks half a turn.
     return [Line(*part) if part[3] == part[3] else None for part in parts]
 
 

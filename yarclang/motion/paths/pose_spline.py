@@ -16,8 +16,8 @@ from yarclang.motion.rotation import HALF_TURN
 from yarclang.progress import go_on
 
 SAME_PLACE = 1e-6
-"""Poses whose chord isn't longer than this count once [m]: a robot that was led to the first way-point stands
-there up to rounding.
+"""Chord up to which poses count as one [m]: a robot that was led to the first way-point is there up to
+rounding.
 """
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -26,27 +26,30 @@ _FEWEST, _PIECES = 8, 1024
 """The least and the largest number of pieces of each leg for the measurement of lengths."""
 
 _EACH_BEND = 64.0
-"""Number of pieces of a leg on which the velocity changes by as much as its least value: s as a function of
-the length is then exact to 1e-8 of the leg.
+"""Number of pieces of a leg on which the velocity changes by as much as its least value.
+
+The inverse function, s over the length, is then exact to 1e-8 of the leg.
 """
 
 _IN_ALL, _MOST_IN_ALL = 16_384, 4_194_304
-"""Bounds of the number of pieces of a whole curve: at least the first, as long as legs have fewer than their
-largest number; at most about the second, whatever the bends.
+"""Bounds of the number of pieces of a whole curve.
+
+It has at least the first number as long as legs have fewer pieces than their largest number, and at most
+about the second number, however sharp the bends.
 """
 
 _AT_ONCE = 16_384
-"""Places at which speeds are computed between two checks for cancellation: about 5 ms, and they stay in the
-processor's cache.
+"""Places at which speeds are computed between two checks for cancellation, which takes about 5 ms; they fit
+in the processor's cache.
 """
 
 
 @dataclass(frozen=True)
 class PoseSpline:
-    """Positions [m] and quaternions (x y z w) as natural cubic splines `positions` (d = 3) and `turns` (d =
-    4) over the chord parameter, from 0 to 1.
+    """A curve of poses: two natural cubic splines over the chord parameter, from 0 to 1.
 
-    The interpolated quaternions still have to be normalised.
+    `positions` (d = 3) are in m, `turns` (d = 4) are quaternions (x y z w). Interpolated quaternions still
+    have to be normalised.
     """
 
     positions: NaturalSpline
@@ -85,20 +88,20 @@ class PoseSpline:
         """Return the derivatives with respect to s (N, 6); see `FramePath.tangents`."""
         q, rate = self.turns.at(s), self.turns.slope_at(s)
         vector, real = q[:, :3], q[:, 3:]
-        # omega = 2 q' conj(q) / |q|²; the real part is the change of the norm and causes no rotation
+        # omega = 2 q' conj(q) / |q|². Its real part is the change of the norm, which causes no rotation.
         spin = rate[:, :3] * real - rate[:, 3:] * vector - np.cross(rate[:, :3], vector)
         omega = 2.0 * spin / np.einsum("ni,ni->n", q, q)[:, None]
         return np.concatenate((self.positions.slope_at(s), omega), axis=1)
 
     def at_length(self, share: Array) -> Array:
-        """Return the s (N,) at which a given share (N,) of the origin's path is covered."""
+        """Return the s (N,) at which given shares (N,) of the origin's path are covered."""
         u, lengths = self._fine, self._lengths
         wanted = np.clip(share, 0.0, 1.0) * lengths[-1]
         piece = np.clip(np.searchsorted(lengths, wanted, side="right") - 1, 0, len(u) - 2)
         width = lengths[piece + 1] - lengths[piece]
         r = (wanted - lengths[piece]) / width
-        # cubic Hermite interpolation of s as a function of length: pieces are so short that it is practically
-        # exact
+        # Cubic Hermite interpolation of s as a function of length. The pieces are so short that it is
+        # practically exact.
         first, last = 1.0 / self._edge_speeds[piece], 1.0 / self._edge_speeds[piece + 1]
         s = (
             u[piece] * (1.0 + 2.0 * r) * (1.0 - r) ** 2
@@ -115,8 +118,9 @@ class PoseSpline:
 
     @cached_property
     def _pieces(self) -> NDArray[np.int64]:
-        """The number of pieces of each leg (w - 1,), a power of two: the more the velocity changes on the
-        leg, the more.
+        """The number of pieces of each leg (w - 1,), a power of two.
+
+        It is larger for a leg on which the velocity changes more.
         """
         spline = self.positions
         width, ends = np.diff(spline.knots), np.linalg.norm(spline.bends, axis=1)
@@ -139,7 +143,7 @@ class PoseSpline:
 
     @cached_property
     def _fine(self) -> Array:
-        """The places (P + 1,) that bound the pieces."""
+        """The places (P + 1,) at the ends of the pieces."""
         knots, pieces, leg = self.positions.knots, self._pieces, self._legs
         number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         return np.append(knots[:-1][leg] + np.diff(knots)[leg] * (number / pieces[leg]), 1.0)
@@ -209,6 +213,7 @@ class AtConstantSpeed:
     def tangents(self, s: Array) -> Array:
         """Return the derivatives with respect to the share of the length (N, 6)."""
         slopes = self.spline.tangents(self.spline.at_length(s))
+        # Chain rule: ds / dshare = length / |p'(s)|.
         along: Array = slopes * (self.length / np.linalg.norm(slopes[:, :3], axis=1))[:, None]
         return along
 
@@ -216,8 +221,8 @@ class AtConstantSpeed:
 def through_poses(poses: Array) -> PoseSpline | int | None:
     """Return the curve through `poses` (w, 4, 4); None if all are equal.
 
-    Equal neighbours count once. If the turn between two neighbours is half a revolution, there is no short
-    way: then the number of the later one is returned.
+    Equal neighbours count as one pose. If two neighbours differ by half a revolution, there is no short way
+    between them, and the number of the later one is returned.
     """
     quaternions = unit_quaternions(poses[:, :3, :3])
     signs = np.where(np.einsum("ni,ni->n", quaternions[1:], quaternions[:-1]) < 0.0, -1.0, 1.0)
@@ -240,10 +245,14 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
 
 
 def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
-    """Return the turns [rad] between neighbouring poses (N, 3) and (N, 4), and their chords [m], (N - 1,)
-    each.
+    """Return the turns [rad] between neighbouring poses, and their chords [m], (N - 1,) each.
+
+    Args:
+        positions: (N, 3) positions [m].
+        quaternions: (N, 4) unit quaternions.
     """
     apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
+    # Unit quaternions are apart by 2 sin(angle / 4), since they turn by half the angle.
     angles: Array = 4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))
     chords: Array = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), TURN_CHORD * angles)
     return angles, chords
@@ -253,7 +262,8 @@ def unit_quaternions(rotations: Array) -> Array:
     """Return unit quaternions x y z w (N, 4) of `rotations` (N, 3, 3), with either sign."""
     r = rotations
     trace = np.trace(r, axis1=1, axis2=2)
-    # four times the products of each component with all components: divide by the largest for accuracy
+    # The rows are four times the products of one component with all components: normalise the row with the
+    # largest component, for accuracy.
     table = np.empty((len(r), 4, 4))
     for i in range(3):
         table[:, i, i] = 1.0 + 2.0 * r[:, i, i] - trace

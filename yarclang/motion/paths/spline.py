@@ -13,7 +13,7 @@ _PLACES = 800
 """Number of places that show a spline's bends."""
 
 SAME_PLACE = 1e-12
-"""Way-points nearer than this count once [rad or m]."""
+"""Distance below which way-points count as one [rad or m]."""
 
 
 @frozen(eq=False)
@@ -54,7 +54,7 @@ class SplinePath:
 
     @property
     def places(self) -> Array:
-        """The way-points, and places at equal distances on each leg (k,)."""
+        """The way-points, and equally spaced places on each leg (k,)."""
         knots = self.spline.knots
         between = max(1, _PLACES // (len(knots) - 1))
         inner: Array = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(between) / between
@@ -65,20 +65,18 @@ class SplinePath:
         return self.spline.at(s)
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance from the places `s` on the path, of prismatic joints [m] and of
-        revolute ones [rad].
+        """Return the largest distance from the places `s` on the path: of prismatic joints [m], of revolute
+        ones [rad].
 
-        Being early or late along the path counts too: where a spline turns back on itself, there is no
-        direction across it.
+        A position that is early or late along the path counts as a miss too: where a spline turns back on
+        itself, no direction is across it.
         """
         miss = np.abs(q - self.joints(s))
         sliding = self.prismatic
         return float(miss[:, sliding].max(initial=0.0)), float(miss[:, ~sliding].max(initial=0.0))
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Return the least and the largest value of each joint (n,), each with its s (n,): least, place,
-        largest, place.
-        """
+        """Return the extremes of each joint (n,): the least value, its s, the largest value, its s."""
         return self.spline.extremes()
 
 

@@ -68,8 +68,9 @@ class TimedPath:
         return self.at(s * self.duration)
 
     def at(self, times: Array, order: int = 0) -> Array:
-        """Return positions (N, n) at `times` (N,) [s], or derivatives of the given order; after the end the
-        joints are at rest.
+        """Return positions (N, n) at `times` (N,) [s], or derivatives of the given order.
+
+        After the end the joints are at rest.
         """
         piece = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.pieces) - 1)
         since = (np.clip(times, 0.0, self.duration) - self.times[piece])[:, None]
@@ -82,15 +83,17 @@ class TimedPath:
         return value
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance of joints from their places at the same time, both as a length [m] and
-        as an angle [rad], since the kind of each joint isn't known here.
+        """Return the largest distance of joints from their places at the same time.
+
+        It is returned both as a length [m] and as an angle [rad], since the kind of each joint isn't known
+        here.
         """
         off = float(np.abs(q - self.joints(s)).max(initial=0.0))
         return off, off
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Return the approximate least and largest value of each joint (n,), each with its s (n,): least,
-        place, largest, place.
+        """Return the approximate extremes of each joint (n,): the least value, its s, the largest value,
+        its s.
         """
         times = self.looked_at
         q = self.at(times)
@@ -127,6 +130,8 @@ def _clamped(times: Array, q: Array) -> Array:
     """
     velocities = np.zeros_like(q)
     if len(q) > 2:
+        # Continuity of the acceleration, with the velocities as unknowns: v / w + 2 (1 / w + 1 / w') v' + v''
+        # / w' = 3 (rise / w^2 + rise' / w'^2).
         inverse = 1.0 / np.diff(times)
         pull = 3.0 * np.diff(q, axis=0) * inverse[:, None] ** 2
         velocities[1:-1] = solve_tridiagonal(
@@ -141,11 +146,12 @@ def _hermite(width: Array, q: Array, v: Array, a: Array | None) -> Array:
     """
     rise = (q[1:] - q[:-1]) / width
     if a is None:
+        # Cubic Hermite interpolation in powers of the time.
         bend = (3.0 * rise - 2.0 * v[:-1] - v[1:]) / width
         twist = (v[:-1] + v[1:] - 2.0 * rise) / width**2
         return np.stack((q[:-1], v[:-1], bend, twist), axis=1)
-    # with an acceleration: solve for the powers 3 to 5, given position, velocity and acceleration of the
-    # first row
+    # If accelerations are given, solve for the powers 3 to 5, with position, velocity and acceleration of the
+    # first row known.
     off = (rise - v[:-1] - a[:-1] * width / 2.0) / width**2
     slower = (v[1:] - v[:-1] - a[:-1] * width) / width**2
     bends = (a[1:] - a[:-1]) / width

@@ -1,1 +1,1 @@
-"""Define profiles, one in each file; `yarclang.motion.profile` finds them."""
+"""Define profiles, with one module for each; `yarclang.motion.profile` finds them."""

@@ -18,13 +18,16 @@ from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_stra
 
 def _pure(u: Array) -> Array:
     u = np.clip(u, 0.0, 1.0)
+    # Parabolas in the outer thirds, a line at 1.5 times the mean speed in between.
     middle = 1.5 * u - 0.25
     s: Array = np.where(u < 1 / 3, 2.25 * u**2, np.where(u > 2 / 3, 1.0 - 2.25 * (1.0 - u) ** 2, middle))
     return s
 
 
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return a blend of a third of the segments with all ramps for which it has room, the steepest first."""
+    """Return a blend of a third of the segments, with each length of its ramps that fits, the steepest
+    first.
+    """
     blend = max(FEWEST_IN_BLEND, round(segments / 3))
     ramps = np.arange(1, blend // 2 + 1)
     return np.stack((np.full_like(ramps, blend), ramps), axis=1)

@@ -18,7 +18,7 @@ def _pure(u: Array) -> Array:
 
 
 def _control(segments: int, form: Form) -> Array:  # noqa: ARG001  (a smooth law leaves nothing open)
-    # a cubic B-spline passes through s at a knot if its control value is s - h² s'' / 6
+    # A cubic B-spline passes through s at a knot if its control value is s - h² s'' / 6.
     u = np.arange(segments + 1) / segments
     bend = u * (60.0 + u * (-180.0 + 120.0 * u)) / segments**2
     control = np.empty(segments + 3)

@@ -24,6 +24,8 @@ progression.
 def _pure(u: Array) -> Array:
     """Return the law with ramps and blends as long as possible: full jerk throughout and no cruise."""
     u = np.clip(u, 0.0, 1.0)
+    # Full jerk up and down in quarters of the time: 32 jerk units, s = 32 u^3 / 6 in the first quarter. The
+    # second half is point-symmetric to the first.
     half = np.minimum(u, 1.0 - u)
     rising = np.where(half < 0.25, 16.0 / 3.0 * half**3, 1.0 / 12.0 + _second_quarter(half - 0.25))
     s: Array = np.where(u < 0.5, rising, 1.0 - rising)
@@ -44,7 +46,9 @@ def _lengths(most: int, least: int) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=512)
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return all blends and ramps, the longest first, which are nearest to the pure law."""
+    """Return all combinations of blend and ramp, the longest first, since these are nearest to the pure
+    law.
+    """
     blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
     forms = [
         np.stack((np.full_like(ramps, blend), ramps), axis=1)

@@ -7,9 +7,9 @@ keep every limit that the law keeps, at the cost of only two segments (Pham and 
 Time-Optimal Path Parameterization based on Reachability Analysis, IEEE T-RO 34, 2018).
 
 The solver of TOPP-RA has absolute tolerances (1e-10) and bounds (1e8). It therefore gets a path with numbers
-near 1, however short or bent the path is: joints in units of acceleration limit times the square of `time`,
-which is about the duration, and places measured by the motion of the joints. Near a singularity a joint turns
-half round in a billionth of the path; measured by joint motion, that turn is half of the path.
+near 1, however short or bent the path is. Joints are in units of the acceleration limit times the square of
+`time`, which is about the duration. Places are measured by the motion of the joints. Near a singularity a
+joint turns half round in a billionth of the path; measured by joint motion, that turn is half of the path.
 """
 
 from __future__ import annotations
@@ -27,37 +27,38 @@ from yarclang.motion.path import Path
 from yarclang.motion.profile import NO_FORM, Form, Law, NoLaw, Profile
 
 _PLACES = 350
-"""Least number of places of the path at which limits are checked; the sharper the path bends, the denser they
-are.
+"""Least number of places of the path at which limits are checked; they are denser where the path bends
+more.
 """
 
 _MOST_PLACES = 1000
 _AROUND = 12
-"""Number of places for each place that shows the path's bends, up to _MOST_PLACES in total: near a
-singularity, and on splines, there are more.
+"""Number of places for each place that shows the path's bends, up to `_MOST_PLACES` in total.
+
+Near a singularity, and on splines, there are more such places.
 """
 
 _FINE = 400
 """Number of equal parts of the path in which bends are searched for."""
 
 _APART = 1e-9
-"""Least distance of two places, with 1 for the whole path: nearer ones count once."""
+"""Least distance of two places, with 1 for the whole path; nearer ones count as one."""
 
 _NO_TIME = 1e-3
-"""Shortest duration for which a law is searched for [s]: in less, every law needs the fewest segments and far
-less than the limits.
+"""Shortest duration for which a law is searched for [s]: in a shorter time, every law needs the fewest
+segments and uses far less than the limits.
 """
 
 _NO_BOUND = 1e5
-"""Stands for no bound of the squared speed and of the acceleration; the solver's rounding errors grow with
-it.
+"""Value that means no bound, for the squared speed and the acceleration; the solver's rounding errors grow
+with it.
 """
 
 _SAME = 1e-9
 """Factors that differ by less than this count as equal."""
 
 _NO_FACTOR = 1e-12
-"""A joint with smaller factors is at rest."""
+"""Factor of a joint below which the joint is at rest."""
 
 _SHARE = 0.9998
 """Share of the limits that the law uses: between the places it may use slightly more."""
@@ -65,7 +66,7 @@ _SHARE = 0.9998
 
 @frozen(eq=False)
 class _Scaled:
-    """A path as TOPP-RA gets it.
+    """A path in the form for TOPP-RA.
 
     `gone` (N,) are the places, from 0 to 1, at the shares `s` (N,) of the path. `y` (N, n) are the joints
     there, in `units` (n,) [rad or m], relative to the start. `time` [s] is the unit of time, chosen so that
@@ -101,19 +102,23 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
         return passed
     times, speed, gone = passed.times, passed.speed, passed.gone
     duration = float(times[-1])
-    # monotone, so that it never turns back, and a place in a sharp turn stays in it
+    # The interpolation is monotone, so that the law never turns back, and a place in a sharp turn stays in
+    # it.
     share_at = PchipInterpolator(gone, passed.s)
 
     def pure(u: Array) -> Array:
         t = np.clip(u, 0.0, 1.0) * duration
         piece = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
         along = t - times[piece]
+        # Constant acceleration on a piece: v t + a t^2 / 2.
         push = (speed[piece + 1] - speed[piece]) / (times[piece + 1] - times[piece])
         reached = gone[piece] + along * (speed[piece] + 0.5 * push * along)
         s: Array = np.clip(share_at(np.clip(reached, 0.0, 1.0)), 0.0, 1.0)
         return s
 
     def control(segments: int, form: Form) -> Array:  # noqa: ARG001
+        # The samples are the control values themselves: the law is stretched over n - 2 segments, and three
+        # equal values at each end make the spline rest.
         samples = pure(np.arange(segments - 1) / (segments - 2))
         samples[0], samples[-1] = 0.0, 1.0
         return np.concatenate((np.zeros(2), samples, np.ones(2)))
@@ -142,8 +147,10 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     counts, motor_velocity = bounds.counts * scaled.units, bounds.motor_velocity * scaled.time
 
     class Limits(constraint.LinearConstraint):  # type: ignore[misc]
-        """Limits of acceleration as rows a u + b x + c <= 0 of the place's acceleration u and squared speed
-        x; limits of velocity as bounds of x.
+        """Limits of acceleration and velocity for TOPP-RA.
+
+        Limits of acceleration are rows a u + b x + c <= 0 of the place's acceleration u and squared speed x;
+        limits of velocity are bounds of x.
         """
 
         def __init__(self) -> None:
@@ -160,13 +167,13 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
                 (np.abs(slope @ counts.T) / motor_velocity).max(axis=1),
             )
             most = np.minimum((_SHARE / np.maximum(shares, 1e-12)) ** 2, _NO_BOUND)
-            # collocation: the limits at each place, and at the next one, where the squared speed is x + 2 u
-            # times their distance
+            # Collocation: impose the limits at each place, and also at the next one, where the squared speed
+            # is x + 2 u times their distance.
             a, b = np.tile(slope, 2), np.tile(bend, 2)
             joints = len(velocity)
             b[:-1, joints:] = bend[1:]
             a[:-1, joints:] = slope[1:] + 2.0 * np.diff(gridpoints)[:, None] * bend[1:]
-            # the solver takes rows with small factors for parallel
+            # The solver mistakes rows with small factors for parallel ones.
             size = np.maximum(np.maximum(np.abs(a), np.abs(b)), _NO_FACTOR)
             a, b, c = a / size, b / size, -np.minimum(_SHARE / size, _NO_BOUND)
             _leave_one(a, b, c)
@@ -184,22 +191,23 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     )
     _, speed, _, controllable = instance.compute_parameterization(0.0, 0.0, return_data=True)
     if speed is None:
-        # controllable sets are computed backwards from the end
+        # The controllable sets are computed backwards from the end.
         lost = np.flatnonzero(np.isnan(controllable).any(axis=1))
         return NoLaw(float(scaled.s[lost.max(initial=0)]))
     reached = np.isfinite(speed[1:]) & (speed[1:] + speed[:-1] > 0.0)
     if not reached.all():
         return NoLaw(float(scaled.s[int(np.argmin(reached))]))
+    # Constant acceleration between places: the mean speed is that of both ends.
     steps = 2.0 * np.diff(scaled.gone) / (speed[1:] + speed[:-1])
     times = np.concatenate(([0.0], np.cumsum(steps))) * scaled.time
     return _Passed(times, speed / scaled.time, scaled.gone, scaled.s)
 
 
 def _leave_one(a: Array, b: Array, c: Array) -> None:
-    """Drop all but one of a place's limits (N, k) that are equal up to rounding or sign, which the solver
-    takes for contradictory.
+    """Drop all but one of those limits of a place (N, k) that are equal up to rounding or sign.
 
-    If the wrist is straight, joints 4 and 6 turn against each other.
+    The solver mistakes equal limits for contradictory ones. If the wrist is straight, joints 4 and 6 turn
+    against each other, and their limits are equal.
     """
     for one, other in combinations(range(a.shape[1]), 2):
         for sign in (1.0, -1.0):
@@ -215,6 +223,7 @@ def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
     s = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
     q = path.joints(s)
     way = np.abs(np.diff(q, axis=0)).sum(axis=0)
+    # Lower bounds of the order of the duration, from the joints' travel at their limits.
     time = max(float(np.sqrt((way / bounds.acceleration).max())), float((way / bounds.velocity).max()))
     if time < _NO_TIME:
         return None
@@ -229,8 +238,7 @@ def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
 
 
 def _places(s: Array, y: Array, count: int) -> Array:
-    """Return `count` + 1 shares of the path, the denser the sharper the path bends and the farther the joints
-    move.
+    """Return `count` + 1 shares of the path, denser where the path bends more or the joints move farther.
 
     Args:
         s: shares of the path (M,) at which it is known.
@@ -242,7 +250,8 @@ def _places(s: Array, y: Array, count: int) -> Array:
     s, y, gone = s[apart], y[apart], gone[apart]
     slope = np.diff(y, axis=0) / np.diff(gone)[:, None]
     bend = np.abs(np.diff(slope, axis=0)) / ((gone[2:] - gone[:-2]) / 2.0)[:, None]
-    # the time that a bend takes: its speed is bounded by the square root of acceleration over bend
+    # The measure is the time that a bend takes: its speed is bounded by the square root of acceleration over
+    # bend.
     sharpness = np.sqrt(bend.max(axis=1))
     density = np.concatenate((sharpness[:1], sharpness, sharpness[-1:]))
     density += density.mean() + 1e-9
@@ -253,9 +262,9 @@ def _places(s: Array, y: Array, count: int) -> Array:
 
 
 def _gone(s: Array, y: Array) -> Array:
-    """Return how far the joints have moved at shares `s` (N,) of the path, from 0 to 1.
+    """Return the distance moved by the joints up to shares `s` (N,) of the path, from 0 to 1.
 
-    The share itself counts half, since all joints are at rest where a spline turns back.
+    The share itself has half of the weight, since all joints are at rest where a spline turns back.
     """
     steps = np.linalg.norm(np.diff(y, axis=0), axis=1)
     gone = np.concatenate(([0.0], np.cumsum(0.5 * steps / steps.sum() + 0.5 * np.diff(s))))

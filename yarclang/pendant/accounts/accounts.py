@@ -21,23 +21,23 @@ from yarclang.runtime.actions import Trouble
 T = TypeVar("T")
 
 _AT_ONCE, _WAITING = 1, 8
-"""Passwords that are checked at a time, and those that may wait. Each takes a core and 64 MiB, which a moving
-robot may need.
+"""Most passwords that are checked at the same time, and most that wait for their check. Each check takes a
+core and 64 MiB, which a moving robot may need.
 """
 
 _WRITTEN_EACH = 60.0
-"""Least time between two updates in the file of when a session was last used [s]."""
+"""Shortest time between two updates of a session's last use in the file [s]."""
 
 _MOST_PINS = 5
-"""Wrong PINs that end a session."""
+"""Number of wrong PINs that ends a session."""
 
 
 class NotAllowed(Trouble):
-    """Raised if an action needs another role, or the PIN first."""
+    """Raised if the user's role doesn't allow an action, or the PIN must be entered first."""
 
 
 class TooMany(Trouble):
-    """Raised if an attempt comes too soon after wrong ones.
+    """Raised if a login comes too soon after wrong passwords.
 
     Attributes:
         wait: time until the next attempt is allowed [s].
@@ -49,10 +49,10 @@ class TooMany(Trouble):
 
 
 class Accounts:
-    """The users of a pendant, their sessions, and the audit trail.
+    """Users of a pendant, their sessions, and the audit trail.
 
     Args:
-        path: the file that keeps all of them.
+        path: file in which users, sessions and audit trail are stored.
         ended: called with each session that ends.
         now: a monotonic clock [s].
         wall: the time of day [s].
@@ -60,7 +60,7 @@ class Accounts:
     Attributes:
         sessions: the open sessions.
         first: the token of the one-time link; empty if there is a user.
-        trouble: why the audit trail can't be written; None if it can.
+        trouble: reason why the audit trail can't be written; None if it can be.
 
     Raises:
         Trouble: the file can't be used.
@@ -106,14 +106,15 @@ class Accounts:
         """Create the first user, with the role service.
 
         Args:
-            token: of the one-time link.
-            name: of the user.
-            password: as it was typed.
-            pin: as it was typed.
-            address: from which the request came.
+            token: token of the one-time link.
+            name: name of the user.
+            password: password as typed.
+            pin: PIN as typed.
+            address: address from which the request came.
 
         Raises:
-            Trouble: the link is of an earlier start or was used, or the name, password or PIN isn't allowed.
+            Trouble: the link has been used or was made before the last start, or the name, password or PIN
+                isn't allowed.
         """
         if not self.first or not secrets.compare_digest(token.encode(), self.first.encode()):
             raise NotAllowed(
@@ -129,17 +130,17 @@ class Accounts:
         """Log a user in.
 
         Args:
-            name: of the user.
-            password: as it was typed.
-            address: from which the request came.
-            agent: the browser's user agent.
-            device: token of the device, from an earlier login there; empty if there is none.
+            name: name of the user.
+            password: password as typed.
+            address: address from which the request came.
+            agent: user agent of the browser.
+            device: token of the device, from an earlier login on it; empty if there is none.
 
         Returns:
             The session, its token, and the device's new token.
 
         Raises:
-            TooMany: after five wrong passwords from there.
+            TooMany: five wrong passwords have come from the same device or address, and the wait isn't over.
             Trouble: the name or the password is wrong.
         """
         known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
@@ -151,7 +152,8 @@ class Accounts:
         if wait > 0.0:
             raise TooMany("too many wrong passwords", wait)
         user = await self.database.call(people.user_called, name)
-        # count the attempt as wrong until it is checked, so that parallel attempts wait as well
+        # Count the attempt as wrong until the password is checked, so that parallel attempts have to wait as
+        # well.
         count = self._attempts.failed(place, self._now())
         try:
             right = await self._is_secret(None if user is None else user.password, password)
@@ -185,7 +187,7 @@ class Accounts:
         return self.sessions.end_if_over(session, self._now())
 
     def used(self, session: Session) -> None:
-        """Note that the user of a session has done something."""
+        """Record that the user of a session has done something."""
         session.seen = now = self._now()
         if now - self._noted.get(session.id, -_WRITTEN_EACH) >= _WRITTEN_EACH:
             self._noted[session.id] = now
@@ -204,7 +206,7 @@ class Accounts:
     # service work
 
     async def confirm(self, session: Session, pin: str) -> float:
-        """Check the PIN and allow service work for a while. Return for how long [s].
+        """Check the PIN and allow service work for a while. Return the length of this time [s].
 
         Raises:
             NotAllowed: the PIN is wrong; the fifth wrong one ends the session.
@@ -227,8 +229,8 @@ class Accounts:
 
         Args:
             session: the session.
-            role: the role that is needed.
-            pin: True if the PIN must have been entered lately as well.
+            role: the required role.
+            pin: True if the PIN must also have been entered recently.
 
         Raises:
             NotAllowed: the role or the PIN is missing.
@@ -270,7 +272,7 @@ class Accounts:
         pin: str | None = None,
         but: Session | None = None,
     ) -> None:
-        """Change a user. A new role or password ends the user's sessions, except `but`.
+        """Change a user. A new role or password ends all sessions of the user except `but`.
 
         Raises:
             Trouble: there is no such user, a new value isn't allowed, or no service user would be left.
@@ -326,7 +328,7 @@ class Accounts:
     # the audit trail
 
     async def did(self, deed: Deed) -> None:
-        """Write an entry of the audit trail, before the action itself is carried out.
+        """Write an entry of the audit trail. Call this before the action is carried out.
 
         Raises:
             Trouble: the entry can't be written; the action must not be carried out.
@@ -339,19 +341,19 @@ class Accounts:
         self.trouble = None
 
     def note(self, deed: Deed) -> None:
-        """Queue an entry of the audit trail without waiting for the disk, for actions that mustn't wait, such
+        """Queue an entry of the audit trail without waiting for the disk. For actions that mustn't wait, such
         as a stop.
         """
         self._later(people.write_deed, deed)
 
     async def deeds(self, before: int | None, count: int) -> tuple[tuple[int, str, Deed], ...]:
-        """Return entries of the audit trail, newest first (`people.deeds`)."""
+        """Return entries of the audit trail, newest first. See `people.deeds`."""
         while self._writing:
             await asyncio.gather(*self._writing, return_exceptions=True)
         return await self.database.call(people.deeds, before, count)
 
     async def deeds_since(self, action: str, since: str, most: int) -> tuple[tuple[str, Deed], ...]:
-        """Return entries of the audit trail from a time on, newest first (`people.deeds_since`)."""
+        """Return entries of the audit trail from a given time on, newest first. See `people.deeds_since`."""
         while self._writing:
             await asyncio.gather(*self._writing, return_exceptions=True)
         return await self.database.call(people.deeds_since, action, since, most)

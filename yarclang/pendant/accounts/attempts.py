@@ -1,9 +1,9 @@
 """Counts of wrong passwords: after five of them, each further attempt has to wait. No I/O; times are
 arguments.
 
-An attempt is counted for the user that it names *and* the place that it comes from: the device, if that user
-has logged in there before, otherwise the address. Guessing therefore slows down only the guesser, and can't
-lock users out of the devices that they use every day.
+An attempt is counted for a pair: the user name, and the place from which the attempt comes. The place is the
+device if that user has logged in on it before, otherwise the address. So guessing slows down only the
+guesser, and can't lock users out of the devices that they use every day.
 """
 
 from __future__ import annotations
@@ -15,16 +15,18 @@ FREE = 5
 """Wrong attempts before the first wait."""
 
 FREE_FROM_ADDRESS = 30
-"""Wrong attempts before the first wait, for all users together that one address names."""
+"""Wrong attempts from one address before the first wait, summed over all user names."""
 
 FIRST_WAIT, LONGEST_WAIT = 2.0, 300.0
-"""First wait [s], and the longest: the wait doubles with each further wrong attempt."""
+"""First wait and longest wait [s]. The wait doubles with each further wrong attempt."""
 
 FORGOTTEN = 3600.0
 """Time after which wrong attempts are forgotten [s]."""
 
 _MOST = 4096
-"""Places that are remembered. The one that has been quiet for longest is forgotten first."""
+"""Most places that are remembered. If there are more, the one without attempts for the longest time is
+forgotten.
+"""
 
 Place = tuple[str, str]
 """User name of the attempt in lower case, and its device or address."""
@@ -46,7 +48,7 @@ class Attempts:
         """Return the time until a place's next attempt is checked [s]; 0 if it is checked at once.
 
         Args:
-            place: from which the attempt comes.
+            place: user name and place of the attempt.
             now: a monotonic clock [s].
             free: wrong attempts before the first wait.
         """
@@ -59,7 +61,7 @@ class Attempts:
         return max(0.0, wanted - (now - found.last))
 
     def failed(self, place: Place, now: float) -> int:
-        """Count a wrong attempt and return the place's number of them."""
+        """Count a wrong attempt. Return the number of wrong attempts of its place."""
         found = self._failures.pop(place, None)
         if found is None or now - found.last > FORGOTTEN:
             found = _Failures(0, now)
@@ -70,10 +72,10 @@ class Attempts:
         return found.count
 
     def forgive(self, place: Place) -> None:
-        """Remove the last wrong attempt of a place, because its password wasn't checked."""
+        """Remove the last wrong attempt of a place. Called if the password couldn't be checked."""
         if (found := self._failures.get(place)) is not None:
             found.count -= 1
 
     def passed(self, place: Place) -> None:
-        """Forget the wrong attempts of a place after a right password."""
+        """Forget the wrong attempts of a place after a correct password."""
         self._failures.pop(place, None)

@@ -22,7 +22,7 @@ VERSION = 2
 """Version of the tables."""
 
 _WAIT = 5.0
-"""Longest wait for another process that has locked the file [s]."""
+"""Longest wait while another process locks the file [s]."""
 
 _TABLES = """
 CREATE TABLE users (
@@ -53,14 +53,15 @@ CREATE TABLE alarms (
 """
 
 _STEPS = (_TABLES, _ALARMS)
-"""Statements that lead from each version of the tables to the next, beginning with an empty file."""
+"""Statements that upgrade the tables from each version to the next, beginning with an empty file."""
 
 
 class Database:
     """Connection to the file.
 
     Args:
-        path: the file; it and its folder are made if they are missing, readable for this system user alone.
+        path: the file. If missing, the file and its folder are created, readable only for the present system
+            user.
 
     Raises:
         Trouble: the file is damaged, is no database, is of a later version, or can't be read or written.
@@ -103,7 +104,7 @@ class Database:
     async def call(
         self, do: Callable[Concatenate[sqlite3.Connection, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T:
-        """Call a function with the connection in one transaction, in the thread that writes.
+        """Call a function with the connection, as one transaction in the writing thread.
 
         Raises:
             Trouble: the file can't be read or written now; nothing has changed.
@@ -114,7 +115,7 @@ class Database:
     def now(
         self, do: Callable[Concatenate[sqlite3.Connection, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T:
-        """Call a function with the connection in one transaction, in the calling thread."""
+        """Call a function with the connection, as one transaction in the calling thread."""
         connection = self._connection
         try:
             connection.execute("BEGIN IMMEDIATE")

@@ -64,7 +64,7 @@ def hashed(secret: str) -> str:
 
 
 def is_secret(kept: str | None, secret: str) -> bool:
-    """Return True if a password or a PIN belongs to a hash. Without a hash (None), this takes as long as for
+    """Return True if a password or PIN matches a hash. Without a hash (None), the check takes as long as for
     a wrong password, so that the time doesn't show which users exist.
     """
     try:

@@ -1,5 +1,5 @@
-"""Tables of users, sessions and the audit trail: functions of a connection, one transaction each
-(`Database.call`).
+"""Tables of users, sessions and the audit trail. Each function takes a connection and is called as one
+transaction (`Database.call`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ class User:
     """A user.
 
     Attributes:
-        name: of the user.
-        role: of the user.
+        name: name of the user.
+        role: role of the user.
         password: hash of the password.
         pin: hash of the PIN; None if none was chosen.
     """
@@ -35,12 +35,12 @@ class Kept:
     """A session in the database.
 
     Attributes:
-        id: of the session.
+        id: id of the session.
         token: digest of the session's token.
         user: name of the user.
         created: time of the login by the wall clock [s].
         seen: time of the user's last action by the wall clock [s].
-        address: from which the login came.
+        address: address from which the login came.
         agent: the browser's user agent.
     """
 
@@ -85,8 +85,8 @@ def add_user(connection: sqlite3.Connection, user: User, *, first: bool = False)
     """Add a user.
 
     Args:
-        connection: to the database.
-        user: to add.
+        connection: connection to the database.
+        user: user to add.
         first: True if no user may exist yet.
 
     Raises:
@@ -110,7 +110,7 @@ def change_user(
     password: str | None = None,
     pin: str | None = None,
 ) -> None:
-    """Change a user. Arguments that are None leave their field as it is.
+    """Change a user. Fields stay as they are if their argument is None.
 
     Raises:
         Trouble: there is no such user, or no service user would be left.
@@ -140,7 +140,9 @@ def remove_user(connection: sqlite3.Connection, name: str) -> None:
 
 
 def keep_session(connection: sqlite3.Connection, session: Kept) -> None:
-    """Write a session, so that it outlasts a restart. Does nothing if its user was removed meanwhile."""
+    """Write a session, so that it continues after a restart. Do nothing if its user has been removed
+    meanwhile.
+    """
     connection.execute(
         "INSERT OR REPLACE INTO sessions SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE EXISTS (SELECT 1 FROM "
         "users WHERE name = ?3)",
@@ -202,7 +204,7 @@ def deeds(
     """Return entries of the audit trail as (number, time, deed), newest first.
 
     Args:
-        connection: to the database.
+        connection: connection to the database.
         before: return only entries with smaller numbers; None for all.
         count: largest number of entries.
     """
@@ -220,10 +222,10 @@ def deeds_since(
     """Return entries of the audit trail as (time in UTC, deed), newest first.
 
     Args:
-        connection: to the database.
-        action: beginning of the entries' actions.
+        connection: connection to the database.
+        action: prefix of the actions of the wanted entries.
         since: earliest time, in the format of the audit trail.
-        most: largest number of entries that are searched, whatever their actions.
+        most: largest number of entries that are searched, with any action.
     """
     rows = connection.execute(
         "SELECT time, user, address, action, detail, outcome FROM audit ORDER BY number DESC LIMIT ?", (most,)

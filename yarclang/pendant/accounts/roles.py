@@ -29,7 +29,8 @@ class Role(Enum):
 _ORDER = tuple(Role)
 
 NEEDS: dict[type[Order[Any]], Role] = {
-    # A stop on the path harms nobody: who sees something go wrong must not have to change the login first.
+    # A stop on the path harms nobody. Whoever sees something go wrong must not have to log in as somebody
+    # else first.
     orders.Stop: Role.VIEWER,
     orders.AskStatus: Role.VIEWER,
     orders.AskPlace: Role.VIEWER,
@@ -78,8 +79,8 @@ NEEDS: dict[type[Order[Any]], Role] = {
     orders.Steer: Role.PROGRAMMER,
     orders.Leave: Role.PROGRAMMER,
 }
-"""Roles that the orders of the API need. All other orders are refused: `hello` and `listen` are the server's
-own.
+"""Role that each order of the API requires. All other orders are refused: `hello` and `listen` are sent only
+by the server itself.
 """
 
 WITH_PIN: tuple[type[Order[Any]], ...] = (orders.Home, orders.SendSettings, orders.SaveSettings)
@@ -110,15 +111,15 @@ AUDITED: tuple[type[Order[Any]], ...] = (
     orders.Adopt,
     orders.Go,
 )
-"""Orders that the audit trail has; each jog has one entry as well, when it begins."""
+"""Orders that are written to the audit trail. Each jog is also written, when it begins."""
 
 
 _OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
-"""Fields of `load` that replace the program, or the settings of its proof, by others than the project's."""
+"""Fields of `load` that replace the project's program, or the project's settings of the proof."""
 
 
 def needed_for(order: Order[Any]) -> Role | None:
-    """Return the role that an order needs; None if it can't be given here."""
+    """Return the role that an order requires; None if the order can't be given at a pendant."""
     if isinstance(order, orders.Load) and order.model_fields_set & _OTHERWISE:
-        return Role.PROGRAMMER  # operators run programs of the project only as they are saved
+        return Role.PROGRAMMER  # operators may run the project's programs only as saved
     return NEEDS.get(type(order))

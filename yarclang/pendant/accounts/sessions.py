@@ -1,5 +1,5 @@
 """Open sessions of users. Times are of a monotonic clock. Sessions from before a restart are checked by the
-wall clock, and end if that was set back.
+wall clock, and end if the wall clock was set back.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ LONGEST = 12 * 3600.0
 """Longest session [s]."""
 
 PIN_LASTS = 300.0
-"""Time after the PIN was entered in which service work is allowed [s]."""
+"""Time for which service work is allowed after the PIN was entered [s]."""
 
 MOST = 200
-"""Largest number of sessions. Beyond it, the one that has been quiet for longest ends."""
+"""Most sessions. If there are more, the one that has been inactive for the longest time ends."""
 
 _CLOCKS_DIFFER = 60.0
-"""Largest time by which a session may begin in the future of the wall clock [s]."""
+"""Longest time by which a stored session may begin in the future of the wall clock [s]."""
 
 
 @dataclass(slots=True, eq=False)
@@ -34,8 +34,8 @@ class Session:
     Attributes:
         id: public identifier; the token is secret.
         user: name of the user.
-        role: of the user.
-        address: from which the login came.
+        role: role of the user.
+        address: address from which the login came.
         agent: the browser's user agent.
         token: digest of the token.
         opened: time of the login [s].
@@ -68,7 +68,7 @@ class Sessions:
         self._ended = ended
 
     def open(self, user: str, role: Role, address: str, agent: str, now: float) -> tuple[Session, str]:
-        """Begin a session. Return it and its token, which isn't kept anywhere else."""
+        """Begin a session. Return the session and its token; the token itself isn't stored."""
         token = secrets.token_urlsafe(32)
         made = Session(
             secrets.token_hex(8), user, role, address, agent[:200], digest(token), opened=now, seen=now
@@ -92,7 +92,7 @@ class Sessions:
         return tuple(self._by_token.values())
 
     def end_if_over(self, session: Session, now: float) -> bool:
-        """End a session whose time is over. Return True if the session has ended, now or before."""
+        """End a session if its time is over. Return True if the session has ended, now or before."""
         if session.token not in self._by_token:
             return True
         if now - session.seen > IDLE or now - session.opened > LONGEST:
@@ -106,14 +106,14 @@ class Sessions:
             self._ended(session)
 
     def end_of_user(self, name: str, *, but: Session | None = None) -> None:
-        """End the sessions of a user, except `but`."""
+        """End all sessions of a user except `but`."""
         for one in self.all():
             if one.user.casefold() == name.casefold() and one is not but:
                 self.end(one)
 
     def take_up(self, kept: Kept, role: Role, now: float, wall: float) -> bool:
-        """Continue a session from before a restart. Return False if it is over, or if the clock was set back
-        meanwhile.
+        """Continue a session from before a restart. Return False if the session is over, or if the clock has
+        been set back meanwhile.
         """
         age, quiet = wall - kept.created, wall - kept.seen
         if min(age, quiet) < -_CLOCKS_DIFFER or age > LONGEST or quiet > IDLE:

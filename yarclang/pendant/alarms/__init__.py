@@ -1,1 +1,1 @@
-"""Alarms: what went wrong, where the robot stood, and which user has acknowledged it."""
+"""Alarms: the fault, the state of the robot at that time, and the user who acknowledged it."""

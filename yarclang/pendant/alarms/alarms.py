@@ -1,4 +1,4 @@
-"""The alarms of a pendant, raised by the coordinator's events and kept in the pendant's file. Nothing here
+"""The alarms of a pendant, raised by the coordinator's events and stored in the pendant's file. Nothing here
 waits for a disk.
 """
 
@@ -23,10 +23,12 @@ _LOOKED_EACH = 0.5
 """Time between two checks of motors, guard and audit trail [s]."""
 
 _TOGETHER, _AGAIN = 0.1, 20.0
-"""Time within which alarms are written together, and time after which a failed write is repeated [s]."""
+"""Time within which alarms are written in one transaction, and time after which a failed write is repeated
+[s].
+"""
 
 _MOST_AT_ONCE = 1000
-"""Most alarms of one transaction, because other writers wait for it."""
+"""Most alarms of one transaction, because other writers have to wait for it."""
 
 
 class Alarms:
@@ -35,14 +37,14 @@ class Alarms:
     Args:
         database: the file that keeps the alarms.
         showing: the robot's last known state.
-        audit: returns why the audit trail can't be written; empty if it can.
+        audit: returns the reason why the audit trail can't be written; empty if it can be.
         wall: the time of day [s].
 
     Attributes:
         book: all alarms.
-        trouble: why alarms can't be written and are only in memory; empty if they are written.
-        low: returns how little room is left on the disk; empty if there is enough. It is called twice a
-            second and must not wait for a disk.
+        trouble: reason why alarms can't be written and exist only in memory; empty if they are written.
+        low: returns a text about the little room left on the disk; empty if there is enough. Called twice a
+            second, so it must not wait for a disk.
 
     Raises:
         Trouble: the file can't be used.
@@ -68,7 +70,7 @@ class Alarms:
 
     @property
     def bar(self) -> AlarmBar:
-        """The most important alarm, as the bar of all pages shows it."""
+        """The most important alarm, for the status bar of all pages."""
         if self._shown is None or self._shown.version != self.book.version:
             self._shown = bar_of(self.book)
         return self._shown
@@ -76,7 +78,9 @@ class Alarms:
     # events and checks
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take an event. The shown state of the robot includes it already."""
+        """Handle an event of the coordinator. The shown state of the robot must already include this
+        event.
+        """
         if isinstance(event, events.StateChanged):
             found = told.of_state(event.state, event.why, event.code, event.help)
             self.book.holding("state", found, self._stood, self._wall())
@@ -88,7 +92,7 @@ class Alarms:
         self._changed()
 
     async def watch(self, _: Attached) -> None:
-        """Check for alarms that hold, while the coordinator is connected."""
+        """Check regularly for alarms while the coordinator is connected."""
         self.book.holding("coordinator", (), self._stood, self._wall())
         state = told.of_state(self._showing.state, self._showing.why)
         self.book.holding("state", state, self._stood, self._wall())
@@ -101,7 +105,7 @@ class Alarms:
         showing, now = self._showing, self._wall()
         health = showing.heard_health
         if health is not None:
-            if not showing.under_way:  # otherwise the end of the motion reports it, once the robot rests
+            if not showing.under_way:  # otherwise the end of the motion reports the fault
                 motors = told.of_motors(health.motors, showing.why)
                 self.book.holding("motors", motors, self._stood, now)
             self.book.holding("guard", told.of_guard(health, showing.state), self._stood, now)
@@ -111,7 +115,7 @@ class Alarms:
         self._changed()
 
     def lost(self) -> None:
-        """Note that the coordinator is disconnected."""
+        """Record that the coordinator is disconnected."""
         found = told.of_coordinator(self._showing.robot.name)
         self.book.holding("coordinator", found, self._stood, self._wall())
         self._changed()
@@ -138,7 +142,7 @@ class Alarms:
         """Acknowledge alarms and return how many of them are newly acknowledged.
 
         Args:
-            numbers: of the alarms.
+            numbers: numbers of the alarms.
             by: name of the user.
         """
         count = 0
@@ -152,7 +156,7 @@ class Alarms:
     # the file
 
     def _changed(self) -> None:
-        """Schedule a write of what has changed."""
+        """Schedule a write of the changed alarms."""
         if self.book.changed and (self._writing is None or self._writing.done()):
             with suppress(RuntimeError):  # before the event loop runs, there are no events
                 self._writing = asyncio.get_running_loop().create_task(self._write())
@@ -164,7 +168,7 @@ class Alarms:
                 await asyncio.sleep(_AGAIN)
 
     async def _written(self) -> bool:
-        """Write some of what has changed. Return False if the file can't be written now."""
+        """Write some of the changed alarms. Return False if the file can't be written now."""
         numbers = set(sorted(self.book.changed)[:_MOST_AT_ONCE])
         self.book.changed -= numbers
         found = [one for number in numbers if (one := self.book.get(number)) is not None]
@@ -192,7 +196,7 @@ class Alarms:
 
 
 def bar_of(book: Book) -> AlarmBar:
-    """Return the most important alarm for the bar of all pages."""
+    """Return the most important alarm, for the status bar of all pages."""
     alarm, count = book.foremost(), book.open_count
     if alarm is None:
         return AlarmBar(number=0, code="", text="", holds=False, open=count, version=book.version)

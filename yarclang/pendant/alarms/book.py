@@ -1,4 +1,4 @@
-"""All alarms, in order and of bounded number. No I/O."""
+"""List of all alarms, in order and of limited number. No I/O."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from heapq import merge
 from yarclang.pendant.alarms.alarm import Alarm, Raised, Source, Stood
 
 MOST = 10_000
-"""Alarms that are kept. The oldest are removed, except those that hold."""
+"""Most alarms that are stored. The oldest are removed, except those that still hold."""
 
 AGAIN = 60.0
 """Time within which a repeated alarm is counted instead of listed again [s]."""
 
 _INCIDENT = 2.0
-"""Time within which the end of a program belongs to the fault before it [s]."""
+"""Time after a fault within which the end of a program is attributed to the fault [s]."""
 
 _NOWHERE = Stood()
 
 _MOST_OF_SOURCE = 100
-"""Most alarms of one source that hold at a time; further ones are left out."""
+"""Most alarms of one source that can hold at the same time; further ones are ignored."""
 
 
 class Book:
@@ -28,11 +28,11 @@ class Book:
 
     Args:
         kept: earlier alarms, in any order.
-        most: number of alarms to keep.
+        most: largest number of alarms to keep.
 
     Attributes:
-        version: changes with each change of the alarms.
-        changed: numbers of alarms that were changed or removed and aren't written yet.
+        version: number that changes whenever an alarm changes.
+        changed: numbers of alarms that were changed or removed but not yet written to the file.
     """
 
     def __init__(self, kept: Iterable[Alarm] = (), most: int = MOST) -> None:
@@ -51,7 +51,7 @@ class Book:
     # causes
 
     def happened(self, raised: Raised, stood: Stood, now: float) -> None:
-        """Note an event that went wrong.
+        """Record a fault that is an event.
 
         Args:
             raised: the cause.
@@ -65,7 +65,7 @@ class Book:
     def holding(
         self, source: Source, found: Iterable[Raised], stood: Callable[[], Stood], now: float
     ) -> None:
-        """Replace the alarms of a source that hold. Those that aren't found any more have ended.
+        """Update the alarms of a source to those that hold now. Alarms that are no longer found end.
 
         Args:
             source: the origin of the alarms.
@@ -92,8 +92,8 @@ class Book:
             self._put(replace(self._alarms[number], ended=now))
 
     def _tells_of_known(self, raised: Raised, stood: Stood, now: float) -> bool:
-        """Return True if a cause is the fault that the state has just reported, and add its details to that
-        alarm.
+        """Return True if a cause is the fault that the robot's state has just reported. In this case its
+        details are added to that alarm.
         """
         known = self._alarms.get(self._state)
         if known is None or not (known.holds or known.last >= now - _INCIDENT):
@@ -152,7 +152,7 @@ class Book:
     # acknowledgements
 
     def unacknowledged(self, numbers: Iterable[int]) -> tuple[int, ...]:
-        """Return those of the numbers whose alarms aren't acknowledged."""
+        """Return those of the given numbers that belong to unacknowledged alarms."""
         found = (self._alarms.get(one) for one in dict.fromkeys(numbers))
         return tuple(one.number for one in found if one is not None and one.acknowledged is None)
 
@@ -160,7 +160,7 @@ class Book:
         """Acknowledge alarms and return how many of them are newly acknowledged.
 
         Args:
-            numbers: of the alarms.
+            numbers: numbers of the alarms.
             by: name of the user.
             now: the time of day [s].
         """
@@ -190,7 +190,9 @@ class Book:
         return len(self._unread) + sum(one not in self._unread for one in self._holding)
 
     def past(self, before: int | None = None) -> Iterator[Alarm]:
-        """Yield the alarms that aren't open, newest first; with `before`, only those with smaller numbers."""
+        """Yield the alarms that are no longer open, newest first; with `before`, only those with smaller
+        numbers.
+        """
         for number in reversed(self._alarms):
             if not self._alarms[number].is_open and (before is None or number < before):
                 yield self._alarms[number]

@@ -14,11 +14,13 @@ _HEAD = (
     *("what", "remedy", "source", "program", "line", "command", "joints", "owner"),
 )
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "|", "%")
-"""Characters with which spreadsheets begin a formula. A quotation mark before them makes the cell a text."""
+"""Characters with which formulas begin in spreadsheets. A quotation mark is put before them, so that the cell
+is a text.
+"""
 
 
 def as_csv(alarms: Iterable[Alarm]) -> str:
-    """Return alarms as CSV, one row each, with times in UTC. No cell is a formula."""
+    """Return alarms as CSV, one row each, with times in UTC. No cell can be read as a formula."""
     made = io.StringIO()
     writer = csv.writer(made, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
     writer.writerow(_HEAD)

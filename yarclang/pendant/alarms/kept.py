@@ -1,4 +1,4 @@
-"""Table of alarms: functions of a connection, one transaction each (`Database.call`)."""
+"""Table of alarms. Each function takes a connection and is called as one transaction (`Database.call`)."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], gone: 
     """Write alarms and delete removed ones.
 
     Args:
-        connection: to the database.
-        alarms: that are new or have changed.
+        connection: connection to the database.
+        alarms: new and changed alarms.
         gone: numbers of the removed alarms.
     """
     connection.executemany("DELETE FROM alarms WHERE number = ?", [(one,) for one in gone])

@@ -1,6 +1,6 @@
-"""Alarms from the coordinator's reports. No I/O.
+"""Conversion of the coordinator's reports to alarms. No I/O.
 
-Ordered stops and holds, and jogs that were released, raise no alarm: they are in the audit trail.
+Stops, holds and releases of a jog button that a user has ordered raise no alarm: they are in the audit trail.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ LOST, MOTOR = "Y1606", "Y1602"
 """Codes of a lost connection, and of a motor that can't move."""
 
 _FAILED = {"amplifier fault", "fatal following error", "stopped on limit"}
-"""Flags of a motor that has failed itself."""
+"""Flags of a motor that has failed by itself."""
 
 
 def of_state(state: State, why: str, code: str | None = None, help_: str | None = None) -> tuple[Raised, ...]:
-    """Return the causes of alarms in a state.
+    """Return the causes of alarms that a state reports.
 
     Args:
-        state: of the robot.
-        why: reason of the state.
-        code: of the finding.
-        help_: what to do.
+        state: state of the robot.
+        why: reason for the state.
+        code: code of the finding.
+        help_: the remedy.
     """
     if state in (State.FAULT, State.DISCONNECTED):
         missing = LOST if state is State.DISCONNECTED else ""
@@ -36,7 +36,7 @@ def of_state(state: State, why: str, code: str | None = None, help_: str | None 
 
 
 def of_event(event: events.BaseEvent) -> Raised | None:
-    """Return the cause of an alarm in an event; None if there is none."""
+    """Return the cause of the alarm that an event reports; None if there is none."""
     match event:
         case events.Finished(well=False, what=str(what), code=str(code), help=help_):
             return Raised("run", what, code, help_ or "")
@@ -47,12 +47,12 @@ def of_event(event: events.BaseEvent) -> Raised | None:
 
 
 def of_motors(motors: Sequence[replies.MotorHealth], why: str) -> tuple[Raised, ...]:
-    """Return the motors that have failed, without those that the state names already. Motors that are
+    """Return alarms for motors that have failed, except those that the state names already. Motors that are
     open-loop because another motor failed are left out.
 
     Args:
-        motors: their last known state.
-        why: the reason of the robot's state.
+        motors: last known state of the motors.
+        why: reason for the robot's state.
     """
     failed = (one for one in motors if one.trouble and _FAILED & set(one.flags))
     found = (f"motor {one.number}: {one.trouble}" for one in failed)
@@ -61,7 +61,7 @@ def of_motors(motors: Sequence[replies.MotorHealth], why: str) -> tuple[Raised, 
 
 
 def of_guard(health: replies.Health | None, state: State) -> tuple[Raised, ...]:
-    """Return an alarm if the guard PLC isn't known to work although the robot may move."""
+    """Return an alarm if the robot may move although the guard PLC isn't known to work."""
     if health is None or health.guard or state in (State.FAULT, State.DISCONNECTED):
         return ()
     what = "the guard PLC isn't known to work: a robot whose computer falls silent may run on"
@@ -69,14 +69,14 @@ def of_guard(health: replies.Health | None, state: State) -> tuple[Raised, ...]:
 
 
 def of_trail(trouble: str) -> tuple[Raised, ...]:
-    """Return an alarm if the audit trail can't be written; `trouble` says why."""
+    """Return an alarm if the audit trail can't be written; `trouble` is the reason."""
     if not trouble:
         return ()
     return (Raised("audit", trouble, "", "nothing can be ordered but a stop until it can be written"),)
 
 
 def of_disk(low: str) -> tuple[Raised, ...]:
-    """Return an alarm if the disk is nearly full; `low` says how little room is left, and is empty if there
+    """Return an alarm if the disk is nearly full; `low` is a text about the little room left, empty if there
     is enough.
     """
     return (
@@ -87,12 +87,12 @@ def of_disk(low: str) -> tuple[Raised, ...]:
 
 
 def of_keeping(trouble: str) -> tuple[Raised, ...]:
-    """Return an alarm if alarms can't be written; `trouble` says why."""
+    """Return an alarm if alarms can't be written to the file; `trouble` is the reason."""
     what = f"alarms are only in memory, and are lost when the pendant ends: {trouble}"
     return (Raised("alarms", what, "", "make room on the disk, or look at the file"),) if trouble else ()
 
 
 def of_coordinator(robot: str) -> tuple[Raised, ...]:
-    """Return the alarm that the coordinator of a robot can't be reached."""
+    """Return the alarm for a coordinator that can't be reached."""
     what = f"the coordinator of {robot} can't be reached"
     return (Raised("coordinator", what, LOST, "look at the robot; wait, or start `yarc serve` again"),)

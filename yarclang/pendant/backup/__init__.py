@@ -1,3 +1,3 @@
-"""Backups of the project: writing a zip, judging one before it is unpacked, and listing what it would
-change.
+"""Backups of the project: writing a zip, checking a zip before it is unpacked, and listing the changes that a
+restore would make.
 """

@@ -1,5 +1,5 @@
-"""Restore of a backup: files that are replaced or removed are kept first, then each file is replaced as a
-whole.
+"""Restore of a backup. Files that will be replaced or removed are saved first; then each file is replaced as
+a whole.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ def apply(
     """Restore a backup.
 
     Args:
-        folder: of the project.
-        handle: of the open zip.
-        backup: that was judged.
-        digest: of the plan that the user has seen.
-        user: who restores the backup.
-        about: head of the kept files' list.
+        folder: folder of the project.
+        handle: handle of the open zip.
+        backup: the backup, after its check.
+        digest: digest of the plan that the user has seen.
+        user: user who restores the backup.
+        about: head of the list of saved files.
         remove: True to remove files that the backup doesn't have.
 
     Raises:
         Trouble: the project has changed since, there is no room, or a file can't be written. The message
-            names what is done by then, and how to undo it.
+            names the changes made so far, and how to undo them.
     """
     with folder.unchanged():
         plan = plan_of(folder, backup)
@@ -90,7 +90,9 @@ def _check_room(folder: ProjectFolder, plan: Plan, backup: Judged, removed: tupl
 
 
 def _kept(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
-    """Keep files that are replaced or removed in the trash, as a backup of their own. Return its number."""
+    """Save the files that will be replaced or removed in the trash, as a backup of their own. Return its
+    number.
+    """
     if not plan.new and not plan.changed and not removed:
         return ""
     files = tuple(Entry(name, plan.sizes[name], "", is_folder=False) for name in (*plan.changed, *removed))
@@ -122,7 +124,7 @@ def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done:
 
 
 def _remove(folder: ProjectFolder, name: str) -> None:
-    """Remove a file that was kept, and folders that are empty after it."""
+    """Remove a file that has been saved, and the folders that this leaves empty."""
     folder.remove_kept(name)
     parts = name.split("/")[:-1]
     with suppress(Trouble):

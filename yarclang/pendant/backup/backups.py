@@ -1,6 +1,4 @@
-"""Backups and restores by users: their rights, the audit trail, and the one upload that waits to be
-restored.
-"""
+"""Backups and restores by users: rights, audit trail, and the one upload that can wait to be restored."""
 
 from __future__ import annotations
 
@@ -34,12 +32,12 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 KEPT = "before restore "
-"""Beginning of the names of files that restores have replaced."""
+"""First words of the names of saved files that restores have replaced."""
 
 _AT_ONCE = 2
-"""Most backups that are made at a time."""
+"""Most backups that are made at the same time."""
 _WAITS = 900.0
-"""Time that an upload waits to be restored [s]."""
+"""Time for which an upload waits to be restored [s]."""
 _NAME = "the backup"
 
 
@@ -48,12 +46,12 @@ class Upload:
     """An uploaded backup.
 
     Attributes:
-        number: of the upload.
+        number: number of the upload.
         session: id of the session that has uploaded it.
-        handle: of a file without a name; closed when the upload isn't needed any more.
-        backup: its judged content.
-        plan: of its restore.
-        size: of the zip [bytes].
+        handle: handle of a file without a name; closed when the upload isn't needed any more.
+        backup: its content, after the check.
+        plan: changes that its restore would make.
+        size: size of the zip [bytes].
     """
 
     number: str
@@ -68,9 +66,9 @@ class Backups:
     """Backups of a project.
 
     Args:
-        accounts: of the pendant.
-        folder: of the project.
-        robot: of the project.
+        accounts: accounts of the pendant.
+        folder: folder of the project.
+        robot: robot of the project.
         data: folder of the pendant, for uploads.
         doing: returns what the robot is executing; empty if it rests.
     """
@@ -96,12 +94,13 @@ class Backups:
         """Begin a backup.
 
         Args:
-            session: of the user.
-            address: from which the request came.
+            session: session of the user.
+            address: address from which the request came.
             logs: True to include logs of runs.
 
         Returns:
-            Its pieces (take each in a thread), a function to call with the outcome at the end, and its name.
+            The pieces of the backup (compute each in a thread), a function that must be called with the
+            outcome at the end, and the name of the backup.
 
         Raises:
             Trouble: the project is too large, or too many backups are being made.
@@ -131,7 +130,7 @@ class Backups:
         return zipped(self.folder, found, about), ended, f"{self.robot.name} {stamp}.zip"
 
     def about(self) -> About:
-        """Return the head of the list of a backup that is made now."""
+        """Return the head of the list for a backup that is made now."""
         now = datetime.now(UTC).isoformat(timespec="seconds")
         return About(__version__, self.robot.name, self.robot.fingerprint, now)
 
@@ -154,11 +153,11 @@ class Backups:
     async def upload(
         self, session: Session, address: str, length: int | None, stream: AsyncIterator[bytes]
     ) -> Upload:
-        """Receive a backup and judge it. Nothing is unpacked to the disk.
+        """Receive a backup and check it. Nothing is unpacked to the disk.
 
         Args:
-            session: of the user.
-            address: from which the request came.
+            session: session of the user.
+            address: address from which the request came.
             length: announced length [bytes]; None if there is none.
             stream: the zip.
 
@@ -189,10 +188,10 @@ class Backups:
                     os.close(handle)
 
     async def undo(self, session: Session, address: str, number: str) -> Upload:
-        """Load the files that a restore has replaced, like an upload.
+        """Load the files that a restore has replaced, as if they had been uploaded.
 
         Raises:
-            Trouble: they aren't kept any more, or a backup is being received.
+            Trouble: the files are no longer kept, or a backup is being received.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -221,12 +220,12 @@ class Backups:
         return made
 
     def waits(self, session: Session) -> bool:
-        """Return True if an upload of a session waits."""
+        """Return True if an upload of a session waits to be restored."""
         return self._waiting is not None and self._waiting.session == session.id
 
     async def waiting(self, session: Session) -> Upload | None:
-        """Return the waiting upload of a session with the changes that it would make now; None if there is
-        none.
+        """Return the waiting upload of a session, with the changes that its restore would make now; None if
+        there is none.
         """
         found = self._waiting
         if found is None or found.session != session.id or self._busy:
@@ -241,10 +240,10 @@ class Backups:
         """Restore the waiting upload.
 
         Args:
-            session: of a service user who has entered the PIN lately.
-            address: from which the request came.
-            number: of the upload.
-            digest: of the plan that the user has seen.
+            session: session of a service user who has entered the PIN recently.
+            address: address from which the request came.
+            number: number of the upload.
+            digest: digest of the plan that the user has seen.
             remove: True to remove files that the backup doesn't have.
 
         Returns:
@@ -280,7 +279,7 @@ class Backups:
         return done, self.restarted((*done.written, *done.removed))
 
     def restarted(self, files: tuple[str, ...]) -> tuple[str, ...]:
-        """Return those of the files that the pendant reads only when it starts."""
+        """Return those of the given files that the pendant reads only when it starts."""
         robot = self.robot.folder.resolve()
         return tuple(
             one
@@ -290,7 +289,7 @@ class Backups:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Exclude other uploads and restores while the context lasts.
+        """Exclude other uploads and restores until the context ends.
 
         Raises:
             Trouble: another one is running.
@@ -312,7 +311,7 @@ class Backups:
             os.close(found.handle)
 
     def session_ended(self, session: str) -> None:
-        """Discard the upload of a session."""
+        """Discard the upload of a session that has ended."""
         if self._waiting is not None and self._waiting.session == session and not self._busy:
             self.forget()
 
@@ -324,7 +323,7 @@ class Backups:
                 self.forget()
 
     def _made(self, size: int) -> int:
-        """Return the handle of a new file without a name, which disappears with its process."""
+        """Return the handle of a new file without a name. It disappears when its process ends."""
         try:
             check_room(os.statvfs(self._data), size, "the backup has")
             with tempfile.TemporaryFile(dir=self._data, prefix="restore-") as file:

@@ -22,7 +22,7 @@ from yarclang.runtime.actions import Trouble
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A backup that may be unpacked.
+    """A backup whose check allows it to be unpacked.
 
     Attributes:
         files: its files, without the list.
@@ -40,10 +40,10 @@ class Judged:
 
 
 def judged(handle: int) -> Judged:
-    """Judge an untrusted zip. All of it is unpacked once, without writing it anywhere.
+    """Check an untrusted zip. All of it is unpacked once, without writing anything to the disk.
 
     Args:
-        handle: of the open file.
+        handle: handle of the open file.
 
     Raises:
         Trouble: the zip is refused; the message names the entry and the reason.
@@ -79,12 +79,12 @@ class Plan:
         new: files that are created.
         changed: files that are replaced.
         same: number of files that are equal in the backup and the project.
-        extra: files of the project that the backup would have if they had existed.
+        extra: files of the project that were created after the backup: it would contain them otherwise.
         folders: folders that are created, except those of files.
-        conflicts: reasons for which the backup can't be restored.
-        known: SHA-256 of the files that are replaced or removed, as far as they can be read.
-        sizes: of all these files [bytes].
-        digest: of the whole plan. It differs after the project has changed.
+        conflicts: files that prevent the restore, with reasons.
+        known: SHA-256 of the readable files that are replaced or removed.
+        sizes: sizes of all these files [bytes].
+        digest: digest of the whole plan. It changes when the project changes.
     """
 
     new: tuple[str, ...]
@@ -99,11 +99,12 @@ class Plan:
 
 
 def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
-    """Compute the changes that a backup would make. Reads each file of the project that it may change.
+    """Compute the changes that a restore of a backup would make. Every file of the project that may change is
+    read.
 
     Args:
-        folder: of the project.
-        backup: to restore.
+        folder: folder of the project.
+        backup: backup to restore.
 
     Raises:
         Trouble: the project has too many files.
@@ -135,7 +136,7 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
             conflicts.append(LeftOut(file=name, why=trouble.what))
             continue
         if known[name] != backup.hashes[name]:
-            if (folder.root / name).is_symlink():  # its target may be restored as well
+            if (folder.root / name).is_symlink():  # the link's target may be restored as well
                 conflicts.append(LeftOut(file=name, why="it is a link here"))
                 continue
             changed.append(name)
@@ -170,7 +171,9 @@ def _digest(new: list[str], changed: dict[str, str], extra: list[Here], backup: 
 
 
 def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
-    """Return the files that a backup would have if they had been there; one that can't be backed up stays."""
+    """Return the files that were created after the backup: it would contain them otherwise. Files that can't
+    be backed up are not returned, so a restore doesn't remove them.
+    """
     names = Names()
     for name in backup.files:
         names.add(name, folder=False)
@@ -186,7 +189,7 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
         if one.is_folder or one.file in backup.files:
             continue
         if not is_part and not twins.isdisjoint(map(folded, _ways(one.file))):
-            continue  # removed, it couldn't be brought back beside the one that it looks like
+            continue  # once removed, the file couldn't be restored beside a file of similar name
         is_covered = has_logs or not is_log(one.file)
         if one.file in absent if is_part else is_covered and one.file not in left_out:
             with suppress(Trouble):
@@ -206,7 +209,7 @@ class _Project:
     of files.
 
     Args:
-        folder: of the project.
+        folder: folder of the project.
         present: its listed files and folders.
     """
 
@@ -217,12 +220,12 @@ class _Project:
         self._known = {"": ("", True)}
 
     def conflict(self, name: str, *, is_folder: bool = False) -> str:
-        """Return why a file or folder of a backup can't be written, in words; empty if it can."""
+        """Return the reason why a file or folder of a backup can't be written; empty if it can be."""
         reason, there = self._way(name.rpartition("/")[0])
         return reason or self._step(name, is_folder=is_folder, there=there)
 
     def _way(self, name: str) -> tuple[str, bool]:
-        """Return why nothing can be written in a folder, and True if the folder exists."""
+        """Return the reason why nothing can be written in a folder, and True if the folder exists."""
         if name not in self._known:
             reason = self.conflict(name, is_folder=True)
             self._known[name] = reason, name in self._present

@@ -1,7 +1,8 @@
-"""The list in a backup: what was backed up, of which robot, when, and by which yarclang.
+"""The list in a backup: its files, the robot, the time, and the version of yarclang.
 
-A line of JSON each: the head, then files, what was left out, and what wasn't there. One JSON value of 20,000
-files would keep the interpreter from the loop that streams while it is read.
+Each line is a JSON value: first the head, then the files, the files that were left out, and the files that
+were absent. A single JSON value of 20,000 files would block the interpreter while it is parsed, and with it
+the loop that streams to the controller.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ FORMAT = 1
 _LONGEST = 16_000
 """Longest line [bytes]."""
 _BREATH = 100
-"""Lines after which the thread pauses briefly."""
+"""Number of lines after which the thread pauses briefly."""
 
 _Short = Annotated[str, Field(max_length=1000)]
 
@@ -35,7 +36,7 @@ class Head(Message):
         format: version of the list.
         yarclang: version of yarclang.
         robot: name of the robot.
-        fingerprint: of the robot.
+        fingerprint: fingerprint of the robot.
         made: time of the backup, ISO 8601 in UTC.
         logs: True if logs of runs are included.
         part: True for a backup of what a restore has changed, False for one of the whole project.
@@ -51,7 +52,7 @@ class Head(Message):
 
 
 class ListedFile(Message):
-    """A file of a backup; `changing` is True if the file was written to while it was read."""
+    """A file of a backup. `changing` is True if the file was being written to while it was read."""
 
     file: _Short
     size: int
@@ -60,7 +61,7 @@ class ListedFile(Message):
 
 
 class LeftOut(Message):
-    """A file of the project that isn't in a backup, and the reason."""
+    """A file of the project that isn't in a backup, with the reason."""
 
     file: _Short
     why: _Short
@@ -78,7 +79,7 @@ class Manifest:
 
     Attributes:
         head: its first line.
-        files: in the backup.
+        files: files in the backup.
         left_out: files that couldn't be included.
         absent: files that didn't exist before, for a backup of what a restore has changed.
     """

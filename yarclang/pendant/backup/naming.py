@@ -1,4 +1,4 @@
-"""Names in a backup: each must be possible for a new file of the project, and no two may look alike."""
+"""Names in a backup. Each must be allowed for a new file of the project, and no two names may look alike."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _DRIVE = re.compile("[A-Za-z]:")
 
 
 class Names:
-    """The names that were added so far."""
+    """Set of the names that were added so far."""
 
     def __init__(self) -> None:
         self._spelled: dict[str, str] = {}
@@ -24,7 +24,7 @@ class Names:
 
         Args:
             name: path, without a slash at its end.
-            folder: True if it is a folder's.
+            folder: True if the name is that of a folder.
 
         Raises:
             Trouble: a project can't have a file of this name, or it conflicts with an earlier name.

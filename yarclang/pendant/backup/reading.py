@@ -1,9 +1,9 @@
-"""Reader for untrusted zips: their structure is checked before anything is unpacked, and their contents are
-compared with what they claim.
+"""Reader for untrusted zips. Their structure is checked before anything is unpacked, and their contents are
+compared with the directory's claims.
 
-Only the layout that `writing` and common programs produce is accepted: files one after the other without a
-gap, then one directory, then its end. No two entries can share bytes, no bytes are hidden, and the directory
-agrees with the header of each file.
+Only the layout that `writing` and common programs produce is accepted: files one after the other without
+gaps, then one directory, then the record at its end. So no two entries can share bytes, no bytes are hidden,
+and the directory agrees with the header of each file.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _CENTRAL = struct.Struct("<4s6H3L5H2L")
 _LOCAL = struct.Struct("<4s5H3L2H")
 _SIGNS = (b"PK\5\6", b"PK\1\2", b"PK\3\4", b"PK\7\x08")
 _MOST_EXTRA = 2000
-"""Most bytes of extra fields and comment of a name in the directory."""
+"""Most bytes of the extra fields and the comment of one entry in the directory."""
 _MOST_DIRECTORY = (MOST_FILES + 1) * (_CENTRAL.size + 200)
 _ENCRYPTED = 0x0001 | 0x0040 | 0x2000
 _PATCHED = 0x0020
@@ -44,8 +44,8 @@ _DESCRIBED, _UTF8 = 0x0008, 0x0800
 _ZIP64, _OTHER_NAME = 0x0001, 0x7075
 _PIECE = 1 << 16
 _BREATH = 100
-"""Entries after which the thread pauses briefly, so that it doesn't keep the interpreter from the loop that
-streams.
+"""Number of entries after which the thread pauses briefly, so that it doesn't block the loop that streams to
+the controller.
 """
 _REMEDY = "restore a zip that System > Backup has made, or one made of its files by a common program"
 
@@ -91,7 +91,7 @@ class _Listed:
 
 
 def refused(what: str) -> Trouble:
-    """Return the error for a zip that is refused."""
+    """Return the exception for a zip that is refused."""
     return Trouble(f"this backup is refused: {what}", _REMEDY, "hostile")
 
 
@@ -99,8 +99,8 @@ def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
     """Return the entries of a zip, including the list of a backup.
 
     Args:
-        handle: of the open file.
-        size: of the file [bytes].
+        handle: handle of the open file.
+        size: size of the file [bytes].
 
     Raises:
         Trouble: the structure of the zip is wrong; the message names the entry and the reason.
@@ -136,7 +136,7 @@ def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """The directory's bytes, and its claimed number of entries."""
+    """The directory's bytes, and the number of entries that it claims."""
 
     data: bytes
     count: int
@@ -165,7 +165,7 @@ def _directory(handle: int, size: int) -> tuple[int, _Rows]:
 
 
 def _row(data: bytes, at: int) -> tuple[_Listed, int]:
-    """Return the row of the directory at an offset, and the offset of the next row."""
+    """Return the row at an offset of the directory, and the offset of the next row."""
     if len(data) - at < _CENTRAL.size or data[at : at + 4] != _SIGNS[1]:
         raise refused("its directory is damaged, or has fewer entries than it says")
     fields = _CENTRAL.unpack_from(data, at)
@@ -215,7 +215,7 @@ def _check_kind(name: str, kind: int, flags: int, method: int, *, is_folder: boo
 
 
 def _check_extra(extra: bytes, raw: bytes) -> None:
-    """Check that no extra field gives another name or other sizes."""
+    """Check that no extra field contains another name or other sizes."""
     at = 0
     if len(extra) > _MOST_EXTRA:
         raise refused(f"{len(extra):,} bytes stand beside the name {raw[:60]!r}")
@@ -229,8 +229,8 @@ def _check_extra(extra: bytes, raw: bytes) -> None:
 
 
 def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
-    """Return the entries with the offsets of their contents, after checking that they fill the zip from its
-    beginning to the directory without gaps.
+    """Return the entries with the offsets of their contents. Check that they fill the zip without gaps from
+    its beginning to the directory.
     """
     found, at = [], 0
     for row in sorted(listed, key=lambda one: one.at):
@@ -278,7 +278,7 @@ def _begins(handle: int, row: _Listed) -> int:
 
 
 def _described(handle: int, row: _Listed, at: int) -> int:
-    """Return the length of the data descriptor after a content, which repeats its checksum and sizes."""
+    """Return the length of the data descriptor after a content. The descriptor repeats checksum and sizes."""
     entry = row.entry
     told = struct.pack("<3L", entry.crc, entry.packed, entry.size)
     after = os.pread(handle, 16, at)
@@ -292,8 +292,8 @@ def content(handle: int, entry: Entry) -> Iterator[bytes]:
     """Yield the content of a file in pieces, never more than its claimed size.
 
     Args:
-        handle: of the zip.
-        entry: of the zip.
+        handle: handle of the zip.
+        entry: entry of the zip.
 
     Raises:
         Trouble: the content differs from what the entry claims.

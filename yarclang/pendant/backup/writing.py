@@ -1,4 +1,4 @@
-"""Writer of backups, in pieces: neither a file nor the zip is ever as a whole in memory."""
+"""Writer of backups. It works in pieces: neither a whole file nor the whole zip is ever in memory."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from yarclang.pendant.project.tree import Entry, moment
 from yarclang.runtime.actions import Trouble
 
 LOGS = ".mcap"
-"""Ending of logs of runs."""
+"""File name extension of run logs."""
 
 _PIECE = 1 << 18
 _LARGEST_DEFLATED = 32_000_000
 """Size above which files are stored uncompressed [bytes]; such files are logs and meshes."""
 _MUCH, _RATIO = 50_000_000, 50
-"""Files are compressed only while all bytes so far are at most this many [bytes] plus this many times the
-size of the zip, so that every backup keeps the bounds of a restore.
+"""Files are compressed only while the sum of their sizes is at most `_MUCH` [bytes] plus `_RATIO` times the
+size of the zip so far. So every backup is within the limits of a restore.
 """
 _EARLIEST = (1980, 1, 1, 0, 0, 0)
 
@@ -38,7 +38,7 @@ class About:
     Attributes:
         yarclang: version of yarclang.
         robot: name of the robot.
-        fingerprint: of the robot.
+        fingerprint: fingerprint of the robot.
         made: time of the backup (ISO 8601, UTC).
     """
 
@@ -53,7 +53,7 @@ class Selection:
     """Content of a backup.
 
     Attributes:
-        files: of the project.
+        files: files of the project.
         folders: empty folders.
         left_out: files that can't be included, and why.
         logs: True if logs of runs are included.
@@ -76,7 +76,7 @@ class Selection:
 
 
 def is_log(name: str) -> bool:
-    """Return True if a file's name is that of a run's log."""
+    """Return True if a file name is that of a run log."""
     return name.lower().endswith(LOGS)
 
 
@@ -84,7 +84,7 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
     """Return the content of a project's backup.
 
     Args:
-        folder: of the project.
+        folder: folder of the project.
         logs: True to include logs of runs.
 
     Raises:
@@ -134,7 +134,7 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
 
 
 class _Sink:
-    """Output of a zip, without seeking."""
+    """Output of a zip that can't be rewound."""
 
     def __init__(self) -> None:
         self.size = 0
@@ -146,7 +146,7 @@ class _Sink:
         return len(data)
 
     def flush(self) -> None:
-        """Do nothing, because nothing is buffered elsewhere."""
+        """Do nothing, because nothing is buffered."""
 
     def taken(self) -> bytes:
         """Return and clear the collected bytes."""
@@ -158,13 +158,14 @@ class _Sink:
 def zipped(
     folder: ProjectFolder, selection: Selection, about: About, *, strict: bool = False
 ) -> Generator[bytes]:
-    """Yield a backup. Waits for the disk: take each piece in a thread.
+    """Yield the pieces of a backup. This waits for the disk: compute each piece in a thread.
 
     Args:
-        folder: of the project.
-        selection: its content. A file that is gone or can't be read is left out and named in the list.
+        folder: folder of the project.
+        selection: content of the backup. A file that is gone or can't be read is left out and named in the
+            list.
         about: head of the list.
-        strict: True if no file may be left out or change meanwhile.
+        strict: True to refuse a backup in which a file was left out or changed meanwhile.
 
     Raises:
         Trouble: `strict` is true, and a file was left out or changed.
@@ -209,10 +210,10 @@ def _added(
     """Add a file to a zip. Yield the new bytes of the zip, and return the file's row of the list.
 
     Args:
-        folder: of the project.
-        name: path of the file.
+        folder: folder of the project.
+        name: path of the file in the project.
         made: the zip.
-        sink: output of the zip.
+        sink: output to which the zip is written.
         most: size up to which the file is read [bytes].
     """
     with folder.opened(name) as (handle, told, _):

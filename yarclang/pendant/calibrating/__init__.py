@@ -1,1 +1,1 @@
-"""Calibration at the pendant: the touches of a session, their results, and the files that get the results."""
+"""Calibration at the pendant: the touches of a session, their results, and writing results to files."""

@@ -35,7 +35,7 @@ class Calibration:
         user: name of the user.
         touching: the touches and their result.
         tool: the frame that touches, in braces; empty if there is none.
-        version: changes with each change.
+        version: number that changes whenever the calibration changes.
     """
 
     user: str
@@ -45,7 +45,7 @@ class Calibration:
 
     @property
     def kind(self) -> str:
-        """Kind of the calibration: tip, frame or home."""
+        """Kind of the calibration: `tip`, `frame` or `home`."""
         return KINDS[type(self.touching)]
 
 
@@ -56,8 +56,8 @@ class Calibrations:
     """The calibrations of all sessions.
 
     Args:
-        robot: that touches.
-        watched: its present state.
+        robot: the robot that touches.
+        watched: present state of the robot.
     """
 
     def __init__(self, robot: Robot, watched: Watched) -> None:
@@ -71,7 +71,7 @@ class Calibrations:
         return self._kept.get(session.id)
 
     def other(self) -> Calibration | None:
-        """Return the newest calibration of all sessions."""
+        """Return the newest calibration of any session; None if there is none."""
         return max(self._kept.values(), key=lambda one: one.version, default=None)
 
     def forget(self, session: str) -> None:
@@ -79,11 +79,11 @@ class Calibrations:
         self._kept.pop(session, None)
 
     def going_on(self, session: Session, version: int) -> Calibration:
-        """Return the calibration of a session if a page shows its newest version.
+        """Return the calibration of a session. Check that the page shows its newest version.
 
         Args:
-            session: of the page.
-            version: that the page shows.
+            session: session of the page.
+            version: version that the page shows.
 
         Raises:
             Trouble: there is no calibration, or it has changed.
@@ -100,7 +100,7 @@ class Calibrations:
         """Begin a calibration.
 
         Args:
-            session: of the user.
+            session: session of the user.
             wanted: kind and parameters.
 
         Raises:
@@ -162,11 +162,11 @@ class Calibrations:
         return found
 
     def _motors(self, touching: Touching) -> Collection[int] | None:
-        """Return the motors that have to be referenced: for joints at marks, those that these joints depend
-        on; None for all.
+        """Return the motors that must be referenced; None for all. For a calibration of motor offsets, these
+        are the motors on which the calibrated joints depend.
 
-        The offset of a motor follows from its own count and the positions of all joints that it moves. An
-        unreferenced motor of another joint doesn't matter.
+        The offset of a motor follows from its own count and from the positions of all joints that it moves.
+        So an unreferenced motor of another joint doesn't matter.
         """
         if not isinstance(touching, HomeTouching):
             return None
@@ -227,7 +227,7 @@ class Calibrations:
 
 
 _SAME = 1e-6
-"""Distance below which joint positions count as equal [rad or m]."""
+"""Largest distance between joint positions that count as equal [rad or m]."""
 
 
 def plain_name(wanted: str) -> str:

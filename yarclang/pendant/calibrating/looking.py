@@ -1,5 +1,5 @@
-"""Offers of motions to inspect a result before it is written. They are planned and proved like any other
-motion.
+"""Offers of motions to inspect a result before it is written. They are planned and proved like other
+motions.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from yarclang.transforms import turn_about
 from yarclang.units import DEG, MM
 
 _NAME = "CALIBRATION_LOOK"
-"""Name of the result's frame. It is declared in the offer's block alone; the session doesn't have it
+"""Name of the result's frame. It is declared only in the block of the offer, so the session doesn't have it
 afterwards.
 """
 _SHARE = "10%"
-"""Share of the robot's limits for these motions, as slow as the motion to a program's start."""
+"""Share of the robot's limits for these motions: as slow as the approach to a program's start."""
 _SHORT = 5.0 * MM
-"""Distance of a tip from the flange below which the tool's side of the point is ambiguous."""
+"""Distance of a tip from the flange below which the tool's side of the touched point isn't known."""
 
 
 def look(calibration: Calibration, asked: LookCalibration) -> LookText:
-    """Return the text of an offer for a motion to a place that shows the result.
+    """Return the program text of a motion to a place at which the user can check the result.
 
     Args:
-        calibration: with a result.
+        calibration: a calibration that has a result.
         asked: the requested place.
 
     Raises:
@@ -79,7 +79,7 @@ def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookTe
     flange = flange_poses(touching.robot.chain, touching.joints[at][None])[0]
     tip = flange @ touching.flange_from_tip
     z = base_from_frame[:3, 2]
-    # the tool stays on the side of the plane from which it touched, whatever the direction of z
+    # The tool stays on the side of the plane from which it has touched, for both directions of z.
     side = float((flange[:3, 3] - tip[:3, 3]) @ z)
     if abs(side) < _SHORT:
         side = float(z[2])

@@ -1,4 +1,6 @@
-"""A calibration as pages show it: its touches, their residuals, and the effect of their spread."""
+"""Conversion of a calibration to a message for pages: its touches, their residuals, and the uncertainty of
+the result.
+"""
 
 from __future__ import annotations
 
@@ -25,16 +27,16 @@ from yarclang.units import DEG, MM
 
 _FEWEST_VISITS = 3
 _BELOW = 0.975
-"""Share of the errors below the reported bound: 95 of 100 are within it on both sides."""
+"""Quantile of the reported bound: 95 of 100 errors are within it, since it is used on both sides."""
 _EXACT = 1e-3
-"""Residuals below this are exact, and none is marked as the worst [mm or deg]."""
+"""Residuals below this are treated as exact; none of them is marked as the worst [mm or deg]."""
 
 
 def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
     """Return a calibration as a message.
 
     Args:
-        calibration: to show; None if none is running.
+        calibration: calibration to show; None if none is running.
         mine: True if it belongs to the session that asks.
     """
     if calibration is None:
@@ -196,7 +198,7 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
         if name not in touching.marks:
             continue
         unit, factor = robot.axis_unit_names[at], robot.axis_units[at]
-        # error of the mean by Student's t, because there are few visits
+        # Error of the mean by Student's t distribution, because there are only few visits to each mark.
         error = share * float(visits[:, at].std(ddof=1)) / np.sqrt(len(visits))
         moved = _flange_moves(touching, at, error)
         rows.append(

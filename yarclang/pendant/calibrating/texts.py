@@ -1,5 +1,5 @@
-"""Texts of files with the result of a calibration: a robot.toml, a cell.toml or a program. Each text is read
-back by the real reader of its file.
+"""Changed texts of files with the result of a calibration: robot.toml, cell.toml or a program. Each text is
+checked with the ordinary reader of its file.
 """
 
 from __future__ import annotations
@@ -37,9 +37,10 @@ CELL = "the coordinator reads the cell again by itself; programs that are loaded
 PROGRAM = "load the program again"
 
 _NEAR = 5e-6
-"""Largest difference from rounding when the text is read back [m, and of rotation matrices]."""
+"""Largest rounding error that is accepted when the text is read back [m, and entries of rotation matrices].
+"""
 _OFFSET = 0.006
-"""Largest difference from rounding of offsets [counts]."""
+"""Largest rounding error of offsets that is accepted [counts]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +50,8 @@ class Made:
     Attributes:
         text: the whole file.
         what: description of the change.
-        then: step that makes the change effective.
-        findings: of the file's reader.
+        then: action that makes the change effective, in words.
+        findings: findings of the file's reader.
     """
 
     text: str
@@ -65,8 +66,8 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     Args:
         source: the present text.
         place: path of the file.
-        robot: as the pendant knows it.
-        touching: with a result.
+        robot: robot as the pendant has loaded it.
+        touching: touches that have a result.
         replace: True if an existing frame of this name may be replaced.
 
     Raises:
@@ -137,9 +138,9 @@ def in_cell(
     Args:
         source: the present text.
         place: path of the file.
-        robot: of the cell.
-        touching: with a result.
-        parent: of a new frame: one of the cell's stationary frames, or B.
+        robot: robot of the cell.
+        touching: touches that have a result.
+        parent: parent of a new frame: one of the cell's stationary frames, or B.
         replace: True if an existing frame of this name may be replaced.
 
     Raises:
@@ -168,8 +169,8 @@ def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching
     Args:
         source: the present text.
         place: path of the file.
-        robot: of the program.
-        touching: with a result.
+        robot: robot of the program.
+        touching: touches that have a result.
         replace: True if an existing FRAME line of this name may be replaced.
 
     Raises:

@@ -1,4 +1,6 @@
-"""Writes of a calibration's result to a file: proposed first, then written with a backup of the old file."""
+"""Writing of a calibration's result to a file: the new text is proposed first, then written; the old file is
+saved.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,7 @@ from yarclang.runtime.actions import Trouble
 from yarclang.source import SourceFile
 
 ROLES = {"robot": Role.SERVICE, "cell": Role.SERVICE, "program": Role.PROGRAMMER}
-"""Roles that may write to each kind of file. Robot and cell need the PIN as well."""
+"""Role that is required for writing to each kind of file. Robot and cell files require the PIN as well."""
 
 _MOST = 2_000_000
 """Longest robot or cell file that is changed [bytes]."""
@@ -38,9 +40,9 @@ class Writing:
     """Writer of results.
 
     Args:
-        robot: that was calibrated.
+        robot: robot that was calibrated.
         watched: knows the session's cell and its frames.
-        files: of the project.
+        files: files of the project.
         kept: the calibrations.
     """
 
@@ -51,10 +53,10 @@ class Writing:
         self._kept = kept
 
     async def propose(self, session: Session, asked: ProposeCalibration) -> CalibrationProposal:
-        """Return the text that would be written.
+        """Return the text that would be written, without writing it.
 
         Raises:
-            Trouble: there is no result, or it can't be written there.
+            Trouble: there is no result, or it can't be written to that file.
         """
         found = self._result(session, asked)
         place, file = await self._place(asked)
@@ -87,12 +89,12 @@ class Writing:
         """Write a proposed result.
 
         Args:
-            session: of the user.
-            address: from which the request came.
+            session: session of the user.
+            address: address from which the request came.
             asked: the proposal, and the hash of the text that was shown.
 
         Raises:
-            Trouble: the file has changed meanwhile, or it can't be written there.
+            Trouble: the file has changed meanwhile, or the result can't be written to it.
         """
         found = self._result(session, asked)
         place, file = await self._place(asked)
@@ -119,7 +121,9 @@ class Writing:
         return found
 
     async def _place(self, asked: ProposeCalibration) -> tuple[Path, str | None]:
-        """Return the file for the result, and its path in the project; None if it is outside."""
+        """Return the file for the result, and its path in the project; None for the path if it is outside of
+        the project.
+        """
         folder = self._files.folder
         if asked.to == "program":
             if not asked.file.lower().endswith(_SUFFIX):
@@ -139,7 +143,7 @@ class Writing:
         return place, inside
 
     async def _check_free(self, found: Calibration, asked: ProposeCalibration) -> None:
-        """Check that no other frame of the cell or the robot has the name."""
+        """Check that no other frame of the cell or the robot has this name."""
         name = found.touching.name
         if asked.to == "robot" and found.kind == "tip" and name not in self._robot.flange_from_frame:
             frames = (await self._watched.attached.ask(orders.AskFrames())).frames
@@ -164,9 +168,7 @@ def _text(folder: ProjectFolder, file: str) -> tuple[str, str]:
 
 
 def _read(place: Path) -> str:
-    """Return the text of a file outside of the project, which describes the robot that the pendant has loaded
-    itself.
-    """
+    """Return the text of a file outside of the project that describes the pendant's own robot."""
     try:
         with place.open("rb") as file:
             return file.read(_MOST).decode("utf-8")

@@ -1,4 +1,4 @@
-"""Judgement of measured numbers as good, a warning, or bad, with the threshold, its reason, and a remedy. No
+"""Rating of measured numbers as good, a warning, or bad, with the threshold, its reason, and a remedy. No
 I/O.
 """
 
@@ -15,41 +15,40 @@ Level = Literal["good", "warning", "bad", "unknown", "plain"]
 
 _GIGA, _MEGA = 1e9, 1e6
 FREE_WARNING, FREE_BAD = 2e9, 0.5e9
-"""Free space on a disk below which there is a warning, and below which it is bad [bytes]."""
+"""Free space of a disk below which there is a warning, and below which it is rated bad [bytes]."""
 DAYS_WARNING, DAYS_BAD = 14.0, 2.0
-"""Time until a disk is full below which there is a warning, and below which it is bad [days]."""
+"""Time until a disk is full below which there is a warning, and below which it is rated bad [days]."""
 MEMORY_WARNING, MEMORY_BAD = 0.15, 0.05
-"""Share of the computer's memory that is available, below which there is a warning, and below which it is
-bad.
+"""Available share of the computer's memory below which there is a warning, and below which it is rated bad.
 """
 OWN_WARNING, OWN_BAD = 1.5e9, 3e9
-"""Memory of this process above which there is a warning, and above which it is bad [bytes]."""
+"""Memory of this process above which there is a warning, and above which it is rated bad [bytes]."""
 LOAD_WARNING, LOAD_BAD = 0.8, 1.5
-"""Load of each processor above which there is a warning, and above which it is bad."""
+"""Load per processor above which there is a warning, and above which it is rated bad."""
 LAG_WARNING, LAG_BAD = 0.05, 0.2
-"""Delay of the event loop above which there is a warning, and above which it is bad [s]."""
+"""Delay of the event loop above which there is a warning, and above which it is rated bad [s]."""
 SILENCE_WARNING, SILENCE_BAD = 0.25, 0.6
-"""Time of the slowest reply above which there is a warning, and above which it is bad, as a share of the
-silence after which the controller holds.
+"""Time of the controller's slowest reply above which there is a warning, and above which it is rated bad, as
+a share of the silence after which the controller holds.
 """
 LOGS_WARNING, LOGS_BAD = 10e9, 50e9
-"""Size of all run logs above which there is a warning, and above which it is bad [bytes]."""
+"""Size of all run logs above which there is a warning, and above which it is rated bad [bytes]."""
 TRAIL_WARNING, TRAIL_BAD = 0.5e9, 2e9
-"""Size of the file of users, audit trail and alarms above which there is a warning, and above which it is bad
-[bytes].
+"""Size of the file of users, audit trail and alarms above which there is a warning, and above which it is
+rated bad [bytes].
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Judgement of one number.
+    """Rating of one number.
 
     Attributes:
-        key: of its history.
+        key: name of its history.
         group: its heading, in words.
-        name: in words.
-        value: in words, with its unit.
-        level: `plain` if the number isn't judged; `unknown` if this system doesn't give it.
+        name: its name, in words.
+        value: its value, in words, with the unit.
+        level: `plain` if the number isn't rated; `unknown` if this system doesn't provide it.
         limits: the thresholds, in words.
         why: reason for the thresholds.
         remedy: what to do.
@@ -66,7 +65,7 @@ class Judgement:
 
 
 def sized(count: float) -> str:
-    """Format a number of bytes."""
+    """Return a number of bytes in words, with its unit."""
     for bound, unit in ((_GIGA, "GB"), (_MEGA, "MB"), (1e3, "kB")):
         if count >= bound:
             return f"{count / bound:.1f} {unit}"
@@ -74,7 +73,7 @@ def sized(count: float) -> str:
 
 
 def lasting(seconds: float) -> str:
-    """Format a duration."""
+    """Return a duration in words."""
     for bound, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 2 * bound:
             return f"{seconds / bound:.0f} {unit}"
@@ -82,7 +81,7 @@ def lasting(seconds: float) -> str:
 
 
 def low_of(disks: Iterable[Disk]) -> str:
-    """Return a text on the disks with little room; empty if all have enough."""
+    """Return a text about the disks with little room; empty if all have enough."""
     worst = min(disks, key=lambda one: one.free, default=None)
     if worst is None or worst.free >= FREE_BAD:
         return ""
@@ -90,11 +89,11 @@ def low_of(disks: Iterable[Disk]) -> str:
 
 
 def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
-    """Judge the disks.
+    """Rate the disks.
 
     Args:
-        disks: that hold files of the pendant.
-        growth: of the run logs [bytes/day].
+        disks: disks that hold files of the pendant.
+        growth: growth of the run logs [bytes/day].
     """
     found = []
     for one in disks:
@@ -118,7 +117,7 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
 
 
 def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
-    """Judge the memory of this process and of the computer.
+    """Rate the memory of this process and of the computer.
 
     Args:
         machine: the newest measurement.
@@ -153,7 +152,7 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
 
 
 def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...]:
-    """Judge how quickly this computer responds.
+    """Rate the response times of this computer.
 
     Args:
         machine: the newest measurement.
@@ -179,7 +178,7 @@ def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...
 
 
 def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
-    """Judge the link to the controller."""
+    """Rate the link to the controller."""
     if health is None or not connected:
         return (Judgement("reply", "Link", "Link to the controller", "not connected", "unknown"),)
     share = health.slowest_s / health.silence_s if health.silence_s > 0.0 else 0.0
@@ -200,12 +199,12 @@ def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
 def of_stored(
     logs: int, size: int, growth: float, project: int | None, data: int | None, database: int, deeds: int
 ) -> tuple[Judgement, ...]:
-    """Judge the data on the disk.
+    """Rate the data on the disk.
 
     Args:
         logs: number of run logs.
-        size: of the run logs [bytes].
-        growth: of the run logs [bytes/day].
+        size: size of the run logs [bytes].
+        growth: growth of the run logs [bytes/day].
         project: size of the project [bytes]; None if unknown.
         data: size of the pendant's own folder [bytes]; None if unknown.
         database: size of the database [bytes].
@@ -231,7 +230,7 @@ _LEVELS: tuple[Level, ...] = ("plain", "unknown", "good", "warning", "bad")
 
 
 def worst_of(found: Iterable[Judgement]) -> Level:
-    """Return the worst level."""
+    """Return the worst of the levels."""
     return max((one.level for one in found), key=_LEVELS.index, default="unknown")
 
 

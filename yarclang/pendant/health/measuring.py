@@ -1,5 +1,5 @@
-"""Measurements of disks, memory and load by the operating system. Values that a system doesn't give are None.
-Waits for the disk: call it in a thread.
+"""Measurements of disks, memory and load. Values that the operating system doesn't provide are None. They
+wait for the disk: call them in a thread.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _MOST_SEEN = 100_000
-"""Most names that are read in a folder."""
+"""Most names that are read of a folder."""
 _PROC = Path("/proc")
 
 
@@ -21,7 +21,7 @@ class Disk:
     """A disk.
 
     Attributes:
-        holds: files of the pendant that it holds, in words.
+        holds: kinds of the pendant's files that are on the disk, in words.
         free: free space [bytes].
         total: size of the disk [bytes].
     """
@@ -36,12 +36,12 @@ class Machine:
     """State of the computer and of this process at one moment.
 
     Attributes:
-        disks: that hold files of the pendant.
+        disks: disks that hold files of the pendant.
         own: memory of this process [bytes].
         peak: largest memory that this process had [bytes].
         available: available memory of the computer [bytes].
         memory: all memory of the computer [bytes].
-        load: processes that wanted a processor in the last minute, divided by the number of processors.
+        load: average number of processes that wanted a processor in the last minute, per processor.
         cpu: processor time of this process [s].
     """
 
@@ -58,7 +58,7 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
     """Measure the computer and this process.
 
     Args:
-        places: (description, path) of the pendant's files; missing ones are left out.
+        places: pairs (description, path) of the pendant's files; missing files are ignored.
     """
     own = _table(_PROC / "self" / "status")
     whole = _table(_PROC / "meminfo")
@@ -74,7 +74,7 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
 
 
 def disks_of(places: Iterable[tuple[str, Path]]) -> tuple[Disk, ...]:
-    """Return the disks of places. Places on one disk are named together."""
+    """Return the disks that contain the given places. Places on the same disk are named together."""
     found: dict[int, list[str]] = {}
     rooms: dict[int, tuple[int, int]] = {}
     for name, place in places:
@@ -92,8 +92,8 @@ def _joined(names: list[str]) -> str:
 
 
 def size_of(folder: Path) -> int | None:
-    """Return the size of all files in a folder [bytes], without following links; None if there are too
-    many.
+    """Return the size of all files in a folder [bytes], without following links; None if there are too many
+    files.
     """
     total, seen = 0, 0
     for top, _, files in os.walk(folder):
@@ -129,7 +129,7 @@ def _load() -> float | None:
 
 
 def _table(path: Path) -> dict[str, int]:
-    """Return the sizes in a file of /proc [bytes]; empty if there is no such file."""
+    """Return the sizes that a file of /proc lists [bytes]; empty if there is no such file."""
     found = {}
     try:
         for line in path.read_text("ascii", "replace").splitlines():

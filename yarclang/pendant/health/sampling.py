@@ -21,9 +21,9 @@ from yarclang.pendant.watched import Watched
 from yarclang.runtime.actions import Trouble
 
 EACH, EACH_UNWATCHED = 1.0, 5.0
-"""Time between two measurements while a page is connected, and otherwise [s]."""
+"""Time between two measurements while a page is connected, and while none is [s]."""
 _TURN = 0.1
-"""Time between two checks of the event loop's delay [s]."""
+"""Time between two measurements of the event loop's delay [s]."""
 _SLOW_EACH = 60.0
 """Time between two measurements of folder sizes, and between two points of the history [s]."""
 _KEPT = 60
@@ -37,11 +37,11 @@ class Stored:
 
     Attributes:
         logs: number of run logs.
-        logs_size: of the run logs [bytes].
-        growth: of the run logs [bytes/day]: in the last day, or on the average of the last seven.
+        logs_size: size of the run logs [bytes].
+        growth: growth of the run logs [bytes/day]: in the last day, or the average of the last seven days.
         project: size of the project [bytes]; None if there are too many files.
         data: size of the pendant's own folder [bytes].
-        database: size of users, audit trail and alarms [bytes].
+        database: size of the file of users, audit trail and alarms [bytes].
         deeds: number of entries of the audit trail.
     """
 
@@ -61,7 +61,7 @@ class Worst:
     rows: deque[float] = field(default_factory=lambda: deque([0.0], _MINUTE))
 
     def note(self, delay: float) -> None:
-        """Note a delay within this second."""
+        """Record a delay in the present second."""
         self.rows[-1] = max(self.rows[-1], delay)
 
     def next(self) -> None:
@@ -78,7 +78,7 @@ class Sampler:
     """Regular measurements.
 
     Args:
-        accounts: of the pendant.
+        accounts: accounts of the pendant.
         watched: the robot.
         project: folder of the project.
         database: file of users, sessions and audit trail.
@@ -89,8 +89,8 @@ class Sampler:
         machine: the newest measurement of the computer; None before the first.
         stored: the newest measurement of the data on the disk.
         first: memory of this process at the first measurement [bytes].
-        share: share of one processor that this process has used between the last two measurements.
-        history: one number a minute for each name, oldest first.
+        share: share of one processor that this process used between the last two measurements.
+        history: numbers of the last hour by name, one per minute, oldest first.
     """
 
     def __init__(
@@ -130,7 +130,9 @@ class Sampler:
         return self._watched.pages
 
     def low(self) -> str:
-        """Return a text on the disks with little room at the last measurement; empty if all have enough."""
+        """Return a text about the disks that had little room at the last measurement; empty if all had
+        enough.
+        """
         return self._low
 
     async def run(self) -> None:

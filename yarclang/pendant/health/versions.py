@@ -1,4 +1,4 @@
-"""Versions for bug reports, without names of people, machines or folders."""
+"""Versions of software for bug reports, without names of people, machines or folders."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _LIBRARIES = (
 
 @cache
 def versions() -> tuple[tuple[str, str], ...]:
-    """Return (name, version) pairs. Reads files: call it in a thread."""
+    """Return pairs (name, version). Reads files: call it in a thread."""
     found = [("yarclang", __version__), ("Python", platform.python_version())]
     for name in _LIBRARIES:
         try:

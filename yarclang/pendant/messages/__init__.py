@@ -1,1 +1,3 @@
-"""Messages of the pendant's API besides those of the coordinator: typed, each with one JSON form."""
+"""Messages of the pendant's API in addition to those of the coordinator. Each is a type with one JSON
+form.
+"""

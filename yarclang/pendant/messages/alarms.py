@@ -1,4 +1,4 @@
-"""Messages about alarms, and about the findings that their codes name."""
+"""Messages about alarms, and about the findings to which their codes refer."""
 
 from __future__ import annotations
 
@@ -21,17 +21,19 @@ class JointAt(Message):
 
 
 class AlarmShown(Message):
-    """An alarm: what went wrong, where the robot was, and what became of it. Times are in UTC."""
+    """An alarm: the fault, the state of the robot at that time, and its end or acknowledgement. Times are in
+    UTC.
+    """
 
     number: int
     time: str
     last: str
     """Time of its last occurrence."""
     count: int
-    """Number of occurrences, each within a minute of the one before."""
+    """Number of occurrences, each at most a minute after the one before."""
     holds: bool
     ended: str | None
-    """Time at which its cause was gone; null: it still holds."""
+    """Time at which the cause of the alarm went away; null: it still holds."""
     acknowledged: str | None
     """Time of its acknowledgement; null: not acknowledged."""
     by: str
@@ -55,7 +57,7 @@ class AlarmShown(Message):
     command: str
     joints: tuple[JointAt, ...]
     flange: tuple[float, ...] | None
-    """(4, 4) base_from_flange, row by row [m]."""
+    """Matrix (4, 4) base_from_flange, row by row, lengths in m."""
     owner: str
     """Owner of the robot; empty: nobody."""
 
@@ -69,15 +71,15 @@ class AlarmList(Message):
     all: int
     """Number of stored alarms."""
     more: bool
-    """True if there are more of these."""
+    """True if there are more alarms of this kind than listed here."""
     version: int
-    """Number that changes with any alarm."""
+    """Number that changes whenever an alarm changes."""
     trouble: str
-    """Reason for which alarms are only in memory; empty: they are written to disk."""
+    """Reason why alarms exist only in memory; empty: they are written to disk."""
 
 
 class Acknowledge(Message):
-    """Alarms to acknowledge: those of the numbers, and all open ones up to the number `up_to`."""
+    """Alarms to acknowledge: those with the given numbers, and all open alarms up to the number `up_to`."""
 
     numbers: Annotated[
         tuple[int, ...], Field(max_length=MOST_NUMBERS, description=f"at most {MOST_NUMBERS}")
@@ -92,7 +94,7 @@ class Acknowledged(Message):
 
 
 class FindingShown(Message):
-    """The catalogue's entry of a code, as in `yarc explain`."""
+    """The catalog entry of a finding's code, as `yarc explain` prints it."""
 
     code: str
     name: str
@@ -101,6 +103,6 @@ class FindingShown(Message):
     title: str
     why: str
     example: str
-    """Example with the fault; empty: none."""
+    """Example with the error; empty: none."""
     better: str
     """Corrected example; empty: none."""

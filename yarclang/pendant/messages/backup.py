@@ -10,15 +10,15 @@ from yarclang.coordinator.messages.message import Message
 
 
 class FileAndWhy(Message):
-    """A file, and a remark about it."""
+    """A file, and the remark about it."""
 
     file: str
     why: str
 
 
 class KeptRestore(Message):
-    """Files that a restore has replaced or removed: who did it and when (UTC), the number and size [bytes] of
-    the saved files.
+    """Files that a restore has replaced or removed, with the user who restored, the time (UTC), and the
+    number and size [bytes] of the saved files.
     """
 
     number: str
@@ -28,29 +28,29 @@ class KeptRestore(Message):
 
 
 class BackupShown(Message):
-    """Content of a future backup; sizes in bytes."""
+    """Content of a backup that would be made now; sizes in bytes."""
 
     robot: str
     files: int
     size: int
     logs: int
-    """Logs of runs, which are left out unless they are wanted."""
+    """Number of run logs. They are left out of a backup unless requested."""
     logs_size: int
     trouble: str
-    """Reason for which no backup can be made; empty: it can."""
+    """Reason why no backup can be made; empty: it can be made."""
     left_out: tuple[FileAndWhy, ...]
-    """Files that no backup can have, the first 100."""
+    """Files that can't be in any backup; at most the first 100."""
     notes: tuple[str, ...]
-    """Files that are left out."""
+    """Files that this backup leaves out."""
     undo: tuple[KeptRestore, ...]
     """Restores that can be undone, the newest first."""
     waits: bool
-    """True if a zip of this session waits to be restored."""
+    """True if a zip that this session has uploaded waits to be restored."""
 
 
 class PlannedFile(Message):
-    """A file that a restore would change, its size afterwards [bytes]; `extra`: the backup doesn't have it;
-    `conflict`: it can't be restored, and `why`.
+    """A file that a restore would change, and its size afterwards [bytes]. `extra`: the backup doesn't
+    contain it. `conflict`: it can't be restored; `why` is the reason.
     """
 
     file: str
@@ -60,23 +60,23 @@ class PlannedFile(Message):
 
 
 class RestorePlan(Message):
-    """Changes that restoring the uploaded backup would make. With a conflict it can't be restored."""
+    """Changes that restoring the uploaded backup would make. It can't be restored if there is a conflict."""
 
     number: str
     """Id of the upload."""
     digest: str
-    """Id of the plan, which makes sure that the shown plan is the one that is carried out."""
+    """Digest of the plan. It ensures that the plan that is carried out is the one that was shown."""
     size: int
     robot: str
     made: str
-    """Time at which the backup was made (UTC); empty: not given."""
+    """Time at which the backup was made (UTC); empty: the backup doesn't contain it."""
     new: int
     changed: int
     same: int
     extra: int
     conflicts: int
     files: tuple[PlannedFile, ...]
-    """Conflicts, changed, extra and new files, the first 2,000."""
+    """Conflicts, then changed, extra and new files; at most the first 2,000."""
     notes: tuple[str, ...]
     restart: tuple[str, ...]
     """Files that take effect only after a restart."""
@@ -85,7 +85,7 @@ class RestorePlan(Message):
 
 
 class ApplyRestore(Message):
-    """Restore the uploaded backup; `remove`: files that the backup doesn't have are deleted."""
+    """Restore the uploaded backup. `remove`: delete files that the backup doesn't contain."""
 
     number: Annotated[str, Field(max_length=40)]
     digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
@@ -93,7 +93,7 @@ class ApplyRestore(Message):
 
 
 class Restored(Message):
-    """Result of a restore; `undo` is the number for undoing it, empty if nothing has changed."""
+    """Result of a restore. `undo` is the number by which it can be undone; empty if nothing has changed."""
 
     written: int
     removed: int
@@ -102,6 +102,8 @@ class Restored(Message):
 
 
 class UndoRestore(Message):
-    """The number of files that a restore has replaced, as listed for undoing."""
+    """Request to undo a restore: the number of the saved files, from the list of restores that can be
+    undone.
+    """
 
     number: Annotated[str, Field(max_length=40)]

@@ -1,4 +1,4 @@
-"""Messages about a calibration: its beginning, its touches, their result, and the file into which it is
+"""Messages about a calibration: its beginning, its touches, its result, and the file to which the result is
 written.
 """
 
@@ -18,15 +18,17 @@ Place = Annotated[int, Field(ge=0, le=1000)]
 
 
 class TipCalibration(Message):
-    """The tip of a tool, by touching one point with it: the name of the frame that gets it."""
+    """Calibration of a tool's tip, by touching one point with it from several directions; `name` is the frame
+    that is defined.
+    """
 
     kind: Literal["tip"]
     name: Name
 
 
 class FrameCalibration(Message):
-    """A frame, by touching its origin, a point on x and points of its plane with the origin of a frame on the
-    flange, `tool`.
+    """Calibration of a frame, by touching its origin, a point on its x axis and points of its xy plane.
+    `tool` is the frame on the flange whose origin touches.
     """
 
     kind: Literal["frame"]
@@ -35,8 +37,8 @@ class FrameCalibration(Message):
 
 
 class OffsetCalibration(Message):
-    """The offsets of the motors, by bringing joints to their marks: joint positions there, by the joints'
-    names [deg or mm].
+    """Calibration of the motors' offsets, by moving joints to their marks: joint positions at the marks, by
+    the names of the joints [deg or mm].
     """
 
     kind: Literal["home"]
@@ -49,15 +51,15 @@ CalibrationKind = Annotated[
 
 
 class BeginCalibration(Message):
-    """Begin a calibration; `anew`: discard this session's present one."""
+    """Request to begin a calibration. `anew`: discard the present calibration of this session."""
 
     calibration: CalibrationKind
     anew: bool = False
 
 
 class TakeTouch(Message):
-    """Take the robot's position as a touch: a further one, or in the place of touch `at` (from 0). `version`
-    is that of the calibration as the page shows it.
+    """Request to record the robot's position as a touch: as a new one, or as a replacement for touch `at`
+    (from 0). `version` is the version of the calibration that the page shows.
     """
 
     version: Version
@@ -65,16 +67,16 @@ class TakeTouch(Message):
 
 
 class RemoveTouch(Message):
-    """Remove touch `at` (from 0)."""
+    """Request to remove touch `at` (from 0)."""
 
     version: Version
     at: Place
 
 
 class TouchShown(Message):
-    """A touch: what was touched, where the joints were [deg or mm], and how far it is from what all touches
-    say [mm, of a joint deg or mm], and whether it can be taken away: the first points of a frame only as the
-    last ones.
+    """A touch: its name, the joint positions [deg or mm], and its residual, that is its distance from the
+    result of all touches [mm; for a joint deg or mm]. `can_go` is true if it can be removed; the first points
+    of a frame can only be removed after all others.
     """
 
     label: str
@@ -85,7 +87,7 @@ class TouchShown(Message):
 
 
 class SpreadRow(Message):
-    """One number of the result's uncertainty, from the spread of the touches."""
+    """One number of the result's uncertainty, estimated from the spread of the touches."""
 
     label: str
     value: str
@@ -93,18 +95,19 @@ class SpreadRow(Message):
 
 
 class CalibrationShown(Message):
-    """A calibration: that of this session, else the newest of another one, else none (`kind` is empty).
+    """The calibration of this session, otherwise the newest of another session; `kind` is empty if there is
+    none.
 
     Attributes:
-        mine: whether this session may go on with it.
-        by: whose it is.
+        mine: True if this session may continue the calibration.
+        by: user to whom the calibration belongs.
         next: what to do before the next touch, in words.
-        ready: whether there is a result that can be written.
-        result: what follows from the touches, in words.
-        unit: of residuals.
-        spread: what an error of each touch by `error_mm` does to the result; both are larger in 5 of 100
-            cases.
-        told: whether the touches tell that error themselves, or it is assumed.
+        ready: True if there is a result that can be written.
+        result: the result, in words.
+        unit: unit of the residuals.
+        spread: effect on the result if each touch has an error of `error_mm`. In 5 of 100 cases error and
+            effect are larger.
+        told: True if `error_mm` is estimated from the touches, False if it is assumed.
         advice: what is missing, in words; empty: nothing.
     """
 
@@ -128,8 +131,9 @@ class CalibrationShown(Message):
 
 
 class ProposeCalibration(Message):
-    """Write the result into the robot's file, the cell's, or as a FRAME line of a program (`file`).
-    `replace`: what is there under this name may go. A new frame of a cell hangs on `parent`.
+    """Request for the text of a file with the result: the robot's file, the cell's, or a FRAME line of a
+    program (`file`). `replace`: an existing entry of this name may be replaced. `parent` is the parent of a
+    new frame in a cell.
     """
 
     version: Version
@@ -140,13 +144,13 @@ class ProposeCalibration(Message):
 
 
 class CalibrationProposal(Message):
-    """A change of a file that isn't written yet: its text before and after, the hash of the former, and what
-    is found in the latter.
+    """A change of a file that isn't written yet: the text before and after, the hash of the text before, and
+    the findings of the text after.
 
     Attributes:
-        what: what changes, in words.
-        then: what has to happen so that it holds.
-        obstacle: why it can't be written by the pendant; empty: it can.
+        what: the change, in words.
+        then: what has to be done for the change to take effect.
+        obstacle: reason why the pendant can't write it; empty: it can.
     """
 
     file: str
@@ -160,13 +164,15 @@ class CalibrationProposal(Message):
 
 
 class WriteCalibration(ProposeCalibration):
-    """Write what was proposed: `known` is the hash of the text that the page has shown."""
+    """Request to write the proposed text. `known` is the hash of the old text that the page has shown."""
 
     known: Sha256
 
 
 class CalibrationWritten(Message):
-    """A result was written: the file, its new hash, and what has to happen so that it holds."""
+    """Reply after a result was written: the file, its new hash, and what has to be done for it to take
+    effect.
+    """
 
     file: str
     sha256: str
@@ -174,9 +180,9 @@ class CalibrationWritten(Message):
 
 
 class LookCalibration(Message):
-    """Place from which to look at the result: at `distance` from a touched point [mm], that of touch `at`
-    (null: the origin of a frame; of a tip, as at the last touch). A tool is tilted about its tip there, by
-    `tilt` about an axis of the flange [deg].
+    """Request for a place from which to check the result: at `distance` [mm] from a touched point, that of
+    touch `at` (null: the origin of the frame; for a tip, the pose of the last touch). A tool is tilted there
+    about its tip, by `tilt` about an axis of the flange [deg].
     """
 
     version: Version
@@ -187,7 +193,7 @@ class LookCalibration(Message):
 
 
 class LookText(Message):
-    """Text of an offer that leads there, and a description of what to look for."""
+    """Program text of a motion to that place, and a description of what to look for."""
 
     text: str
     what: str

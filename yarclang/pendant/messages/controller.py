@@ -1,5 +1,5 @@
-"""Messages about the controller's side of the system: what waits for a restart, and the end of the pendant's
-process.
+"""Messages about the processes behind the pages: changed files that require a restart, and the end of the
+pendant's process.
 """
 
 from __future__ import annotations
@@ -8,15 +8,15 @@ from yarclang.coordinator.messages.message import Message
 
 
 class WaitingFile(Message):
-    """A file that was changed since the pendant has read it, and the consequence."""
+    """A file that has changed since the pendant read it, and the consequence."""
 
     file: str
     what: str
 
 
 class ControllerShown(Message):
-    """The controller and the processes between it and the pages; `served` is true if `yarc serve` owns the
-    robot, and only the pendant is restarted then.
+    """The controller, and the processes between the controller and the pages. `served` is true if
+    `yarc serve` owns the robot; then only the pendant is restarted.
     """
 
     robot: str
@@ -30,6 +30,6 @@ class ControllerShown(Message):
 
 
 class EndProcess(Message):
-    """Restart or shut down; `stop`: first bring a motion to rest on its path."""
+    """Request to restart or shut down the process. `stop`: first bring a motion to rest on its path."""
 
     stop: bool = False

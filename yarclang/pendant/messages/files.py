@@ -18,7 +18,7 @@ Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
 class FileShown(Message):
-    """A file or folder of the project: its path, its size [bytes], and when it was changed (UTC)."""
+    """A file or folder of the project: its path, its size [bytes], and the time of its last change (UTC)."""
 
     file: str
     size: int
@@ -27,7 +27,9 @@ class FileShown(Message):
 
 
 class FileList(Message):
-    """The files of the project, folders before what is in them; `cut` is true if there are more."""
+    """The files of the project; each folder comes before its content. `cut` is true if there are more
+    files.
+    """
 
     folder: str
     files: tuple[FileShown, ...]
@@ -35,7 +37,7 @@ class FileList(Message):
 
 
 class FileText(Message):
-    """A text of the project as on the disk; saving it requires its `sha256`."""
+    """A text of the project as it is on the disk. Saving it again requires its `sha256`."""
 
     file: str
     text: str
@@ -44,8 +46,8 @@ class FileText(Message):
 
 
 class SaveFile(Message):
-    """A text to save: `known` is the hash of the content that it was made from; null: there must be no such
-    file yet.
+    """A text to save. `known` is the hash of the version that was edited; null: the file must not exist
+    yet.
     """
 
     text: str
@@ -62,34 +64,36 @@ class FileWritten(Message):
 
 
 class OtherContent(Denied):
-    """Somebody else has changed the file: `sha256` is the hash of its present content, empty if it isn't
-    there or is no file.
+    """Refusal because somebody else has changed the file. `sha256` is the hash of its present content; empty
+    if there is no such file.
     """
 
     sha256: str
 
 
 class TwoPaths(Message):
-    """A file, and the path of its copy or its new path, which must be free."""
+    """A file, and the path of its copy or its new path. That path must be unused."""
 
     file: FilePath
     to: FilePath
 
 
 class OnePath(Message):
-    """A file or a folder."""
+    """The path of a file or a folder."""
 
     file: FilePath
 
 
 class Restore(Message):
-    """The number of something that was deleted."""
+    """Request to restore a deleted file or folder by its number."""
 
     number: Annotated[str, Field(max_length=40)]
 
 
 class DeletedShown(Message):
-    """A deleted file or folder, who deleted it and when (UTC): its number, former path and size [bytes]."""
+    """A deleted file or folder: its number, former path and size [bytes], the user who deleted it, and the
+    time (UTC).
+    """
 
     number: str
     file: str
@@ -106,7 +110,7 @@ class DeletedList(Message):
 
 
 class CommitShown(Message):
-    """A commit: its hash, its author, when (UTC), the first line of what it says."""
+    """A commit: its hash, its author, its time (UTC), and the first line of its message."""
 
     hash: str
     who: str
@@ -115,8 +119,8 @@ class CommitShown(Message):
 
 
 class ChangeShown(Message):
-    """A file that has changed since the last commit; `by` are those who did so at the pendant, `outside` is
-    true if something else did so last.
+    """A file that has changed since the last commit. `by` lists the users who changed it at the pendant;
+    `outside` is true if the last change was made elsewhere.
     """
 
     file: str
@@ -126,8 +130,8 @@ class ChangeShown(Message):
 
 
 class GitState(Message):
-    """Changes since the last commit. Without git, or outside of a work tree, `there` is false and `what`
-    gives the reason.
+    """Changes since the last commit. If git isn't installed or the folder is in no work tree, `there` is
+    false and `what` is the reason.
     """
 
     there: bool
@@ -138,7 +142,9 @@ class GitState(Message):
 
 
 class Difference(Message):
-    """A text as of the last commit (`base`), and as it is now; empty if it wasn't or isn't there."""
+    """A text as of the last commit (`base`), and its present version. Each is empty if the file doesn't
+    exist.
+    """
 
     file: str
     base: str

@@ -8,20 +8,20 @@ from yarclang.coordinator.messages.message import Message
 
 
 class Watched(Message):
-    """One thing that is watched, in words."""
+    """A monitored number of the system, in words."""
 
     group: str
     name: str
     value: str
     level: Literal["good", "warning", "bad", "unknown", "plain"]
-    """`plain`: not judged; `unknown`: this operating system doesn't provide the value."""
+    """`plain`: not rated; `unknown`: this operating system doesn't provide the number."""
     limits: str
     """The thresholds."""
     why: str
-    """The reason for watching it."""
+    """The reason for monitoring the number."""
     remedy: str
     history: tuple[float, ...]
-    """A number for each minute of the last hour, the oldest first; in bytes, s or shares."""
+    """One value for each minute of the last hour, oldest first [bytes, s or a share]."""
 
 
 class VersionShown(Message):
@@ -35,14 +35,14 @@ class SystemHealth(Message):
     """State of the pendant's computer, its process and its data."""
 
     level: Literal["good", "warning", "bad", "unknown", "plain"]
-    """The worst of all."""
+    """The worst level of all numbers."""
     watched: tuple[Watched, ...]
     uptime_s: float
     sessions: int
     pages: int
-    """Pages that are connected."""
+    """Number of connected pages."""
     versions: tuple[VersionShown, ...]
     text: str
-    """Versions and what is watched as a text for a report of a bug: without names of people, machines and
+    """Versions and monitored numbers as a text for bug reports, without names of people, machines and
     folders.
     """

@@ -1,4 +1,4 @@
-"""Messages that are sent while a button is held."""
+"""Messages of a page while a button is held."""
 
 from __future__ import annotations
 
@@ -11,58 +11,62 @@ from yarclang.pendant.messages.people import Name
 
 
 class Step(Message):
-    """A step of a fixed length: a joint's name, or x, y, z, a, b, c of `axes`, and the length [mm or deg]."""
+    """A step of a fixed length: the name of a joint, or one of x, y, z, a, b, c of `axes`, and the length [mm
+    or deg].
+    """
 
     axis: Name
     by: Annotated[float, Field(ge=-100.0, le=100.0)]
 
 
 class Press(Message):
-    """The wanted motion as long as a button is pressed, sent 20 times a second.
+    """The requested motion while a button is pressed, sent 20 times a second.
 
-    One of `velocity`, `twist`, `step`, `go` and `home` is given. `press` is a new, larger number each time
-    something is pressed; one that has ended never moves the robot again.
+    Exactly one of `velocity`, `twist`, `step`, `go` and `home` is given. `press` is a new, larger number for
+    each press of a button. A press that has ended never moves the robot again.
     """
 
     press: Annotated[int, Field(ge=1)]
     beat: int
     velocity: dict[str, Number] | None = None
-    """Joints and how fast they move [deg/s or mm/s]."""
+    """Velocities by the names of the joints [deg/s or mm/s]."""
     twist: Annotated[tuple[Number, ...], Field(min_length=6, max_length=6)] | None = None
-    """Along x, y, z [mm/s] and about them [deg/s], in the axes of `axes`."""
+    """Velocity along x, y, z [mm/s] and about x, y, z [deg/s], in the axes of `axes`."""
     step: Step | None = None
     go: Annotated[int, Field(ge=1, le=1 << 53)] | None = None
-    """The number of an offer of this session: it is carried out while this is pressed, and rests on its path
-    in between.
+    """Number of an offer of this session. The offer is carried out while the button is pressed; after a
+    release the robot rests on its path.
     """
     home: (
         Annotated[tuple[Annotated[int, Field(ge=1, le=32)], ...], Field(min_length=1, max_length=32)] | None
     ) = None
-    """Motors that search their homes, one after the other, as long as this is pressed; letting go ends it.
-    For service users with their PIN.
+    """Motors that search their homes one after the other while the button is pressed; a release ends the
+    search. Only for service users who have entered their PIN.
     """
     axes: Name = "{B}"
-    """The frame whose axes are meant: one that stands still, or the moving frame itself."""
+    """The frame whose axes are used: a stationary one, or the moving frame itself."""
     moving: Name = "{TCP}"
     share: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
-    """Of the robot's jog speed, and of the joints' velocity limits."""
+    """Share of the robot's jog speed, and of the joints' velocity limits."""
 
 
 class LetGo(Message):
-    """A pressed button was let go: the robot comes to rest on its path at once."""
+    """Release of the button: the robot comes to rest on its path at once."""
 
     release: Annotated[int, Field(ge=1)]
     end: bool = False
-    """True: an offer that rests on its path is ended as well, since its page is left."""
+    """True: also end an offer that rests on its path, because its page is left."""
 
 
 class Jogging(Message):
-    """State of a jog: `moves`, with the obstacle to its target in `why`, or `ended`, with the reason."""
+    """State of a press: `moves` (`why` is the obstacle on the way to its target, if any), `reached`, or
+    `ended` with the reason in `why`.
+    """
 
     press: int
     state: Literal["moves", "reached", "ended"]
     why: str
     help: str = ""
     code: str = ""
-    """`pin`: the PIN is needed first."""
+    """`pin`: the PIN must be entered first."""
     lag_s: float = 0.0

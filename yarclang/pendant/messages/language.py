@@ -6,8 +6,8 @@ from yarclang.coordinator.messages.message import Message
 
 
 class Language(Message):
-    """The words of the language by their kinds, in upper case (units as they are written), longest first
-    where one begins like another.
+    """The words of the language by kind, in upper case (units as they are written). If a word is the
+    beginning of another one, the longer one comes first.
     """
 
     blocks: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Messages about people: who they are, their sessions, what they did."""
+"""Messages about users, their sessions, and their actions."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ RoleName = Literal["viewer", "operator", "programmer", "service"]
 
 
 class Login(Message):
-    """A name and its password."""
+    """A user name and its password."""
 
     user: Name
     password: Secret
 
 
 class First(Message):
-    """The first user, of the role service: the token of the one-time link, and what was chosen."""
+    """Request to create the first user, with the role service: the token of the one-time link, and the chosen
+    name, password and PIN.
+    """
 
     token: Secret
     user: Name
@@ -61,9 +63,9 @@ class ChangeUser(Message):
 
 
 class Me(Message):
-    """The user who is logged in: `session` is the id of this session, `pin_s` how long service work is
-    possible without a PIN [s], `client` the name by which the coordinator knows this session; empty: it
-    hasn't ordered anything yet.
+    """The user who is logged in. `session` is the id of this session; `pin_s` is the time for which service
+    work is still allowed without a PIN [s]; `client` is the session's name at the coordinator, empty if it
+    hasn't given an order yet.
     """
 
     user: str
@@ -74,8 +76,8 @@ class Me(Message):
 
 
 class NotLoggedIn(Message):
-    """Nobody is logged in; `first` is true if there is no user yet: the link that `yarc pendant` printed
-    makes the first one.
+    """Reply if nobody is logged in. `first` is true if there is no user yet; then the link that
+    `yarc pendant` has printed creates the first one.
     """
 
     ok: Literal[False] = False
@@ -84,7 +86,7 @@ class NotLoggedIn(Message):
 
 
 class UserShown(Message):
-    """A user; `sessions` is how many sessions of theirs there are."""
+    """A user; `sessions` is the number of the user's sessions."""
 
     user: str
     role: RoleName
@@ -99,8 +101,8 @@ class Users(Message):
 
 
 class SessionShown(Message):
-    """Somebody who is logged in: from which address, with which browser, for how long, and when they last did
-    something [s].
+    """A session: its user, address and browser, and the time since its login and since its last action
+    [s].
     """
 
     session: str
@@ -111,9 +113,9 @@ class SessionShown(Message):
     open_s: float
     quiet_s: float
     here: bool
-    """True for the session that asks."""
+    """True for the session that requests the list."""
     pages: int
-    """Pages of it that are connected now."""
+    """Number of the session's connected pages."""
 
 
 class SessionList(Message):
@@ -123,7 +125,9 @@ class SessionList(Message):
 
 
 class AuditEntry(Message):
-    """An action: the user, the time (UTC), the address; `outcome` is `done`, or the reason why it wasn't."""
+    """An entry of the audit trail: the user, the time (UTC), the address, and the action. `outcome` is
+    `done`, or the reason why the action failed.
+    """
 
     number: int
     time: str

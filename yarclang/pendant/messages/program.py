@@ -1,4 +1,4 @@
-"""Messages about a program that is edited: its list, its forms, changes and the edits that make them,
+"""Messages about a program that is edited: its commands as a list, forms, changes and their edits,
 templates.
 """
 
@@ -20,9 +20,9 @@ FieldTexts = Annotated[dict[Name, FieldText], Limited(max_length=500)]
 
 
 class ListProgram(Message):
-    """The text of a program, as it is now: saved or not; `file` is its path in the project. `lines` are the
-    first and the last line whose fields are wanted; null: all of them in a text of up to 1,000 lines, none in
-    a longer one.
+    """Request for the list of a program's commands. `text` is the present text, saved or not; `file` is its
+    path in the project. `lines` are the first and the last line for which fields are requested; null: all
+    lines of a text of up to 1,000 lines, none of a longer text.
     """
 
     file: FileName
@@ -31,8 +31,8 @@ class ListProgram(Message):
 
 
 class CommandField(Message):
-    """A part of a command: its value as it stands in the text (empty: it is left out), its unit, and what it
-    may be.
+    """A field of a command: its value as written (empty if it is left out), its unit, and its possible
+    values.
     """
 
     name: str
@@ -44,8 +44,8 @@ class CommandField(Message):
 
 
 class ListedCommand(Message):
-    """A command, a declaration, or a line of another kind: the name of a comment line is `!`, of one that
-    can't be read `?`.
+    """A command, a declaration, or another line. `name` is `!` for a comment and `?` for a line that can't be
+    parsed.
     """
 
     line: int
@@ -58,19 +58,19 @@ class ListedCommand(Message):
     detail: str
     target: Literal["joints", "pose"] | None
     taught: bool
-    """True if it can be touched up."""
+    """True if its position can be replaced by the robot's present one."""
     fields: tuple[CommandField, ...]
 
 
 class ProgramListing(Message):
-    """A program as a list."""
+    """The commands of a program as a list."""
 
     commands: tuple[ListedCommand, ...]
 
 
 class TeachMotion(Message):
-    """A motion to where the robot is now, or to `joints` (in the order of the robot's joints, deg or mm),
-    after a line (0: at the beginning).
+    """A motion to insert: to the robot's present position or to `joints` (in the order of the robot's joints,
+    deg or mm), after a line (0: at the beginning).
     """
 
     kind: Literal["teach"]
@@ -79,18 +79,18 @@ class TeachMotion(Message):
     target: Literal["joints", "pose"] = "pose"
     joints: Values | None = None
     via: Values | None = None
-    """The joints at the point that MOVEC goes through."""
+    """Joint positions at the intermediate point of a MOVEC [deg or mm]."""
     name: Name = ""
-    """Name under which the place is declared; empty: the place stands in the line."""
+    """Name under which the goal is declared; empty: the goal is written in the command itself."""
     axes: Literal["base", "tool"] = "base"
-    """For DMOVE: along the base frame's axes, or the tool's."""
+    """For DMOVE: axes of the base frame, or of the tool."""
     time: Annotated[str, Limited(max_length=40)] = ""
-    """Content of the square brackets; empty: that of DEFAULT, else 50%."""
+    """Content of the square brackets; empty: that of DEFAULT, otherwise 50%."""
 
 
 class TouchUp(Message):
-    """Write the robot's present position, or `joints`, into a motion or declaration; `point` is the number of
-    the way-point, 0: the last.
+    """Request to write the robot's present position, or `joints`, into a motion or declaration. `point` is
+    the number of the way-point; 0: the last.
     """
 
     kind: Literal["touch-up"]
@@ -109,7 +109,7 @@ class InsertCommand(Message):
 
 
 class ChangeFields(Message):
-    """New values of fields; an empty one leaves the part out."""
+    """New values of fields. An empty value removes the field from the command."""
 
     kind: Literal["change"]
     line: Line
@@ -117,14 +117,16 @@ class ChangeFields(Message):
 
 
 class DeleteLines(Message):
-    """Lines to delete, first and last: with all rows of their statements, and whole blocks."""
+    """First and last line to delete. Statements of several lines and blocks are deleted as a whole."""
 
     kind: Literal["delete"]
     lines: tuple[Line, Line]
 
 
 class MoveLines(Message):
-    """A statement or block that is put before another line (one more than there are lines: the end)."""
+    """A statement or block to move to before another line. To move it to the end, give the number of lines
+    plus one.
+    """
 
     kind: Literal["move"]
     line: Line
@@ -132,7 +134,7 @@ class MoveLines(Message):
 
 
 class DeclareName(Message):
-    """A name for where the robot is now, or for `joints`."""
+    """Request to declare a name for the robot's present position, or for `joints`."""
 
     kind: Literal["declare"]
     what: Literal["frame", "pose", "joints"]
@@ -141,7 +143,7 @@ class DeclareName(Message):
 
 
 class RenumberAll(Message):
-    """New indices for all commands."""
+    """Request for new indices of all commands."""
 
     kind: Literal["renumber"]
 
@@ -160,7 +162,7 @@ ProgramChange = Annotated[
 
 
 class EditProgram(Message):
-    """A requested change of a text."""
+    """A requested change of a program."""
 
     file: FileName
     text: ProgramText
@@ -168,8 +170,8 @@ class EditProgram(Message):
 
 
 class TextEdit(Message):
-    """Text in the place of other text. Lines and columns count from 1 and are those of the text that was
-    sent; columns count UTF-16 code units, as browsers do; the end isn't included.
+    """An edit: a range of the old text, and the text that replaces it. Lines and columns count from 1, in the
+    text that was sent; columns count UTF-16 code units, as browsers do; the end is exclusive.
     """
 
     line: int
@@ -180,7 +182,7 @@ class TextEdit(Message):
 
 
 class EditedProgram(Message):
-    """Edits that never overlap, in order; the place of the cursor afterwards, and a description."""
+    """Edits in order, which never overlap; the new place of the cursor; and a description."""
 
     edits: tuple[TextEdit, ...]
     line: int
@@ -188,7 +190,7 @@ class EditedProgram(Message):
 
 
 class CommandForm(Message):
-    """Form for a new command: the name of a comment is `!`."""
+    """Form for a new command; for a comment its name is `!`."""
 
     command: str
     label: str
@@ -218,7 +220,7 @@ class ProgramTemplates(Message):
 
 
 class NewProgram(Message):
-    """A template to be filled in for this robot; `file` is the path of the new program."""
+    """Request to fill in a template for this robot. `file` is the path of the new program."""
 
     template: Name
     file: FileName
@@ -226,7 +228,7 @@ class NewProgram(Message):
 
 
 class NewText(Message):
-    """The text of a new program, proved for this robot; it isn't saved yet."""
+    """Text of a new program, proved for this robot but not saved yet."""
 
     file: str
     text: str

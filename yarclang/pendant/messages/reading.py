@@ -1,4 +1,4 @@
-"""Texts that should be messages, and trouble as one."""
+"""Parsing of texts as messages, and conversion of errors to messages."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ M = TypeVar("M", bound=Message)
 
 
 class Malformed(Trouble):
-    """A body isn't what the API's page says."""
+    """Raised if the body of a request doesn't have the documented form."""
 
 
 def read(text: bytes | str, kind: type[M]) -> M:
-    """Return what a text says.
+    """Return the message that a text contains.
 
     Raises:
-        Malformed: it isn't a message of this kind.
+        Malformed: the text isn't a message of this kind.
     """
     try:
         return kind.model_validate_json(text or b"{}")

@@ -1,4 +1,4 @@
-"""Messages about the robot: what it is, who controls it, the programs of its project."""
+"""Messages about the robot: its description, its owner, and the programs of its project."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from yarclang.pendant.messages.people import Name
 
 
 class GiveControl(Message):
-    """Id of the session that gets control of the robot (empty: release it); `refuse`: deny that session's
-    request.
+    """Id of the session that gets control of the robot (empty: release it). `refuse`: deny the request of
+    that session.
     """
 
     to: Name = ""
@@ -16,8 +16,8 @@ class GiveControl(Message):
 
 
 class Asked(Message):
-    """Control was asked for; `given` is true if it was given at once, `owner` who has it now, `what` in words
-    what comes next.
+    """Reply to a request for control. `given` is true if control was given at once; `owner` has control now;
+    `what` tells in words what comes next.
     """
 
     given: bool
@@ -26,8 +26,8 @@ class Asked(Message):
 
 
 class JointShown(Message):
-    """A joint, its unit (deg or mm), limits of position in this unit and of velocity per s, and its speed in
-    a jog at 100 %.
+    """A joint: its unit (deg or mm), its position limits in this unit, its velocity limit in this unit per s,
+    and its speed in a jog at 100 %.
     """
 
     name: str
@@ -38,14 +38,16 @@ class JointShown(Message):
 
 
 class FrameShown(Message):
-    """A frame: (4, 4) its pose in {B}, or, if it sits on the flange, in the flange's frame [m]."""
+    """A frame and its pose, a matrix (4, 4) with lengths in m: in {B}, or in the flange's frame for a frame
+    on the flange.
+    """
 
     name: str
     pose: tuple[tuple[float, ...], ...]
 
 
 class RobotShown(Message):
-    """The robot: what a page needs to draw bars and choose frames."""
+    """The robot: the data with which a page draws bars and lets the user choose frames."""
 
     name: str
     title: str
@@ -57,14 +59,14 @@ class RobotShown(Message):
     jog_speed_mm_s: float
     jog_turn_deg_s: float
     fixed: tuple[FrameShown, ...]
-    """Frames that stand still, {B} first."""
+    """Stationary frames, {B} first."""
     moving: tuple[FrameShown, ...]
     """Frames on the flange, {TCP} first."""
 
 
 class ProgramFile(Message):
-    """A program of the project: its path from the project's folder, its size [bytes], and when it was changed
-    (UTC).
+    """A program of the project: its path from the project's folder, its size [bytes], and the time of its
+    last change (UTC).
     """
 
     file: str

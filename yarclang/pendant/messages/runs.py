@@ -7,37 +7,37 @@ from typing import Literal
 from yarclang.coordinator.messages.message import Message
 
 Place = Literal["project", "logs"]
-"""Folder of a log: the project's, or the one in which this robot's motions are logged."""
+"""Folder of a log: the project's folder, or the folder in which this robot's motions are logged."""
 
 
 class RunListed(Message):
-    """A log in short; times in UTC."""
+    """Summary of a log; times in UTC."""
 
     place: Place
     file: str
-    """Path of the log in that folder."""
+    """Path of the log in the folder `place`."""
     size: int
     changed: str
     state: Literal["whole", "under way", "cut off", "unreadable"]
-    """`under way`: it is being written; `cut off`: its end is missing; `unreadable`: it is no log of a run,
-    or of another format.
+    """`under way`: the log is being written; `cut off`: its end is missing; `unreadable`: it is no log of a
+    run, or has another format.
     """
     program: str
     robot: str
     controller: str
     client: str
-    """User who ordered the first motion; empty: not in the log."""
+    """User who ordered the first motion; empty: the log doesn't contain it."""
     started: str
     duration_s: float | None
     well: bool | None
-    """True if the run came to its end; null: not in the log."""
+    """True if the run came to its end; null: the log doesn't contain it."""
     what: str
     """Reason for a failure."""
     code: str
 
 
 class RunList(Message):
-    """Logs, those that were changed last first; `cut` is true if there are more."""
+    """Logs, the one that changed last first. `cut` is true if there are more."""
 
     runs: tuple[RunListed, ...]
     cut: bool
@@ -46,7 +46,7 @@ class RunList(Message):
 
 
 class RunJoint(Message):
-    """A joint as it was then; limits in its unit, null where there is none."""
+    """A joint as it was during the run. Limits are in its unit; null if there is none."""
 
     name: str
     unit: str
@@ -55,16 +55,16 @@ class RunJoint(Message):
 
 
 class RunLines(Message):
-    """Lines over the time of the log: `values` has a row a joint or motor, with a value a time."""
+    """Lines over the time of the log. `values` has one row per joint or motor, with one value per time."""
 
     title: str
     unit: str
     times: tuple[float, ...]
-    """[s since the log was opened]."""
+    """Times of the values [s since the log was opened]."""
     names: tuple[str, ...]
     values: tuple[tuple[float, ...], ...]
     breaks: tuple[int, ...]
-    """Indices in `times` at which another pass begins: no line is drawn across."""
+    """Indices in `times` at which another pass begins: no line is drawn to them from the time before."""
 
 
 class RunSpan(Message):
@@ -76,7 +76,7 @@ class RunSpan(Message):
 
 
 class RunEvent(Message):
-    """A message, with its time [s since the log was opened]."""
+    """A message of the run, with its time [s since the log was opened]."""
 
     time_s: float
     text: str
@@ -84,7 +84,7 @@ class RunEvent(Message):
 
 
 class RunStretch(Message):
-    """A value of a signal, with its begin and end [s]."""
+    """A value of a signal, with its begin and end [s since the log was opened]."""
 
     from_s: float
     to_s: float
@@ -92,7 +92,9 @@ class RunStretch(Message):
 
 
 class RunWait(Message):
-    """A wait for an input, with its begin and end [s]; `met` is true if the input came."""
+    """A wait for an input, with its begin and end [s since the log was opened]. `met` is true if the input
+    came.
+    """
 
     from_s: float
     to_s: float
@@ -109,14 +111,16 @@ class RunSignal(Message):
 
 
 class RunWay(Message):
-    """Positions of the robot: for each time [s], the joints [deg or mm]."""
+    """Path of the robot: times [s], and the joint positions at each time [deg or mm]."""
 
     times: tuple[float, ...]
     joints: tuple[tuple[float, ...], ...]
 
 
 class RunShown(Message):
-    """Content of a log. Lines are thinned: least and largest value of each of a thousand intervals."""
+    """Content of a log. Lines are thinned to the smallest and the largest value of each of a thousand
+    intervals.
+    """
 
     program: str
     robot: str
@@ -139,5 +143,5 @@ class RunShown(Message):
     signals: tuple[RunSignal, ...]
     events: tuple[RunEvent, ...]
     more_events: int
-    """Number of events that are left out."""
+    """Number of events that are left out of the list."""
     way: RunWay

@@ -9,55 +9,57 @@ from pydantic import Field
 from yarclang.coordinator.messages.message import Message, Number
 
 MOST_ROWS = 5000
-"""Joint positions in one question for placements."""
+"""Most joint positions in one request for placements."""
 MOST_JOINTS = 32
 
 Colour = tuple[int, int, int]
 
 
 class SceneItem(Message):
-    """A body, or the border of a zone. Bodies of one name are one body of the collision check."""
+    """A body, or the border of a zone. All items of one name are one body in the collision check."""
 
     name: str
     kind: Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
-    """`shape`: a collision shape of a link or a tool that has another, visual shape."""
+    """`shape`: a collision shape of a link or a tool for which there is also a visual shape."""
     joint: int
-    """Number of joints, from the base on, that move the body."""
+    """Number of joints, counted from the base, that move the body."""
     pose: tuple[float, ...]
-    """(3, 4) base_from_item with all joints at zero, row by row [m]."""
+    """Matrix (3, 4) base_from_item with all joints at zero, row by row, lengths in m."""
     colour: Colour
     """Red, green, blue, from 0 to 255."""
     opacity: float
     mesh: str
-    """Id for /api/scene/mesh/{id}."""
+    """Id of the mesh, for /api/scene/mesh/{id}."""
     named: bool
-    """True if its name is written at it."""
+    """True if the name is written beside the item."""
     begins_s: float | None = None
     ends_s: float | None = None
-    """The body exists from `begins_s` until just before `ends_s` of the program's time [s]; null: from the
-    beginning, to the end.
+    """The item exists from `begins_s` until just before `ends_s` of the program's time [s]; null: from the
+    beginning, or to the end.
     """
 
 
 class SceneAxes(Message):
-    """A frame."""
+    """A frame that is drawn."""
 
     name: str
     joint: int
-    """Number of joints that move the frame."""
+    """Number of joints, counted from the base, that move the frame."""
     pose: tuple[float, ...]
-    """(3, 4) base_from_frame with all joints at zero, row by row [m]."""
+    """Matrix (3, 4) base_from_frame with all joints at zero, row by row, lengths in m."""
     program: bool
     """True for a frame that only the program declares."""
     matters: bool
-    """True for {B}, the followed frame and those that the program uses; without a program, for all."""
+    """True for {B}, the followed frame and the frames that the program uses; without a program, for all
+    frames.
+    """
 
 
 class SceneShown(Message):
-    """The visible scene. Placements of the joints (`Display.links`) move it."""
+    """The visible scene. Bodies move with the placements of the joints (`Display.links`)."""
 
     version: str
-    """Changes with any other field."""
+    """Value that changes when any other field changes."""
     title: str
     notes: tuple[str, ...]
     """Items that can't be shown, with reasons."""
@@ -67,29 +69,31 @@ class SceneShown(Message):
     tool: str
     """The frame whose path is drawn; empty: the flange's."""
     tool_pose: tuple[float, ...]
-    """(3, 4) base_from_tool with all joints at zero, row by row [m]."""
+    """Matrix (3, 4) base_from_tool with all joints at zero, row by row, lengths in m."""
     tool_axis: tuple[float, ...]
-    """The last joint's axis with all joints at zero, away from the robot: a camera on the tool looks along
-    it.
+    """Direction of the last joint's axis with all joints at zero, pointing away from the robot: the direction
+    in which a camera on the tool looks.
     """
     low: tuple[float, ...]
     high: tuple[float, ...]
-    """The corners of a box around the robot at HOME and all bodies [m]."""
+    """Upper corner of a box around the robot at HOME and all bodies [m]. `low` is its lower corner."""
     robot_low: tuple[float, ...]
     robot_high: tuple[float, ...]
-    """Corners of a box around the robot alone [m]."""
+    """Upper corner of a box around the robot alone [m]. `robot_low` is its lower corner."""
     eye: tuple[float, ...]
     target: tuple[float, ...]
-    """First place of the camera, and the point at which it looks [m]."""
+    """Point at which the camera looks first [m]."""
     speeds: tuple[Colour, ...]
-    """Colours for speeds, from standing to the fastest one."""
+    """Colours for speeds, from rest to the highest speed."""
     ghost: Colour
     touching: Colour
     stale: Colour
 
 
 class Placements(Message):
-    """Joint positions [deg or mm], in the order of the robot's joints, for which placements are wanted."""
+    """Request for the placements of the links at given joint positions [deg or mm], in the order of the
+    robot's joints.
+    """
 
     joints: Annotated[
         tuple[Annotated[tuple[Number, ...], Field(max_length=MOST_JOINTS)], ...],

@@ -1,4 +1,4 @@
-"""Inputs and outputs by name, and the WAIT at which the robot stands."""
+"""Messages about inputs and outputs by name, and the WAIT at which the robot stands."""
 
 from __future__ import annotations
 
@@ -8,42 +8,44 @@ from yarclang.coordinator.messages.message import Message
 
 
 class SignalShown(Message):
-    """An input or output, and its entry in the cell."""
+    """An input or output, with its entry in the cell's file."""
 
     name: str
     variable: str
     """The controller's variable."""
     kind: Literal["input", "output"]
     declared: bool
-    """True if the cell's file declares it; else the session or the program does."""
+    """True if the cell's file declares the signal; otherwise the session or the program does."""
     comment: str
-    """Comment beside or above it in the cell's file."""
+    """Comment of the signal in the cell's file, beside it or above it."""
     safe: float | None
-    """Safe value, set at any stop, hold or fault; null: unchanged."""
+    """Value that the output gets at every stop, hold and fault; null: it stays unchanged."""
     grips_at: float | None
-    """Value at which the output closes a gripper; null: no gripper."""
+    """Value at which the output closes a gripper; null: it is no gripper."""
     removes_at: float | None
-    """Value at which a machine takes parts away; null: no such machine."""
+    """Value of the output at which a machine takes parts away; null: it is no such machine."""
     sensor: bool
     """True if a sensor of the cell drives the input."""
 
 
 class SignalsShown(Message):
-    """All inputs and outputs; `version` changes with each of them."""
+    """All inputs and outputs. `version` changes when any of them changes."""
 
     version: str
     cell: str | None
-    """The file of the cell."""
+    """Path of the cell's file."""
     fixed: str
-    """Reason for which inputs can't be set by hand; empty: they can."""
+    """Reason why inputs can't be set by hand; empty: they can."""
     trouble: str
-    """Reason for which the cell's file can't be read (its content is missing here); empty: it can."""
+    """Reason why the cell's file can't be read; its content is missing from the list then. Empty: it can
+    be read.
+    """
     signals: tuple[SignalShown, ...]
 
 
 class Waiting(Message):
-    """The WAIT at which the robot stands: its place in the program, its input, the wanted and the present
-    value, and the waiting time [s].
+    """The WAIT at which the robot stands: its place in the program, its input, the awaited and the present
+    value, and the time for which the robot has waited [s].
     """
 
     place: str
@@ -55,18 +57,20 @@ class Waiting(Message):
 
 
 class HeldParts(Message):
-    """The part that the gripper of an output holds."""
+    """The part that an output's gripper holds."""
 
     output: str
     parts: tuple[str, ...]
 
 
 class SignalValues(Message):
-    """The values of all signals, in the order of the signals of the same version; null: not known now."""
+    """The values of all signals, in the order of the list that has the same version; null: not known at
+    present.
+    """
 
     version: str
     values: tuple[float | None, ...]
     heard: tuple[int, ...]
-    """Indices of values that were reported during a run and may have changed since."""
+    """Indices of values that a run reported and that may have changed since."""
     waiting: Waiting | None
     held: tuple[HeldParts, ...]

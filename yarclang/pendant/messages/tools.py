@@ -1,4 +1,6 @@
-"""Frames with their origin, tools and their masses, and what a payload does to the torques of the joints."""
+"""Messages about frames and their origin, tools and their masses, and the effect of a payload on joint
+torques.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +15,9 @@ Pose = tuple[tuple[float, ...], ...]
 Origin = Literal["urdf", "robot.toml", "cell.toml", "session"]
 
 HEAVIEST = 10_000.0
-"""Largest mass that is entered [kg]."""
+"""Largest mass that can be entered [kg]."""
 FARTHEST = 5_000.0
-"""Farthest a centre of mass lies from its frame, along each axis [mm]."""
+"""Largest distance of a center of mass from its frame, along each axis [mm]."""
 
 ToolName = Annotated[
     str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,39}$", description="letters, digits and underscores")
@@ -26,8 +28,8 @@ Moment = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 
 
 class FrameKnown(Message):
-    """A frame in braces: (4, 4) its pose in {B}, or, with `on_flange`, in {FLANGE} [m], and where it is
-    described.
+    """A frame in braces, its pose, a matrix (4, 4) in {B} or, with `on_flange`, in {FLANGE} with lengths in
+    m, and the place of its declaration.
     """
 
     name: str
@@ -37,8 +39,8 @@ class FrameKnown(Message):
 
 
 class ToolKnown(Message):
-    """A tool of robot.toml: mass [kg], centre of mass [mm] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz about
-    the centre of mass) seen from `frame`; null where it isn't given.
+    """A tool of robot.toml: its mass [kg], center of mass [mm] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz
+    about the center of mass), in the axes of `frame`; null if not given.
     """
 
     name: str
@@ -50,32 +52,33 @@ class ToolKnown(Message):
 
 
 class ToolsShown(Message):
-    """Frames and tools as the files and the session have them now."""
+    """Present frames and tools, from the files and the session."""
 
     frames: tuple[FrameKnown, ...]
     tools: tuple[ToolKnown, ...]
-    """As robot.toml has them on the disk."""
+    """Tools as in the robot.toml on the disk."""
     sits_on: tuple[str, ...]
-    """The frames on the flange that a tool's mass may be seen from, without braces."""
+    """Frames on the flange, without braces, in which a tool's center of mass can be given."""
     file: str
-    """robot.toml: its path in the project, or the whole one of a robot outside of it."""
+    """Path of robot.toml in the project, or its absolute path if it is outside of the project."""
     why_not: str
     """Reason why robot.toml can't be changed here, and the remedy; empty: it can."""
     restart: bool
-    """True if robot.toml differs from the running description: it takes effect when the pendant is restarted.
+    """True if robot.toml differs from the running description, so that it takes effect only after a restart
+    of the pendant.
     """
     without_mass: tuple[str, ...]
-    """Joints of which nothing that they move has a mass in the URDF."""
+    """Joints that move only bodies without a mass in the URDF."""
     without_effort: tuple[str, ...]
-    """Joints whose largest torque neither robot.toml nor the URDF gives."""
+    """Joints without a largest torque in robot.toml and in the URDF."""
     checked: bool
     """True if programs are checked for torques."""
 
 
 class Payload(Message):
-    """Mass properties of a tool: `frame` is for a tool that robot.toml doesn't have yet; `inertia` null: all
-    of its mass is assumed at its centre. With `program`, the number of a loaded program, its torques are
-    included.
+    """Mass properties of a tool. `frame` is needed for a tool that isn't in robot.toml yet. `inertia` null:
+    all of the mass is assumed to be at its center. `program` is the number of a loaded program whose torques
+    are computed as well.
     """
 
     tool: ToolName
@@ -87,13 +90,13 @@ class Payload(Message):
 
 
 class SavePayload(Payload):
-    """A payload that is written into robot.toml, which has the content that was shown."""
+    """Request to write a payload into robot.toml. The file must still have the content that was shown."""
 
     known: Annotated[str, Field(pattern="^[0-9a-f]{64}$", description="SHA-256 of robot.toml")]
 
 
 class JointEffort(Message):
-    """A joint, and the largest torque that its motor gives; null: not known."""
+    """A joint, and the largest torque of its motor; null: not known."""
 
     name: str
     unit: str
@@ -101,25 +104,25 @@ class JointEffort(Message):
 
 
 class Torques(Message):
-    """Torques of all joints without and with the payload, in the joints' order.
+    """Torques of all joints without and with the payload, in the order of the joints.
 
-    `here`: at rest where the robot stands. `reach`: at rest, the largest within the joint limits. `program`:
-    the largest while the program moves.
+    `here`: at rest at the robot's present position. `reach`: largest torques at rest anywhere within the
+    joint limits. `program`: largest torques during the program.
     """
 
     what: Literal["here", "reach", "program"]
     now: tuple[float, ...]
     then: tuple[float, ...]
     at: tuple[tuple[float, ...], ...]
-    """Of each joint the joint positions [deg or mm] at which its torque is the largest, with the payload."""
+    """For each joint, the joint positions [deg or mm] at which its torque with the payload is largest."""
     where: tuple[str, ...]
-    """For each joint the command of the program in which its torque is the largest; empty: no program is
+    """For each joint, the command of the program in which its torque is largest; empty: no program is
     given.
     """
 
 
 class PayloadShown(Message):
-    """Changes that a payload would make: of the file, and of the torques."""
+    """Effects of a payload: the change of the file, and the change of the torques."""
 
     file: str
     why_not: str
@@ -128,18 +131,18 @@ class PayloadShown(Message):
     known: str
     """SHA-256 of the present file."""
     findings: tuple[Finding, ...]
-    """Of the changed file."""
+    """Findings of the changed file."""
     sound: bool
     """True if the changed file can be used."""
     joints: tuple[JointEffort, ...]
     torques: tuple[Torques, ...]
     unknown: str
-    """Reason why torques are missing; empty: they aren't."""
+    """Reason why torques are missing; empty: none is missing."""
     restart: bool
 
 
 class PayloadWritten(Message):
-    """robot.toml was changed; it takes effect when the pendant is restarted."""
+    """Reply after robot.toml was changed. The change takes effect after a restart of the pendant."""
 
     file: str
     sha256: str

@@ -1,5 +1,5 @@
-"""Messages about the workspace: zones, obstacles, limits of joints; drafts of changes, what they break, and
-distances.
+"""Messages about the workspace: zones, obstacles and joint limits; drafts of changes and the programs that
+they break; and distances.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from yarclang.coordinator.messages.message import Message, Number
 from yarclang.pendant.messages.files import FilePath, FileWritten, Sha256
 
 MOST_CHANGES = 200
-"""Zones, obstacles and joints that one draft changes."""
+"""Most zones, obstacles and joints that one draft changes."""
 
 Word = Annotated[str, Field(max_length=100)]
 Triple = Annotated[tuple[Number, ...], Field(max_length=3)]
@@ -22,7 +22,9 @@ Table = Literal["obstacles", "zones"]
 
 
 class EntryValues(Message):
-    """The keys of a zone or an obstacle as cell.toml has them, in its units; null: the key isn't there."""
+    """The keys of a zone or an obstacle as written in cell.toml, in the units of the file; null: the key
+    is missing.
+    """
 
     name: Word | None = None
     rule: Word | None = None
@@ -44,8 +46,8 @@ class EntryValues(Message):
 
 
 class EntryChange(Message):
-    """A zone or an obstacle that changes: `at` counts the entries of its table from 0 (null: a new one);
-    without `values` it is removed.
+    """A change of a zone or an obstacle. `at` is the index of the entry in its table, from 0 (null: a new
+    entry). Without `values` the entry is removed.
     """
 
     table: Table
@@ -62,8 +64,8 @@ class LimitChange(Message):
 
 
 class WorkspaceDraft(Message):
-    """Changes that belong together. `known` and `robot_known` are the hashes of the files that they were made
-    from; null: that file isn't changed.
+    """Changes that are made together. `known` and `robot_known` are the hashes of the file versions that were
+    edited; null: that file isn't changed.
     """
 
     known: Sha256 | None = None
@@ -73,8 +75,8 @@ class WorkspaceDraft(Message):
 
 
 class WorkspaceFrame(Message):
-    """A frame in which bodies may stand: (3, 4) base_from_frame [m], row by row; on the flange:
-    flange_from_frame.
+    """A frame in which bodies can be placed, a matrix (3, 4) row by row with lengths in m: base_from_frame,
+    or flange_from_frame for a frame on the flange.
     """
 
     name: str
@@ -83,24 +85,24 @@ class WorkspaceFrame(Message):
 
 
 class WorkspaceEntry(Message):
-    """A zone or an obstacle as the file has it."""
+    """A zone or an obstacle as written in the file."""
 
     table: Table
     at: int
     line: int
     values: EntryValues
     metre: float | None
-    """One of its units of length [m]; null: the file names none."""
+    """Length of the entry's unit of length [m]; null: the file names none."""
     radian: float | None
-    """One of its units of angle [rad]."""
+    """Size of the entry's unit of angle [rad]; null: the file names none."""
     length_unit: str
     angle_unit: str
     speed_unit: str
 
 
 class JointLimits(Message):
-    """The position limits of a joint in robot.toml [deg or mm], null without one, and those that the URDF
-    allows.
+    """The position limits of a joint in robot.toml [deg or mm], null if not given, and the limits in the
+    URDF.
     """
 
     name: str
@@ -112,10 +114,11 @@ class JointLimits(Message):
 
 
 class WorkspaceShown(Message):
-    """The workspace as the files have it."""
+    """The workspace as described by the files."""
 
     cell: str | None
-    """The file of the cell: its path in the project; outside of it, the whole path; null: there is no cell.
+    """Path of the cell's file in the project, or its absolute path if it is outside of the project; null:
+    there is no cell.
     """
     why: str
     """Reason why the cell can't be changed here, and the remedy; empty: it can."""
@@ -123,23 +126,25 @@ class WorkspaceShown(Message):
     entries: tuple[WorkspaceEntry, ...]
     frames: tuple[WorkspaceFrame, ...]
     watch: tuple[str, ...]
-    """Names of items that a zone may watch."""
+    """Names of the bodies that a zone can watch."""
     length_unit: str
     angle_unit: str
     metre: float | None
     radian: float | None
     findings: tuple[Finding, ...]
     robot: str
-    """The file of the robot: its path in the project, or the whole path."""
+    """Path of the robot's file in the project, or its absolute path."""
     robot_why: str
     robot_known: str
     joints: tuple[JointLimits, ...]
     robot_waits: bool
-    """True if robot.toml differs from the served robot: it takes effect after a restart."""
+    """True if robot.toml differs from the running description, so that it takes effect only after a
+    restart.
+    """
 
 
 class ProposedFile(Message):
-    """A file before and after a draft. `refused` is the reason why it can't be saved; empty: it can."""
+    """A file before and after a draft. `refused` is the reason why it can't be saved; empty: it can be."""
 
     file: str
     before: str
@@ -151,27 +156,27 @@ class ProposedFile(Message):
 
 
 class Proposed(Message):
-    """The files with a draft's changes."""
+    """The files with the changes of a draft."""
 
     files: tuple[ProposedFile, ...]
 
 
 class SavedWorkspace(Message):
-    """The files that were written, and when their changes take effect."""
+    """The files that were written, and the time at which their changes take effect."""
 
     files: tuple[FileWritten, ...]
     told: str
 
 
 class MakeCell(Message):
-    """The path of a new cell.toml for a project that has none."""
+    """Request for a new cell.toml at a path, in a project that has none."""
 
     file: FilePath = "cell.toml"
 
 
 class JudgedProgram(Message):
-    """A program of the project with a draft in the place of the files: `held` before, `holds` now (null: not
-    known); the first error if it doesn't hold.
+    """Result for a program of the project: `held` is true if it compiles with the present files, `holds` if
+    it compiles with the draft (null: not known). The other fields describe the first error with the draft.
     """
 
     file: str
@@ -183,8 +188,8 @@ class JudgedProgram(Message):
 
 
 class CheckShown(Message):
-    """A check of all programs: those that no longer hold come first. `standing` lists errors at the robot's
-    present position.
+    """A check of all programs with a draft; programs that the draft breaks come first. `standing` lists
+    errors at the robot's present position.
     """
 
     state: Literal["none", "running", "done", "cancelled", "failed"]
@@ -193,26 +198,28 @@ class CheckShown(Message):
     done: int
     of: int
     file: str
-    """Program that is being checked now."""
+    """Program that is being checked."""
     broken: int
     unjudged: int
-    """Programs that didn't hold before either, or couldn't be checked in time."""
+    """Programs that the check doesn't rate: they had errors before, or couldn't be checked in time."""
     programs: tuple[JudgedProgram, ...]
     standing: tuple[str, ...]
     what: str
     digest: str
-    """Hash of the checked draft: of the files with its changes."""
+    """Hash of the files with the changes of the checked draft."""
 
 
 class AskDistances(Message):
-    """The nearest pairs of bodies now, with a draft's bodies in the place of the file's."""
+    """Request for the pairs of bodies that are nearest to each other now; with `draft`, with the draft's
+    bodies instead of the file's.
+    """
 
     draft: WorkspaceDraft | None = None
 
 
 class DistanceShown(Message):
-    """A pair of bodies, or of a watched item and its zone: their distance [mm] (negative: within each other,
-    or beyond the border), the margin [mm], and the nearest points [m], if there are some.
+    """A pair of bodies, or a watched body and its zone: the distance [mm] (negative if they overlap, or if
+    the body is beyond the border), the margin [mm], and the nearest points [m], if known.
     """
 
     first: str
@@ -223,7 +230,7 @@ class DistanceShown(Message):
 
 
 class Distances(Message):
-    """The nearest pairs, the nearest first; `what` is the reason why there are none."""
+    """The nearest pairs, nearest first. `what` is the reason if there are none."""
 
     pairs: tuple[DistanceShown, ...]
     what: str

@@ -1,1 +1,1 @@
-"""The project's folder at the pendant: its files, the trash, and the changes since the last commit."""
+"""The project's folder on the pendant: its files, the trash, and the changes since the last commit."""

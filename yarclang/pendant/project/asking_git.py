@@ -1,4 +1,4 @@
-"""Calls of git that execute nothing of a repository's own: no hook, filter, monitor, pager, converter or
+"""Calls of git that can't execute code from the repository: no hook, filter, monitor, pager, converter or
 transport.
 """
 
@@ -53,26 +53,26 @@ _ENVIRONMENT = {
     "LC_ALL": "C.UTF-8",
 }
 _KEPT = ("PATH", "HOME", "XDG_CONFIG_HOME", "LD_LIBRARY_PATH")
-"""Environment variables that git inherits. Its user's settings name folders of other users that git may
-read.
+"""Environment variables that git inherits. Git needs the user's settings because they list folders of other
+users that git may read.
 """
 
 
 class Missing(Exception):  # noqa: N818 - it is an answer
-    """Raised if git has no answer: there is no repository or no commit."""
+    """Raised if git has no reply because there is no repository or no commit."""
 
 
 def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
-    """Call git. Only for commands that read no content of files in the folder, because filters would apply to
-    it.
+    """Call git. Only commands that don't read the content of files in the folder are allowed, because filters
+    would be applied to it.
 
     Args:
-        folder: in the work tree.
-        words: of the command line.
+        folder: folder in the work tree.
+        words: arguments of the command.
         most: longest output [bytes].
 
     Raises:
-        Missing: there is no answer.
+        Missing: there is no repository or no commit.
         Trouble: git isn't installed, refuses the folder, or takes too long.
     """
     program = shutil.which("git")
@@ -85,7 +85,7 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
         env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         start_new_session=True,
     )  # fmt: skip
-    with suppress(OSError):  # it has ended
+    with suppress(OSError):  # the process has ended
         resource.prlimit(process.pid, resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
     late = threading.Event()
 

@@ -1,4 +1,4 @@
-"""Users who have changed a file, as far as the audit trail knows."""
+"""Users who have changed a file, according to the audit trail."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from yarclang.pendant.accounts.people import Deed
 
 PREFIX = "file "
-"""Beginning of the actions that change files."""
+"""Prefix of the names of actions that change files."""
 
 
 @dataclass(slots=True)
@@ -18,7 +18,7 @@ class Authors:
     """Authors of a file.
 
     Attributes:
-        users: names of the users who changed the file, the last one first.
+        users: names of the users who changed the file, the most recent one first.
         sha256: hash after the last change; empty if the file was deleted, None if nobody changed it.
     """
 
@@ -30,8 +30,8 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
     """Return the authors of each file.
 
     Args:
-        deeds: entries of the audit trail, newest first. An action that was refused has an entry before the
-            refusal, which is ignored.
+        deeds: entries of the audit trail, newest first. A refused action has two entries: the action, which
+            is ignored, and the refusal.
     """
     found: dict[str, Authors] = {}
     refused: Counter[tuple[str, str, str]] = Counter()
@@ -51,7 +51,7 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
 
 
 def _changed(deed: Deed) -> Iterable[tuple[str, str]]:
-    """Yield the paths that an action has changed, and the hashes of their new content; "?" if unknown."""
+    """Yield the paths that an action has changed, each with the hash of its new content; "?" if unknown."""
     try:
         detail = json.loads(deed.detail)
         file = str(detail["file"])

@@ -22,10 +22,10 @@ class Draft:
     """A file that is being written, in its final folder.
 
     Args:
-        place: of the finished file; its folder stays open as long as the draft.
+        place: place of the finished file; its folder stays open as long as the draft.
 
     Attributes:
-        size: written so far [bytes].
+        size: number of bytes written so far.
 
     Raises:
         OSError: the file can't be created.
@@ -80,17 +80,17 @@ class Draft:
         os.fsync(self._file)
 
     def keep_mode(self, before: os.stat_result) -> None:
-        """Copy the mode of the file that is replaced, and its owner if that is allowed."""
+        """Copy the mode of the file that is replaced, and its owner if permitted."""
         with suppress(OSError):  # only root may change the owner
             os.fchown(self._file, before.st_uid, before.st_gid)
         os.fchmod(self._file, stat.S_IMODE(before.st_mode))
 
     def stand_new(self) -> None:
-        """Give the file its name.
+        """Give the file its name, as a new file.
 
         Raises:
             FileExistsError: the name is taken.
-            OSError: the name can't be given, and the file is discarded.
+            OSError: the name can't be given; the file is discarded.
         """
         try:
             self._link(self._name)
@@ -99,7 +99,7 @@ class Draft:
         except OSError as error:
             if error.errno not in _NO_LINKS or not self._temporary:
                 raise
-            # without links: an empty file reserves the name first
+            # On file systems without hard links, an empty file reserves the name first.
             flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
             os.close(os.open(self._name, flags, 0o666, dir_fd=self._folder))
             self._replace()
@@ -110,7 +110,7 @@ class Draft:
         """Replace the existing file of this name.
 
         Raises:
-            OSError: the file can't be replaced and is unchanged.
+            OSError: the existing file can't be replaced; it is unchanged.
         """
         if not self._temporary:
             name = f".yarc-{secrets.token_hex(8)}"
@@ -137,7 +137,7 @@ class Draft:
             os.fsync(self._folder)
 
     def close(self) -> None:
-        """Discard a file that has no name yet."""
+        """Discard the file if it has no name yet."""
         if self._temporary:
             with suppress(OSError):
                 os.unlink(self._temporary, dir_fd=self._folder)

@@ -1,4 +1,4 @@
-"""The project's folder: the pendant's only access to the files of the project."""
+"""Access to the project's files. The pendant reads and writes these files only through this module."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MOST_COPIED = 1 << 30
 _PIECE = 1 << 20
 
 _OWN = ("", "-wal", "-shm", "-journal")
-"""Endings of the names of SQLite's files."""
+"""Endings of the names of the files that SQLite creates for a database."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +40,8 @@ class Written:
 
     Attributes:
         file: path in the project.
-        size: [bytes].
-        sha256: in hexadecimal digits.
+        size: size [bytes].
+        sha256: SHA-256 of the content in hexadecimal digits.
         changed: time of the last change (UTC).
     """
 
@@ -55,8 +55,9 @@ class ProjectFolder:
     """The files of a project. All functions wait for the disk: call them in a thread.
 
     Args:
-        folder: of the project.
-        database: of the pendant. It and the files beside it are inaccessible, and the trash is beside it.
+        folder: folder of the project.
+        database: database of the pendant. It and the files beside it are inaccessible, and the trash is
+            beside it.
         robots: folders of robots.
 
     Attributes:
@@ -78,11 +79,11 @@ class ProjectFolder:
     # reading
 
     def path(self, name: str) -> Path:
-        """Return the path of a file or folder of the project for code that opens it by its path. It need not
-        exist.
+        """Return the absolute path of a file or folder of the project, for code that opens files by path. The
+        file need not exist.
 
         Raises:
-            Trouble: the path is outside, hidden or private.
+            Trouble: the path is outside of the project, hidden or private.
         """
         with in_words(name):
             inside = name
@@ -132,13 +133,13 @@ class ProjectFolder:
             while data := os.read(handle, _PIECE):
                 pieces.append(data)
                 size += len(data)
-                if size > most:  # the file grows meanwhile
+                if size > most:  # the file is growing meanwhile
                     raise _too_large(name, size, most)
             content = b"".join(pieces)
             return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(told.st_mtime))
 
     def sha256(self, name: str) -> str:
-        """Return the hash of a file of at most the size that can be copied.
+        """Return the hash of a file that isn't larger than `MOST_COPIED`.
 
         Raises:
             Trouble: the file can't be read, or is larger.
@@ -150,7 +151,7 @@ class ProjectFolder:
 
     @contextmanager
     def opened(self, name: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Open a file for reading: its descriptor, its status, and its name without links.
+        """Open a file for reading. Return its descriptor, its status, and its name with links resolved.
 
         Raises:
             Trouble: the file can't be opened.
@@ -171,7 +172,7 @@ class ProjectFolder:
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
-        """Exclude other changes by way of this object while the context lasts."""
+        """Exclude other changes made through this object until the context ends."""
         with self._changing:
             yield
 
@@ -184,8 +185,8 @@ class ProjectFolder:
             known: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version is another one (code "changed"), or the file can't be written and is
-                unchanged.
+            Trouble: the present version isn't `known` (code "changed"), or the file can't be written. The
+                file is unchanged.
         """
         with self.draft(name, len(data)) as draft, in_words(name):
             draft.write(data)
@@ -198,11 +199,11 @@ class ProjectFolder:
             name: path in the project.
             data: the new content.
             known: SHA-256 of the version that is replaced.
-            user: who changes the file.
+            user: user who changes the file.
 
         Raises:
-            Trouble: the present version is another one (code "changed"), or the file can't be written or kept
-                and is unchanged.
+            Trouble: the present version isn't `known` (code "changed"), or the file can't be written or its
+                old version can't be kept. The file is unchanged.
         """
         with self._changing, in_words(name):
             before, told = self.read(name)
@@ -212,7 +213,7 @@ class ProjectFolder:
 
     @contextmanager
     def draft(self, name: str, size: int) -> Iterator[Draft]:
-        """Begin a file that `stand` completes. Without `stand`, nothing is left of it.
+        """Begin a file that `stand` completes. If `stand` isn't called, nothing is left of the file.
 
         Args:
             name: path in the project.
@@ -230,7 +231,7 @@ class ProjectFolder:
             yield made
 
     def stand(self, draft: Draft, name: str, known: str | None) -> Written:
-        """Complete a drafted file, in place of a known version or as a new file.
+        """Complete a drafted file: as a new file, or as a replacement of a known version.
 
         Args:
             draft: the file.
@@ -238,7 +239,7 @@ class ProjectFolder:
             known: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version is another one (code "changed"), or the file can't be written.
+            Trouble: the present version isn't `known` (code "changed"), or the file can't be written.
         """
         with in_words(name):
             draft.settle()
@@ -268,8 +269,8 @@ class ProjectFolder:
         """Copy a file to an unused path.
 
         Args:
-            name: of the file.
-            to: of the copy.
+            name: path of the file.
+            to: path of the copy.
             check: called with the copy before it gets its name.
 
         Raises:
@@ -327,10 +328,10 @@ class ProjectFolder:
                     os.mkdir(place.name, 0o777, dir_fd=place.folder)
 
     def remove_kept(self, name: str) -> None:
-        """Remove a file, or a link to one, whose content is kept elsewhere.
+        """Remove a file, or a link to a file, of which a copy has been kept elsewhere.
 
         Raises:
-            Trouble: it can't be removed.
+            Trouble: the file can't be removed.
         """
         with self._changing, self._places.at(name, link=True) as place:
             self._there(place, name)
@@ -350,21 +351,21 @@ class ProjectFolder:
 
         Args:
             name: path in the project.
-            user: who deletes it.
+            user: user who deletes the file or folder.
 
         Raises:
-            Trouble: it can't be kept in the trash or can't be deleted, and is unchanged.
+            Trouble: the file or folder can't be moved to the trash; it is unchanged.
         """
         with self._changing, self._places.at(name, link=True) as place:
             self._there(place, name)
             return self.trash.take(place, name, user)
 
     def restore(self, number: str) -> str:
-        """Restore a file or folder from the trash. Return its new path, which differs from the old one if
-        that is taken.
+        """Restore a file or folder from the trash. Return its path, which differs from the old path if that
+        is taken.
 
         Raises:
-            Trouble: it isn't in the trash any more, or can't be restored.
+            Trouble: the file or folder is no longer in the trash, or can't be restored.
         """
         with self._changing:
             return self.trash.give_back(number)
@@ -383,7 +384,7 @@ class ProjectFolder:
         return told
 
     def _check_new(self, place: At, name: str, but: os.stat_result | None = None) -> None:
-        """Check that a name is allowed and that no similar name exists, except that of `but`."""
+        """Check that a name is allowed and that no similar name exists, except the name `but`."""
         check_new(place.parts)
         wanted = folded(place.name)
         with os.scandir(place.folder) as listed:
@@ -417,7 +418,7 @@ class Changed(Trouble):
     """Raised if a file differs from the version that the caller knows.
 
     Attributes:
-        sha256: of the present version; empty if there is no file.
+        sha256: SHA-256 of the present version; empty if there is no file.
     """
 
     def __init__(self, name: str, sha256: str) -> None:
@@ -438,7 +439,7 @@ def _as_taken(name: str) -> Iterator[None]:
 
 
 def _moved(old: At, new: At, told: os.stat_result, *, same: bool) -> None:
-    """Move the content of a place to another one, which must be unused unless it is `same`."""
+    """Move a file or folder to another place. The new place must be unused, unless it is `same`."""
     if not same and stat.S_ISREG(told.st_mode):
         try:
             os.link(old.name, new.name, src_dir_fd=old.folder, dst_dir_fd=new.folder, follow_symlinks=False)

@@ -1,7 +1,7 @@
 """Changes in the project's folder since the last commit.
 
-Files are compared here with the hashes that git keeps, because `git status` would run the filters of a
-repository.
+The files are compared here with the hashes that git stores, because `git status` would run the filters that a
+repository defines.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class Commit:
     """A commit.
 
     Attributes:
-        hash: of the commit.
-        who: its author.
-        when: its time (UTC).
-        subject: its first line.
+        hash: hash of the commit.
+        who: author of the commit.
+        when: time of the commit (UTC).
+        subject: first line of the message.
     """
 
     hash: str
@@ -69,10 +69,10 @@ class _Blob:
 
 
 class Git:
-    """The repository of a project's folder. Only one thread at a time may call it.
+    """Access to the repository of a project's folder. Only one thread at a time may call it.
 
     Args:
-        folder: of the project.
+        folder: folder of the project.
     """
 
     def __init__(self, folder: ProjectFolder) -> None:
@@ -80,7 +80,7 @@ class Git:
         self._known: OrderedDict[_Key, str] = OrderedDict()
 
     def state(self) -> State | None:
-        """Return the changes since the last commit; None if the folder is in no work tree.
+        """Return the changes since the last commit; None if the folder isn't in a work tree.
 
         Raises:
             Trouble: git isn't installed, refuses the folder, or takes too long.
@@ -106,10 +106,10 @@ class Git:
         return State(commit or None, changes, cut)
 
     def difference(self, file: str) -> tuple[str, str]:
-        """Return a file's text in the last commit and its present one. A missing text is empty.
+        """Return a file's text in the last commit, and its present text; empty if there is none.
 
         Raises:
-            Trouble: the file is no text or too large, or there is no commit.
+            Trouble: the file isn't text or is too large, or there is no commit.
         """
         commit = self._head()
         if not commit:
@@ -143,7 +143,7 @@ class Git:
             return ""
 
     def _blobs(self) -> dict[str, _Blob]:
-        """Return the files of the last commit in the project's folder."""
+        """Return the files of the last commit that are in the project's folder."""
         found: dict[str, _Blob] = {}
         for row in ask(self._folder.root, "ls-tree", "-r", "-l", "-z", "HEAD").split(b"\0"):
             told, _, name = row.partition(b"\t")
@@ -168,7 +168,7 @@ class Git:
                     return True
                 data = _whole(handle).replace(b"\r\n", b"\n")  # a work tree may have other line endings
                 return _hashed(kind, data) != blob.hash
-        except Trouble:  # it was removed, or is no file any more
+        except Trouble:  # the file was removed, or is no regular file any more
             return True
 
     def _hash(self, handle: int, key: _Key) -> str:
@@ -182,10 +182,10 @@ class Git:
 
 
 def text_of(file: str, content: bytes) -> str:
-    """Return what a file says.
+    """Return the text of a file's content.
 
     Raises:
-        Trouble: it is no text in UTF-8.
+        Trouble: the content isn't UTF-8.
     """
     try:
         text = content.decode()
@@ -229,7 +229,7 @@ def _whole(handle: int) -> bytes:
 
 
 def _hashed(kind: str, data: bytes) -> str:
-    """Return the hash that git keeps of a file's content."""
+    """Return the hash of a file's content as git computes it."""
     return hashlib.new(kind, b"blob %d\0" % len(data) + data, usedforsecurity=False).hexdigest()
 
 

@@ -1,5 +1,5 @@
-"""Files that describe the robot or its cell. Only service users who have entered their PIN may change
-them.
+"""Check for files that describe the robot or its cell. Only service users who have entered their PIN may
+change these files.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from yarclang.toml.bodies import MESHES
 
 _DESCRIBES = (".toml", ".urdf", ".xacro", ".srdf", *MESHES)
 _SCRIPT = ".inputs.toml"
-"""Ending of scripts for a simulated robot's inputs, which aren't guarded."""
+"""Ending of the names of scripts for a simulated robot's inputs, which aren't guarded."""
 _MOST_SEEN = 20_000
-"""Most names that are read in a folder. A larger folder counts as guarded."""
+"""Most names that are read of a folder. A larger folder counts as guarded."""
 
 
 def describes(name: str) -> bool:
@@ -30,11 +30,13 @@ def describes(name: str) -> bool:
 
 
 class Guarded:
-    """Guard of a project's descriptions, by whatever name they are reached. Its functions wait for the disk.
+    """Check whether paths of a project lead to descriptions of the robot or the cell, by whatever name. Its
+    functions wait for the disk.
 
     Args:
-        places: of the project.
-        folders: of robots. All files in them are guarded, unless the project's own folder is one of them.
+        places: places of the project.
+        folders: folders of robots. All of their files are guarded, unless the project's own folder is one of
+            them.
     """
 
     def __init__(self, places: Places, folders: Iterable[Path] = ()) -> None:
@@ -42,20 +44,21 @@ class Guarded:
         self._folders = tuple(one.resolve() for one in folders)
 
     def objection(self, *names: str) -> str:
-        """Return why one of the paths is guarded, in words; empty if none is.
+        """Return the reason why one of the paths is guarded; empty if none is.
 
         Args:
-            names: paths from the top of files, links or folders, which need not exist.
+            names: paths, relative to the project's folder, of files, links or folders. They need not exist.
         """
         look = _Look(self._places, self._folders)
         return next((reason for name in names if (reason := look.reason(name))), "")
 
     def objection_to_kept(self, content: Path, name: str) -> str:
-        """Return why a file or folder in the trash may not be restored to a path, in words; empty if it may.
+        """Return the reason why a file or folder in the trash may not be restored to a path; empty if it may
+        be.
 
         Args:
-            content: where the trash keeps it.
-            name: the path to which it would be restored.
+            content: path of the file or folder in the trash.
+            name: path to which it would be restored.
         """
         look = _Look(self._places, self._folders)
         if reason := look.reason(name):
@@ -65,8 +68,8 @@ class Guarded:
 
 
 class _Look:
-    """One examination of a project. The files that yarc.toml names, and files with several names, are found
-    once.
+    """Examination of a project for one request. The files that yarc.toml names, and files with several names,
+    are searched only once.
     """
 
     def __init__(self, places: Places, folders: tuple[Path, ...]) -> None:
@@ -94,7 +97,7 @@ class _Look:
         return ""
 
     def inside(self, folder: Path) -> str:
-        """Return a guarded file in a folder or below it; empty if there is none."""
+        """Return a guarded file in a folder or its subfolders; empty if there is none."""
         for one in self._robots:
             if one.is_relative_to(folder):
                 return one.name
@@ -121,7 +124,7 @@ class _Look:
 
     @cached_property
     def _identities(self) -> frozenset[tuple[int, int]]:
-        """Device and inode of the files that are guarded by name, because a file may have several names (hard
+        """Devices and inodes of the files that are guarded by name. A file may have further names (hard
         links).
         """
         found = set()

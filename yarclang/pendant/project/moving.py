@@ -1,5 +1,5 @@
-"""Moves of files and folders from one disk to another. Links are moved as links, so that nothing outside is
-read or removed.
+"""Moves of files and folders from one disk to another. Links are moved as links, so that nothing outside of
+the folder is read or removed.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ def measured(folder: int, name: str) -> int:
 
     Args:
         folder: an open folder.
-        name: of the file or folder in it.
+        name: name of the file or folder in `folder`.
 
     Raises:
-        Trouble: it holds too many files, or a pipe or a device.
-        OSError: it can't be read.
+        Trouble: the folder contains too many files, or a pipe or a device.
+        OSError: the file or folder can't be read.
     """
     left = [_MOST_THINGS]
     return _size(folder, name, left, 0)
@@ -61,12 +61,12 @@ def carried(folder: int, name: str, to: int, new: str) -> None:
 
     Args:
         folder: an open folder.
-        name: of the original in it.
+        name: name of the original in `folder`.
         to: another open folder.
-        new: unused name for the copy in it.
+        new: unused name for the copy in `to`.
 
     Raises:
-        OSError: it can't be copied; a partial copy is left.
+        OSError: the original can't be copied; a partial copy remains.
     """
     told = os.stat(name, dir_fd=folder, follow_symlinks=False)
     if stat.S_ISLNK(told.st_mode):
@@ -110,7 +110,7 @@ def _carry_file(folder: int, name: str, to: int, new: str) -> None:
 
 
 def _keep(told: os.stat_result, target: int) -> None:
-    """Copy owner, mode and times."""
+    """Give a copy the owner, mode and times of its original."""
     with suppress(OSError):  # only root may change the owner
         os.fchown(target, told.st_uid, told.st_gid)
     os.fchmod(target, stat.S_IMODE(told.st_mode))

@@ -13,7 +13,7 @@ MOST_PATH = 1000
 """Longest path from the project's folder [bytes in UTF-8]."""
 
 _DIRECTIONS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Characters that change the direction of a text, with which a name could look like another one."""
+"""Characters that change the direction of a text, by which one name could look like another."""
 
 
 def quoted(name: str) -> str:
@@ -22,10 +22,10 @@ def quoted(name: str) -> str:
 
 
 def parts_of(name: str) -> tuple[str, ...]:
-    """Return the folders of a path and its last name.
+    """Return the parts of a path: its folders and its last name.
 
     Raises:
-        Trouble: the path isn't allowed: it is empty, absolute, hidden or too long, or leads upwards.
+        Trouble: the path isn't allowed: it is empty, absolute, hidden or too long, or contains `..`.
     """
     if not name or "\0" in name or not _is_text(name):
         raise Trouble(f"{quoted(name)} isn't the name of a file", "name a file of the project", "")
@@ -62,8 +62,8 @@ def check_new(parts: tuple[str, ...]) -> None:
 
 
 def folded(name: str) -> str:
-    """Return a form of a name that is equal for names that some systems, and most people, take for the
-    same.
+    """Return a form of a name that is equal for all names that some systems or most people can't
+    distinguish.
     """
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
@@ -86,6 +86,6 @@ def _objection(name: str) -> str:
 def _is_text(name: str) -> bool:
     try:
         name.encode()
-    except UnicodeEncodeError:  # bytes that are no UTF-8, or half a surrogate pair
+    except UnicodeEncodeError:  # bytes that aren't UTF-8, or half a surrogate pair
         return False
     return True

@@ -1,4 +1,4 @@
-"""Access to files of a folder that can't be led outside, whatever others do to the folder meanwhile."""
+"""Access to the files of a folder. It never leaves the folder, even if others change the folder meanwhile."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ _REASONS = {
 
 
 def said(error: OSError, name: str) -> Trouble:
-    """Return an error of the operating system about a file, in words."""
+    """Return a description of an operating system's error about a file."""
     why, remedy = _REASONS.get(error.errno or 0, (reason_of(error), "look at the file"))
     return Trouble(f"{quoted(name)}: {why}", remedy, "missing" if error.errno == errno.ENOENT else "")
 
 
 @contextmanager
 def in_words(name: str) -> Iterator[None]:
-    """Turn errors of the operating system about a file into `Trouble`."""
+    """Convert errors of the operating system about a file to `Trouble`."""
     try:
         yield
     except OSError as error:
@@ -53,12 +53,12 @@ def in_words(name: str) -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True)
 class At:
-    """A place in a folder.
+    """Place of a file in a folder.
 
     Attributes:
         folder: descriptor of the open folder.
-        name: in the folder; it need not exist.
-        parts: its path from the top, without links.
+        name: name in the folder. The file need not exist.
+        parts: path from the top of the project, with links resolved.
     """
 
     folder: int
@@ -76,7 +76,7 @@ class At:
         """Open an existing file. Pipes and devices are refused, because they have no end.
 
         Raises:
-            OSError: it is no file, or doesn't exist any more.
+            OSError: the name isn't that of a file, or the file doesn't exist any more.
         """
         handle = os.open(
             self.name, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY, dir_fd=self.folder
@@ -92,7 +92,7 @@ class Places:
 
     Args:
         root: the folder.
-        private: files and folders in it that are inaccessible.
+        private: files and folders in `root` that must not be accessed.
     """
 
     def __init__(self, root: Path, private: tuple[Path, ...] = ()) -> None:
@@ -110,15 +110,16 @@ class Places:
 
     @contextmanager
     def at(self, name: str, *, link: bool = False, make: bool = False) -> Iterator[At]:
-        """Open the folder of a place. Links on the way are followed if they lead to a place in the project.
+        """Open the folder that contains a place. Links on the way are followed if their targets are in the
+        project.
 
         Args:
-            name: path from the top.
-            link: True to address a link in the last place itself, not its target.
+            name: path from the top of the project.
+            link: True to address a link itself if the last name is one, not its target.
             make: True to create missing folders on the way.
 
         Raises:
-            Trouble: the place is outside, private or hidden, or can't be reached.
+            Trouble: the place is outside of the project, private or hidden, or can't be reached.
         """
         with in_words(name):
             parts = self.resolved(name, link=link)
@@ -135,10 +136,10 @@ class Places:
                 os.close(handle)
 
     def resolved(self, name: str, *, link: bool = False) -> tuple[str, ...]:
-        """Return the path of a place without links.
+        """Return the path of a place with links resolved.
 
         Raises:
-            Trouble: the place is outside, private or hidden.
+            Trouble: the place is outside of the project, private or hidden.
             OSError: links form a loop.
         """
         parts = parts_of(name)
@@ -168,11 +169,11 @@ class Places:
         return inner
 
     def is_private(self, told: os.stat_result) -> bool:
-        """Return True if a status is that of a private file or folder, under whatever name."""
+        """Return True if a file's status is that of a private file or folder, whatever its name."""
         return (told.st_dev, told.st_ino) in self.private_now()
 
     def private_now(self) -> frozenset[tuple[int, int]]:
-        """Return device and inode of the private files and folders."""
+        """Return the devices and inodes of the private files and folders."""
         return _identities(self._private)
 
     def holds_private(self, told: os.stat_result) -> bool:

@@ -1,4 +1,4 @@
-"""Free space on a disk, of which some is reserved for logs."""
+"""Check of the free space on a disk. Some space is reserved for logs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def check_room(disk: os.statvfs_result, size: int, what: str) -> None:
     """Check that a disk has room.
 
     Args:
-        disk: its state from the operating system.
-        size: that is needed [bytes].
+        disk: state of the disk, from the operating system.
+        size: required space [bytes].
         what: subject and verb for the message: "the backup has".
 
     Raises:

@@ -1,4 +1,4 @@
-"""The trash: deleted files beside the pendant's data, bounded in number, age and size."""
+"""The trash: deleted files, stored beside the pendant's data. Their number, age and size are limited."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MOST_AGE = 30 * 86400.0
 MOST_SIZE = 2_000_000_000
 """Largest size of the trash [bytes]."""
 LARGEST = 500_000_000
-"""Largest file or folder that is kept [bytes]; a larger one can't be deleted."""
+"""Largest file or folder that can be moved to the trash [bytes]; a larger one can't be deleted."""
 
 _CONTENT, _NOTE = "content", "deleted.json"
 
@@ -37,12 +37,12 @@ class Deleted:
     """A deleted file or folder.
 
     Attributes:
-        number: in the trash.
+        number: number in the trash.
         file: its path in the project.
-        size: [bytes].
+        size: size [bytes].
         at: time of the deletion [s since 1970].
         deleted: time of the deletion as text (UTC).
-        user: who deleted it.
+        user: user who deleted it.
         is_folder: True for a folder.
     """
 
@@ -61,11 +61,11 @@ class Keeping:
 
     Attributes:
         name: its path in the project.
-        user: who keeps it.
-        number: in the trash.
+        user: user who keeps it.
+        number: number in the trash.
         at: time of its creation [s since 1970].
         file: the open file.
-        size: so far [bytes].
+        size: number of bytes so far.
     """
 
     name: str
@@ -101,8 +101,8 @@ class Trash:
     """The trash. Only one thread at a time may change it.
 
     Args:
-        folder: of the trash; created with the first file.
-        places: of the project.
+        folder: folder of the trash; created with the first file.
+        places: places of the project.
     """
 
     def __init__(self, folder: Path, places: Places) -> None:
@@ -115,12 +115,12 @@ class Trash:
 
         Args:
             place: an open place of the project.
-            name: its path.
-            user: who deletes it.
+            name: path of the file or folder in the project.
+            user: user who deletes it.
 
         Raises:
-            Trouble: it is too large, or holds a file that can't be kept.
-            OSError: it can't be moved, and is unchanged.
+            Trouble: the file or folder is too large, or contains something that can't be kept.
+            OSError: the file or folder can't be moved; it is unchanged.
         """
         told = os.stat(place.name, dir_fd=place.folder, follow_symlinks=False)
         size = measured(place.folder, place.name)
@@ -140,7 +140,8 @@ class Trash:
         hidden = f".yarc-deleted-{number}"
         try:
             _write(kept / _NOTE, asdict(made))
-            # hide it first, so that nobody changes it while it is copied to another disk
+            # Rename the folder to a hidden name first, so that nobody changes it while it is copied to
+            # another disk.
             os.rename(place.name, hidden, src_dir_fd=place.folder, dst_dir_fd=place.folder)
             try:
                 self._bring(place.folder, hidden, kept)
@@ -154,15 +155,15 @@ class Trash:
         return made
 
     def keep(self, name: str, content: bytes, user: str) -> Deleted:
-        """Keep a text before it is changed.
+        """Keep the old version of a text before it is changed.
 
         Args:
             name: path in the project.
             content: the old text.
-            user: who changes it.
+            user: user who changes it.
 
         Raises:
-            OSError: it can't be kept.
+            OSError: the text can't be kept.
         """
         with self.keeping(name, user) as keeping:
             keeping.write(content)
@@ -174,11 +175,11 @@ class Trash:
 
         Args:
             name: path to which it will be restored.
-            user: who keeps it.
+            user: user who keeps it.
 
         Raises:
             Trouble: the file is too large.
-            OSError: it can't be kept.
+            OSError: the file can't be kept.
         """
         now = time.time()
         number = f"{int(now * 1000):014d}-{secrets.token_hex(4)}"
@@ -205,7 +206,7 @@ class Trash:
         """Open a file of the trash. Return its record and its descriptor.
 
         Raises:
-            Trouble: it isn't in the trash any more, or is no file.
+            Trouble: it is no longer in the trash, or is not a file.
         """
         found = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
         if found is None:
@@ -226,16 +227,16 @@ class Trash:
                 carried(folder, name, target, part)
                 os.rename(part, _CONTENT, src_dir_fd=target, dst_dir_fd=target)
                 os.fsync(target)
-                with suppress(OSError):  # all of it is in the trash: the rest stays hidden
+                with suppress(OSError):  # all of the folder is in the trash; a hidden rest may remain
                     removed(folder, name)
         finally:
             os.close(target)
 
     def give_back(self, number: str) -> str:
-        """Restore a file or folder. Return its path, with a number in it if the old one is taken.
+        """Restore a file or folder. Return its path, to which a number is added if the old path is taken.
 
         Raises:
-            Trouble: it isn't in the trash any more.
+            Trouble: the file or folder is no longer in the trash.
             OSError: it can't be moved, and stays in the trash.
         """
         found = next((one for one in self.kept() if one.number == number), None)
@@ -291,7 +292,7 @@ class Trash:
         return tuple(found)
 
     def _bound(self) -> None:
-        """Remove files and folders that exceed the age or size, oldest first."""
+        """Remove files and folders that exceed the limits of age or size, oldest first."""
         now, size = time.time(), 0
         for count, one in enumerate(self.kept()):
             size += one.size
@@ -299,7 +300,7 @@ class Trash:
                 shutil.rmtree(self._folder / one.number, ignore_errors=True)
 
     def _recover(self) -> None:
-        """Show files again that were hidden when the computer was switched off during a deletion."""
+        """Rename back the files that were hidden when the computer was switched off during a deletion."""
         with suppress(OSError):
             for one in list(self._folder.iterdir()):
                 note = _read(one / _NOTE)
@@ -310,8 +311,8 @@ class Trash:
         self._bound()
 
     def _shows_again(self, note: Deleted) -> bool:
-        """Rename a hidden file back to its name if that is free. Return True if nothing of the file is hidden
-        any more.
+        """Rename a hidden file to its old name if that is free. Return True if no hidden file of this name
+        is left.
         """
         hidden = f".yarc-deleted-{note.number}"
         with suppress(Trouble, OSError), self._places.at(note.file, link=True) as place:

@@ -1,4 +1,4 @@
-"""Listing of the project's folder in bounded time: names, sizes, times."""
+"""Listing of the project's folder in limited time: names, sizes and times."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from yarclang.pendant.project.places import Places
 from yarclang.runtime.actions import Trouble
 
 MOST_SEEN = 300_000
-"""Most names that are read in a folder and all folders below it."""
+"""Most names that are read of a folder and all of its subfolders."""
 
 MOST_IN_FOLDER = 20_000
-"""Most names of one folder that are listed. More take too long to sort."""
+"""Most names that are listed of one folder, because sorting more would take too long."""
 
 _BREATH = 100
-"""Names after which the thread pauses briefly, so that it doesn't keep the interpreter from the loop that
-streams.
+"""Number of names after which the thread pauses briefly, so that it doesn't block the loop that streams to
+the controller.
 """
 
 DEEPEST = 60
@@ -34,7 +34,7 @@ class Entry:
 
     Attributes:
         file: its path in the project.
-        size: [bytes].
+        size: size [bytes].
         changed: time of the last change (UTC).
         is_folder: True for a folder.
     """
@@ -50,8 +50,8 @@ class Walk:
     """A walk through a folder.
 
     Attributes:
-        places: of the folder.
-        suffixes: of the wanted files, in lower case; empty for all files and folders.
+        places: places of the project.
+        suffixes: suffixes of the wanted files, in lower case; empty for all files and folders.
         cut: True if there are more files than were read.
     """
 
@@ -63,8 +63,8 @@ class Walk:
     _private: frozenset[tuple[int, int]] = frozenset()
 
     def entries(self) -> Iterator[Entry]:
-        """Yield files and folders, sorted by name. Hidden and private ones, pipes, devices and links outside
-        are left out.
+        """Yield files and folders, sorted by name. Hidden and private files, pipes, devices and links to the
+        outside are left out.
         """
         self._private = self.places.private_now()
         with self.places.top() as top:
@@ -145,7 +145,7 @@ class Walk:
 
 
 def moment(seconds: float) -> str:
-    """Format a time since 1970 [s] in UTC."""
+    """Return a time since 1970 [s] as text in UTC."""
     try:
         return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
     except (OverflowError, OSError, ValueError):

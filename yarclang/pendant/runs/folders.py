@@ -1,4 +1,6 @@
-"""Folders of logs: the project, and the folder for logs of this robot's motions."""
+"""Folders that contain logs: the project's folder, and the folder in which this robot's motions are
+logged.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +24,9 @@ class LogFile:
     """A file with the name of a log.
 
     Attributes:
-        place: folder that holds it.
-        file: path in that folder.
-        size: [bytes].
+        place: folder that contains it.
+        file: path in this folder.
+        size: size [bytes].
         changed: time of the last change (UTC).
     """
 
@@ -35,12 +37,12 @@ class LogFile:
 
 
 class LogFolders:
-    """The two folders. All functions wait for the disk: call them in a thread.
+    """The two folders with logs. All functions wait for the disk: call them in a thread.
 
     Args:
         project: the project's folder.
         logs: folder or file for logs of motions; None if unknown.
-        database: of the pendant, which is inaccessible.
+        database: database of the pendant, which is inaccessible.
     """
 
     def __init__(self, project: ProjectFolder, logs: Path | None, database: Path) -> None:
@@ -65,7 +67,7 @@ class LogFolders:
         return self._logs.parent if is_file else self._logs
 
     def files(self) -> tuple[tuple[LogFile, ...], bool]:
-        """Return the logs, latest change first, and True if there may be more."""
+        """Return the logs, last changed first, and True if there may be more."""
         found, cut = self._project.with_suffix(_LOGS, _MOST)
         listed = [LogFile("project", one.file, one.size, one.changed) for one in found]
         if (other := self._elsewhere()) is not None:
@@ -77,7 +79,7 @@ class LogFolders:
         return tuple(sorted(listed, key=lambda one: one.changed, reverse=True)), cut
 
     def _elsewhere(self) -> ProjectFolder | None:
-        """Return the folder of the logs, if it exists and is outside of the project."""
+        """Return the folder in which motions are logged, if it exists and is outside of the project."""
         if self._logs is None:
             return None
         folder = self._folder()
@@ -89,10 +91,10 @@ class LogFolders:
 
     @contextmanager
     def opened(self, place: Place, file: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Open a log for reading: its descriptor, its status, and its name without links.
+        """Open a log for reading. Return its descriptor, its status, and its name with links resolved.
 
         Args:
-            place: folder that holds it.
+            place: folder that contains it.
             file: path in that folder.
 
         Raises:

@@ -1,4 +1,4 @@
-"""List of logs with their summaries, which are read again only after a change of the file."""
+"""List of logs with their summaries. A summary is read again only after its file has changed."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _UNREADABLE = Brief("", "", "", "", "", "", is_known=False, is_whole=False)
 
 
 class Listing:
-    """The list of logs. Its function waits for the disk: call it in a thread.
+    """The list of logs. `listed` waits for the disk: call it in a thread.
 
     Args:
-        folders: of the logs.
+        folders: folders of the logs.
         wall: the time of day [s].
     """
 
@@ -36,10 +36,10 @@ class Listing:
         self._known: OrderedDict[LogFile, Brief] = OrderedDict()
 
     def listed(self, written: str) -> RunList:
-        """Return the logs.
+        """Return the summaries of the logs.
 
         Args:
-            written: name of the file that is being written; empty if there is none.
+            written: name of the log that is being written; empty if there is none.
         """
         files, cut = self._folders.files()
         shown = tuple(self._shown(one, written) for one in files[:MOST])
@@ -82,7 +82,7 @@ class Listing:
                 found = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)
                 age = self._wall() - told.st_mtime
         except (Trouble, OSError):
-            return _UNREADABLE, _FRESH  # it was removed meanwhile, or can't be read
+            return _UNREADABLE, _FRESH  # the log was removed meanwhile, or can't be read
         brief = found or _UNREADABLE
         if brief.is_whole or (found is None and age > _FRESH):
             self._known[file] = brief

@@ -1,5 +1,5 @@
-"""Complete reading of logs, each in a process of its own with bounded memory and time, so that it can't
-disturb the process that streams.
+"""Reading of logs. Each log is read in a process of its own, with limited memory and time, so that it can't
+disturb the process that streams to the controller.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from yarclang.pendant.runs.shown import Window
 from yarclang.runtime.actions import Trouble
 
 LARGEST = 256 << 20
-"""Largest log that is read [bytes]. An hour takes some 10 MB."""
+"""Largest log that is read [bytes]. A run of one hour takes about 10 MB."""
 
 AT_ONCE, WAITING = 2, 8
-"""Most processes at a time, and most requests that may wait."""
+"""Most processes at the same time, and most requests that may wait."""
 
 _MOST_MEMORY = 3 << 30
-"""Address space of a process [bytes]; its libraries take 1 GiB of it."""
+"""Largest address space of a process [bytes]; its libraries take 1 GiB."""
 
 _LONGEST = 60.0
 """Longest time of a process [s]."""
@@ -45,7 +45,7 @@ class Readings:
 
         Args:
             handle: the open file.
-            told: status of the file.
+            told: status of the file from the operating system.
             window: time range of the lines [s]; None for all.
 
         Raises:

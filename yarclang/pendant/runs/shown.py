@@ -1,4 +1,4 @@
-"""Content of a log as a message. Computed in a process of its own, because a log may be large or hostile."""
+"""Conversion of a log to a message. It runs in a process of its own, because a log may be large or forged."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ from yarclang.runtime.notices import Remark
 from yarclang.runtime.state import State
 
 _INTERVALS = 1000
-"""Most intervals of a line in all; each has two points."""
+"""Most intervals of a line, summed over all passes. Two points are drawn for each interval."""
 _FEWEST = 20
-"""Fewest intervals of one pass among many."""
+"""Fewest intervals of a pass if there are many passes."""
 _MOST_ROWS = 1500
-"""Most positions of the path."""
+"""Most positions of the robot's path."""
 _MOST_EVENTS, _MOST_SPANS, _MOST_SIGNALS, _MOST_STRETCHES = 1000, 1000, 32, 1000
 _LONGEST = 500
-"""Longest text [characters]."""
+"""Longest text of an event [characters]."""
 
 Window = tuple[float, float]
 """Time range of lines [s since the log was opened]."""
 
 
 class CannotShow(Exception):  # noqa: N818 - it is an answer
-    """Raised with the reason if a log can't be shown."""
+    """Raised if a log can't be shown; the message is the reason."""
 
 
 def shown(file: str, window: Window | None = None) -> said.RunShown:
     """Return the content of a log.
 
     Args:
-        file: its path.
+        file: path of the log.
         window: time range of the lines; None for all.
 
     Raises:
@@ -142,7 +142,7 @@ def _line(
     breaks: list[int],
     window: Window | None,
 ) -> said.RunLines:
-    """Return lines, thinned separately for each pass."""
+    """Return a message with lines, thinned separately for each pass."""
     ends = [0, *(one for one in breaks if 0 < one < len(times)), len(times)]
     inside = np.ones(len(times), dtype=bool)
     if window is not None:
@@ -207,7 +207,7 @@ def _events(run: RecordedRun) -> Iterator[said.RunEvent]:
 
 
 def _way(run: RecordedRun) -> said.RunWay:
-    """Return the robot's path, evenly thinned."""
+    """Return the robot's path, thinned evenly."""
     count = len(run.times)
     if not count:
         return said.RunWay(times=(), joints=())
@@ -220,7 +220,7 @@ def _way(run: RecordedRun) -> said.RunWay:
 
 
 def _clean(values: Array) -> Array:
-    """Return values with non-finite ones replaced: a forged log may contain them."""
+    """Return values in which non-finite numbers are replaced, because a forged log may contain them."""
     found: Array = np.nan_to_num(values, nan=0.0, posinf=1e12, neginf=-1e12).clip(-1e12, 1e12)
     return found
 
@@ -230,11 +230,11 @@ def _finite(value: float) -> float:
 
 
 def as_json(file: str, window: Window | None = None) -> str:
-    """Return the content of a log as JSON. If it can't be shown, the object has only `refused`, with the
-    reason.
+    """Return the content of a log as JSON. If the log can't be shown, the object has only the key `refused`,
+    with the reason.
 
     Args:
-        file: its path.
+        file: path of the log.
         window: time range of the lines [s]; None for all.
     """
     try:
@@ -249,8 +249,8 @@ def as_json(file: str, window: Window | None = None) -> str:
 
 
 def main() -> None:
-    """Write the content of the log in the first argument to standard output, as JSON. Two more arguments give
-    the time range of lines [s].
+    """Write the content of a log to standard output, as JSON. The first argument is the path of the log; two
+    more arguments give the time range of the lines [s].
     """
     file, *given = sys.argv[1:]
     sys.stdout.write(as_json(file, (float(given[0]), float(given[1])) if given else None))

@@ -1,1 +1,3 @@
-"""The robot in three dimensions: the viewer's stage as messages and as binary meshes for browsers."""
+"""The robot in three dimensions: conversion of the viewer's stage to messages and binary meshes for
+browsers.
+"""

@@ -1,4 +1,4 @@
-"""A stage for pages: a description, and the meshes that it names."""
+"""Description of a stage for pages, with the meshes that it uses."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from yarclang.view.camera import first_view, shown_box
 from yarclang.view.stage import Item, Stage
 
 MOST_TRIANGLES = 600_000
-"""Most triangles of all meshes together, for tablets. Further bodies are left out, with a note."""
+"""Most triangles of all meshes together, so that tablets can draw them. Further bodies are left out, with
+a note.
+"""
 MOST_ITEMS = 2000
 """Most bodies. Further ones are left out, with a note."""
 
@@ -30,9 +32,9 @@ class Drawn:
 
     Attributes:
         shown: its description.
-        meshes: by their ids.
-        near: bodies of the collision check; None if distances aren't checked.
-        made: meshes by their source, for reuse.
+        meshes: meshes by their ids.
+        near: bodies for the distance check; None if distances aren't checked.
+        made: meshes by their source, for reuse in the next scene.
     """
 
     shown: SceneShown
@@ -42,10 +44,10 @@ class Drawn:
 
 
 def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
-    """Describe a stage.
+    """Convert a stage to a scene for pages.
 
     Args:
-        stage: of the robot at rest, or of a program, with the times at which it has its parts.
+        stage: stage of the robot at rest, or of a program, with the times at which it has its parts.
         before: the previous scene, whose meshes are reused.
     """
     kept, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))
@@ -100,7 +102,7 @@ def _key(solid: Solid) -> bytes:
 
 
 def _bounded(items: Iterable[Item]) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Return the items that are drawn, and a note about those that aren't."""
+    """Return the items that are drawn, and a note about those that are left out."""
     kept: list[Item] = []
     left: list[str] = []
     sizes: dict[int, int] = {}
@@ -153,7 +155,7 @@ def _box(items: Iterable[Item]) -> tuple[Array, Array]:
 
 
 def _tool_axis(stage: Stage) -> Array:
-    """Return the last joint's axis (3,) with all joints at zero, directed towards the tool."""
+    """Return the axis (3,) of the last joint with all joints at zero, directed towards the tool."""
     chain = stage.robot.chain
     axis = chain.screws[-1, 3:] if chain.screws[-1, 3:].any() else chain.screws[-1, :3]
     tool = (chain.base_from_flange @ stage.flange_from_frame)[:3, 3]

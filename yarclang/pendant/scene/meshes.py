@@ -1,4 +1,6 @@
-"""Binary meshes: corners, normals that break at edges, and triangles. Ids are derived from the content."""
+"""Binary meshes: corners, triangles, and normals that are not smoothed across sharp edges. Ids are hashes of
+the content.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +15,16 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Rows
 
 _EDGE = np.cos(np.deg2rad(35.0))
-"""Cosine of the angle between two faces above which their common edge is drawn sharp."""
+"""Cosine of the angle between the normals of two faces beyond which their common edge is drawn sharp."""
 _MOST_AROUND = 64
-"""Most faces around a corner that are examined."""
+"""Most faces around one corner that are compared."""
 _LARGE = 4096
-"""Size from which a mesh is also kept compressed [bytes]."""
+"""Size from which a mesh is also stored compressed [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Blob:
-    """A mesh as it is sent.
+    """A mesh in its binary format.
 
     Little endian: the numbers V and F (uint32), V corners x y z (float32) [m], F triangles (3 x uint32), V
     normals x y z (int8, scaled by 127).
@@ -30,7 +32,7 @@ class Blob:
     Attributes:
         id: hash of the content.
         content: the bytes.
-        packed: the bytes compressed by gzip; empty for a small mesh.
+        packed: the bytes compressed with gzip; empty for a small mesh.
     """
 
     id: str
@@ -56,8 +58,8 @@ def blob_of(solid: Solid) -> Blob:
 
 
 def creased(solid: Solid) -> tuple[Array, Array, Rows]:
-    """Compute normals for each corner of each face: the mean over the faces around the corner that meet its
-    face at a small angle.
+    """Compute a normal for each corner of each face: the mean over those faces around the corner that meet
+    this face at a small angle.
 
     Returns:
         Corners (V, 3), their normals (V, 3), and faces (F, 3). A corner is repeated for each of its normals.
@@ -67,7 +69,7 @@ def creased(solid: Solid) -> tuple[Array, Array, Rows]:
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(across, axis=1, keepdims=True)
     flat = across / np.maximum(area, 1e-300)
-    # merge corners at the same place, which files often repeat
+    # Merge corners at the same place: in many files, every face has its own corners.
     size = float(np.abs(solid.vertices).max(initial=1e-9))
     _, place = np.unique(_packed(np.round(solid.vertices / (size * 1e-6)), 21), return_inverse=True)
     at = place.reshape(-1)[faces].ravel()
@@ -85,7 +87,7 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
         at: (3 F,) the place of each corner.
         own: (3 F,) the face of each corner.
         flat: (F, 3) unit normals of the faces.
-        across: (F, 3) normals of the faces, with their areas as lengths.
+        across: (F, 3) normals of the faces, whose lengths are twice the areas.
     """
     order = np.argsort(at, kind="stable")
     _, begins, counts = np.unique(at[order], return_index=True, return_counts=True)
@@ -94,6 +96,8 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
     count, begin = np.repeat(counts, counts), np.repeat(begins, counts)
     mine = own[order]
     rows = np.arange(len(at))
+    # In round `step`, each corner of a face looks at the face that is `step` places further in the group of
+    # faces around the same place.
     for step in range(min(int(counts.max(initial=0)), _MOST_AROUND)):
         rows = rows[count[rows] > step]
         here, other = mine[rows], mine[begin[rows] + (rank[rows] + step) % count[rows]]
@@ -104,7 +108,7 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
 
 
 def _packed(values: Array, bits: int) -> Rows:
-    """Pack three signed integers (N, 3) of `bits` bits each into one (N,)."""
+    """Pack three signed integers of `bits` bits each (N, 3) into one integer (N,)."""
     whole = values.astype(np.int64) + (1 << (bits - 1))
     found: Rows = (whole[:, 0] << (2 * bits)) | (whole[:, 1] << bits) | whole[:, 2]
     return found

@@ -1,5 +1,5 @@
-"""The stage of a loaded program: its own cell, its frames, and its parts over the time of its longest
-branches.
+"""The stage of a loaded program: its own cell, its frames, and its parts over the time of the program's
+longest branches.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ _UNPLANNED = (
 
 
 def stage_of_loaded(robot: Robot, loaded: Loaded) -> Stage:
-    """Return the stage of a program before it is run, with the times of the coordinator's `course`.
+    """Return the stage of a program before it is run. Its times are those of the coordinator's `course`.
 
     Args:
-        robot: that runs the program.
+        robot: robot that runs the program.
         loaded: the program.
     """
     plan = loaded.plan or loaded.text_plan
@@ -72,7 +72,9 @@ def _noted(stage: Stage, title: str, notes: tuple[str, ...]) -> Stage:
 
 
 def _parts(robot: Robot, plan: MotionPlan, longest: set[int]) -> ShownParts | None:
-    """Return the parts over the time of the longest branches. Effects of other branches aren't shown."""
+    """Return the parts over the time of the program. Only its longest branches are shown, not the effects of
+    other branches.
+    """
     ends = {one.step: one.curve.points[-1] for one in plan.motions}
     left_out = [number for number in range(len(plan.program.steps)) if number not in longest]
     carried = carried_parts(robot, plan.program, plan.program.start, ends, left_out)

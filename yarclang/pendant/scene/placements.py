@@ -1,4 +1,4 @@
-"""Placements of a robot's links as positions and quaternions, so that pages need no kinematics."""
+"""Placements of a robot's links as positions and quaternions, so that pages don't need the kinematics."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from yarclang.transforms import quaternions
 
 
 def moved_links(chain: Chain, q: Array) -> Array:
-    """Compute the displacement of the links by the joints.
+    """Compute the displacement of the links for joint positions.
 
     Args:
-        chain: n joints.
-        q: (N, n) [rad or m].
+        chain: kinematic chain with n joints.
+        q: (N, n) joint positions [rad or m].
 
     Returns:
-        (N, n, 4, 4): transforms from a link's pose with all joints at zero to its pose. Row k is for links
-        moved
-            by the first k + 1 joints.
+        (N, n, 4, 4): transforms from a link's pose with all joints at zero to its pose at q. Matrix k applies
+            to the links that the first k + 1 joints move.
     """
     count = len(q)
     moved = np.empty((count, chain.size, 4, 4))
     before = np.broadcast_to(np.eye(4), (count, 4, 4))
+    # Product of exponentials: the first k joints displace a link by the product of their screw motions.
     for joint in range(chain.size):
         step = np.zeros((count, 4, 4))
         step[:, :3, :3], step[:, :3, 3] = joint_transform(chain.screws[joint], q[:, joint])

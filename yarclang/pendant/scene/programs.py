@@ -1,4 +1,6 @@
-"""Scenes of loaded programs. A session sees the programs that it has loaded itself, each in its own cell."""
+"""Scenes of loaded programs. A session sees only the programs that it has loaded itself, each in its own
+cell.
+"""
 
 from __future__ import annotations
 
@@ -26,15 +28,17 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _MOST = 8
-"""Most sessions whose program's scene is kept; the one that was used longest ago is dropped."""
+"""Most sessions of which the program's scene is kept. If there are more, the scene that was used longest ago
+is dropped.
+"""
 _MOST_LOADS = 4
-"""Most programs of a session for which the load order is kept: the newest ones."""
+"""Most load orders that are kept for each session: those of the newest programs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Kept:
-    """A kept scene. A restarted coordinator numbers programs from the beginning, so that a number identifies
-    a program only with its seat.
+    """A cached scene. A restarted coordinator numbers programs from the beginning again, so a number
+    identifies a program only together with the seat.
     """
 
     seat: Attached
@@ -44,7 +48,7 @@ class _Kept:
 
 
 class ProgramScenes:
-    """Scenes of loaded programs, each drawn once.
+    """Scenes of loaded programs. Each is drawn once and then cached.
 
     Args:
         robot: the robot.
@@ -61,12 +65,12 @@ class ProgramScenes:
         self._drawing = asyncio.Lock()
 
     def remember(self, session: Session, number: int, order: orders.Load) -> None:
-        """Keep the order that loaded a program.
+        """Remember the order that loaded a program.
 
         Args:
-            session: that has loaded it.
-            number: of the program.
-            order: with the paths of its files.
+            session: session that has loaded it.
+            number: number of the program.
+            order: the order, with the paths of its files.
         """
         if self._seats.taken(session) is None:  # the session has ended meanwhile
             return
@@ -77,7 +81,7 @@ class ProgramScenes:
             loads.popitem(last=False)
 
     def forget(self, id_: str) -> None:
-        """Forget everything of a session that has ended."""
+        """Forget everything about a session that has ended."""
         self._kept.pop(id_, None)
         self._loads.pop(id_, None)
 
@@ -89,8 +93,8 @@ class ProgramScenes:
         """Return the scene of a program in its cell.
 
         Args:
-            session: that has loaded it.
-            number: of the program.
+            session: session that has loaded it.
+            number: number of the program.
 
         Raises:
             Trouble: the session has no such program, or its files can't be read again.
@@ -107,7 +111,7 @@ class ProgramScenes:
             found = await asyncio.to_thread(self._draw, loaded)
             if self._seats.taken(session) is not seat:  # the session has ended meanwhile
                 raise _unknown(number)
-            # a page may still ask for meshes of the previous scene
+            # A page may still request meshes of the previous scene.
             meshes = {**(before.drawn.meshes if before else {}), **found.meshes}
             self._kept[session.id] = _Kept(seat, number, found, meshes)
             self._kept.move_to_end(session.id)
@@ -119,8 +123,8 @@ class ProgramScenes:
         """Return a program that a session has loaded.
 
         Args:
-            session: that has loaded it.
-            number: of the program.
+            session: session that has loaded it.
+            number: number of the program.
 
         Raises:
             Trouble: the session has no such program, or its files can't be read again.
@@ -149,12 +153,12 @@ class ProgramScenes:
 
 
 def _again(robot: Robot, order: orders.Load, course: ProgramCourse, cell: str | None) -> Loaded:
-    """Compile again a program that a coordinator in another process has loaded.
+    """Compile a program again that a coordinator in another process has loaded.
 
     Args:
-        robot: that runs it.
-        order: by which it was loaded.
-        course: from the coordinator.
+        robot: robot that runs it.
+        order: order by which it was loaded.
+        course: course of the program, from the coordinator.
         cell: path of the coordinator's cell.
 
     Raises:

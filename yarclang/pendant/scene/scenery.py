@@ -1,4 +1,6 @@
-"""The scene that all pages share. It is drawn again after a change of the cell, its parts or the robot."""
+"""The scene that all pages share. It is drawn again after a change of the cell, of its parts or of the
+robot.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ from yarclang.view.stage import Stage
 _EACH = 0.25
 """Time between two checks for bodies that are too near [s]."""
 _LOOKS = 4
-"""Every so many checks, the coordinator is asked for cell and parts."""
+"""Number of checks after which the coordinator is asked for cell and parts again."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +53,8 @@ class Scenery:
 
     Args:
         robot: the robot.
-        showing: gets the version of the scene, and the bodies that are too near or stop the robot.
+        showing: display that gets the version of the scene, the bodies that are too near to another one, and
+            the bodies that stop the robot.
         is_watched: returns True if a page is connected; otherwise nothing is computed.
     """
 
@@ -68,7 +71,7 @@ class Scenery:
         self._switched: list[tuple[str, float, Array]] = []
 
     async def shown(self, attached: Attached) -> Drawn:
-        """Return the scene as it is now.
+        """Return the present scene.
 
         Raises:
             Trouble: the coordinator can't be reached, or the files of the robot can't be read.
@@ -101,7 +104,7 @@ class Scenery:
                 turn = 0
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Note events that may have changed the scene."""
+        """Handle an event that may have changed the scene."""
         match event:
             case events.OutputSet(variable=variable, value=value):
                 q = self._showing.joints
@@ -137,13 +140,15 @@ class Scenery:
             return before
         found = await asyncio.to_thread(self._draw, stage, parts)
         self._seen, self._drawn = _Seen(around, place, stage, parts, stamp), found
-        # a page may still ask for meshes of the previous scene
+        # A page may still request meshes of the previous scene.
         self._meshes = found.meshes if before is None else {**before.meshes, **found.meshes}
         self._showing.scene = found.shown.version
         return found
 
     def _empty(self, place: Place) -> Stage:
-        """Return the stage without parts, because only parts change while the robot works."""
+        """Return the stage without parts. It is reused, because only the parts change while the robot
+        works.
+        """
         stage = stage_of_live(self._robot, place.cell, self._robot.home, parts=Parts(()))
         return replace(stage, notes=(*place.notes, *stage.notes))
 
@@ -152,8 +157,8 @@ class Scenery:
         return drawn(replace(stage, items=(*stage.items, *items), notes=(*stage.notes, *notes)), self._drawn)
 
     async def _parts(self, attached: Attached, cell: Cell | None, before: Parts | None) -> Parts:
-        """Return the positions of a cell's parts: as outputs have moved them during a run, otherwise as the
-        coordinator reports them.
+        """Return the positions of a cell's parts. During a run they follow from the outputs that were set;
+        otherwise the coordinator reports them.
         """
         first = first_parts(cell)
         if cell is None or not cell.parts:
@@ -182,7 +187,7 @@ class Scenery:
 
 
 def _stamp(file: str | None, cell: Cell | None) -> Stamp:
-    """Return a value that changes with the cell's file and the meshes that it names."""
+    """Return a value that changes when the cell's file or one of its meshes changes."""
     return stamp_of((*(() if file is None else (Path(file),)), *(() if cell is None else meshes_of(cell))))
 
 
@@ -196,7 +201,7 @@ async def _heard(event: asyncio.Event, within: float) -> bool:
 
 
 def parts_told(cell: Cell, told: replies.Parts) -> Parts | None:
-    """Return the parts' positions from the coordinator; None if they belong to another cell."""
+    """Return the parts' positions from the coordinator's reply; None if they belong to another cell."""
     kinds = {part.body.name: part for part in cell.parts}
     variables = {name: one.variable for name, one in cell.outputs.items()}
     items: list[Item] = []

@@ -1,4 +1,4 @@
-"""Routes for alarms and for the explanations of their codes."""
+"""HTTP routes for alarms, and for the explanations of their codes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 500
 _MOST_TOLD = 40
-"""Most numbers of alarms in an entry of the audit trail."""
+"""Most numbers of alarms in one entry of the audit trail."""
 
 
 async def _list(service: Service, request: Request) -> Response:

@@ -1,4 +1,4 @@
-"""The socket of the analyst, and the words of the language for syntax colouring."""
+"""WebSocket of the analyst, and the words of the language for syntax coloring."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from yarclang.pendant.web.sockets import let_in, until_it_ends
 from yarclang.runtime.actions import Trouble
 
 _NO_ROOM = 4409
-"""Code for closing a socket because the largest number of analysts is running."""
+"""Code with which a socket is closed because the largest number of analysts is running."""
 
 
 async def analyse(service: Service, analysts: Analysts, socket: WebSocket) -> None:
-    """Serve an editor page with a language server of its own: /api/analyst."""
+    """Serve an editor page with a language server of its own, at /api/analyst."""
     session = await let_in(service, socket, Role.PROGRAMMER)
     if session is None:
         return

@@ -1,4 +1,4 @@
-"""Answers of the API as JSON, and bodies of requests as typed messages."""
+"""Replies of the API as JSON, and bodies of requests as typed messages."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ M = TypeVar("M", bound=Message)
 
 
 def answer(message: Message, status: int = 200) -> Response:
-    """Return a message as an uncached response."""
+    """Return a message as a response that browsers don't cache."""
     headers = {"cache-control": "no-store"}
     return Response(message.model_dump_json(), status, headers, media_type="application/json")
 
 
 def refusal(trouble: Trouble) -> Response:
-    """Return an error as a response: 400 for a malformed request, 401 or 403 for missing rights, 429 for too
-    many attempts, otherwise 409.
+    """Return an error as a response with status 400 for a malformed request, 401 or 403 for missing rights,
+    429 for too many attempts, otherwise 409.
     """
     status = 409
     if isinstance(trouble, Malformed):
@@ -40,19 +40,19 @@ def refusal(trouble: Trouble) -> Response:
 
 
 async def body(request: Request, kind: type[M]) -> M:
-    """Return the body of a request.
+    """Return the message in the body of a request.
 
     Raises:
-        Malformed: it isn't a message of this kind.
+        Malformed: the body isn't a message of this kind.
     """
     return read(await request.body(), kind)
 
 
 def number_in(request: Request, name: str) -> int | None:
-    """Return a non-negative integer of a request's query; None if it is absent.
+    """Return a non-negative integer from a request's query; None if it is absent.
 
     Raises:
-        Malformed: the value is no such integer.
+        Malformed: the value isn't a non-negative integer.
     """
     text = request.query_params.get(name)
     if text is None:

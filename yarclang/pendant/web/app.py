@@ -1,4 +1,4 @@
-"""The pendant as one ASGI application: API, sockets, pages."""
+"""The pendant as an ASGI application: API, sockets and pages."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def application(service: Service, names: frozenset[str] = frozenset()) -> App:
 
     Args:
         service: the pendant.
-        names: of the server, in addition to this machine's names for itself.
+        names: names of the server, in addition to this machine's names for itself.
     """
     text = json.dumps(document(ROUTES)).encode()
     analysts = Analysts(service.robot, service.files.folder.root, service.files.folder.path)
@@ -113,14 +113,14 @@ def _served(service: Service, route: Route) -> Callable[[Request], Awaitable[Res
 
 
 def _pages() -> list[BaseRoute]:
-    """Return a route for each file of `pages/`. No other file is served."""
+    """Return a route for each file in `pages/`. No other file is served."""
     files = dict(_files(resources.files("yarclang.pendant") / "pages"))
     places = {f"/{name}": name for name in files if not name.endswith(".html")} | _PAGES
     return [Served(place, _page(name, files[name]), methods=["GET"]) for place, name in places.items()]
 
 
 def _files(folder: Traversable, path: str = "") -> Iterator[tuple[str, bytes]]:
-    """Yield path and content of all files below a folder."""
+    """Yield the path and content of each file in a folder and its subfolders."""
     for one in folder.iterdir():
         if one.is_file():
             yield f"{path}{one.name}", one.read_bytes()

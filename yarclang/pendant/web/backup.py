@@ -1,4 +1,4 @@
-"""Routes for backups of the project: download, upload, judgement, restore and undo."""
+"""HTTP routes for backups of the project: download, upload, check, restore and undo."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_SHOWN = 2000
 _SILENCE = 30.0
-"""Longest time for a client to take the next piece [s], so that a client that stops reading doesn't block
-other backups.
+"""Longest time until a client accepts the next piece of a backup [s]. A client that stops reading must not
+block other backups.
 """
 
 
 class _Zip(StreamingResponse):
-    """Response with a backup. It reports the outcome when the connection ends."""
+    """Response with a backup as a zip. It reports the outcome when the connection ends."""
 
     def __init__(self, pieces: Generator[bytes], ended: Callable[[str], None], name: str) -> None:
         headers = {"content-disposition": disposition(name), "cache-control": "no-store"}
@@ -57,7 +57,7 @@ class _Zip(StreamingResponse):
                 outcome = ""
 
         try:
-            # an incomplete response ends with its connection
+            # After a timeout the response stays incomplete, so the server closes the connection.
             with contextlib.suppress(TimeoutError):
                 await super().__call__(scope, receive, sent)  # type: ignore[arg-type]  # a message is a dict
         finally:
@@ -111,7 +111,7 @@ async def _about(service: Service, request: Request) -> Response:
 
 
 def _outside(service: Service) -> tuple[str, ...]:
-    """Return the files that a backup doesn't contain, in words."""
+    """Return the names of the files that a backup doesn't contain, in words."""
     root, notes = service.files.folder.root, []
     if not service.robot.folder.resolve().is_relative_to(root):
         notes.append(
@@ -200,7 +200,7 @@ def shown(backups: Backups, upload: Upload) -> RestorePlan:
 
 
 def _notes(backups: Backups, upload: Upload) -> tuple[str, ...]:
-    """Return the remarks on a backup, in sentences."""
+    """Return the remarks about a backup, in sentences."""
     manifest, edited, notes = upload.backup.manifest, upload.backup.edited, []
     if manifest is None:
         return ("The backup has no list: it wasn't made by System > Backup, or its list was removed",)

@@ -1,4 +1,6 @@
-"""Routes for calibrations: the touches of this session, their result, and the file that gets the result."""
+"""HTTP routes for calibrations: the touches of a session, their result, and the file to which the result is
+written.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Routes for the controller's side of the system: pending restarts, restart, and shutdown. Orders to the
-controller have routes of their own.
+"""HTTP routes for pending restarts, restart and shutdown. Orders to the controller have routes of their
+own.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from yarclang.pendant.web.service import Service, address_of
 from yarclang.runtime.actions import Trouble
 
 _RESTS = 10.0
-"""Longest wait for the robot to rest before the process ends [s]."""
+"""Longest wait for the robot to come to rest before the process ends [s]."""
 
 _LOOKED_EACH = 0.05
 
@@ -56,7 +56,7 @@ def _ending(how: How) -> Serve:
         await service.accounts.did(Deed(session.user, address_of(request), how))
         if _is_ended_by(service):
             await _rested(service)
-        await service.life.may(how)  # another request may have been faster
+        await service.life.may(how)  # another request may have come first
         service.life.end(how)
         return answer(Done())
 
@@ -64,8 +64,8 @@ def _ending(how: How) -> Serve:
 
 
 def _is_ended_by(service: Service) -> bool:
-    """Return True if the running motion ends with this process: it owns the coordinator, or one of its users
-    owns the robot.
+    """Return True if the running motion ends when this process ends: because the process owns the
+    coordinator, or because one of its users owns the robot.
     """
     watched = service.watched
     if not watched.showing.connected or not watched.attached.welcome.serves:

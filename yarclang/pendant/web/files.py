@@ -1,5 +1,5 @@
-"""Routes for the files of the project: the list, texts, uploads and downloads, and changes since the last
-commit.
+"""HTTP routes for the files of the project: the list, texts, uploads and downloads, and changes since the
+last commit.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 10_000
 _MOST_SAVED = 6 * MOST_TEXT + 1000
-"""Longest body with a text: JSON may write a character in up to six bytes."""
+"""Longest body that contains a text [bytes]. JSON may write a character as six bytes."""
 _PIECE = 1 << 18
 
 _Kind = Literal["folder", "program", "text", "picture", "other"]
@@ -109,13 +109,13 @@ async def _download(service: Service, request: Request) -> Response:
 
 
 async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[bytes]:
-    """Yield `size` bytes of a file and close it. If the file was shortened meanwhile, the connection ends,
-    and the browser reports an error.
+    """Yield the first `size` bytes of a file, then close it. If the file has been shortened meanwhile, the
+    connection ends, so that the browser reports an error.
 
     Args:
-        opening: closes the file.
+        opening: context that closes the file.
         handle: the open file.
-        size: to send [bytes].
+        size: number of bytes to send.
     """
     with opening:
         left = size
@@ -125,7 +125,9 @@ async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[by
 
 
 def disposition(name: str) -> str:
-    """Return the header with which a browser saves a file under its name, in any script."""
+    """Return the Content-Disposition header with which a browser saves a file under its name, in any
+    script.
+    """
     plain = re.sub(r"[^A-Za-z0-9._ ()-]", "_", name)
     return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
 
@@ -161,7 +163,7 @@ async def _upload(service: Service, request: Request) -> Response:
 
 
 def other(changed: Changed) -> Response:
-    """Return the response for a file that differs from the version that the client knows."""
+    """Return the response for a file that isn't the version that the client knows."""
     return answer(
         OtherContent(error=changed.what, help=changed.remedy, code=changed.code, sha256=changed.sha256), 409
     )

@@ -1,5 +1,5 @@
-"""Checks of every request and socket before it is processed: host name, origin, and size, and the headers of
-answers that restrict browsers.
+"""Check of the host name, origin and size of every request and socket before it is processed, and response
+headers that restrict browsers.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 MOST_BODY = 1 << 20
-"""Longest body of a request, if its route has no other bound [bytes]."""
+"""Longest body of a request if its route sets no other limit [bytes]."""
 
 BOUND = "yarclang.bound"
-"""Key of a request's size bound in its scope."""
+"""Key of the size limit in a request's scope."""
 
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -39,12 +39,12 @@ _HEADERS = (
 
 
 class Guard:
-    """Middleware that refuses requests to unknown host names, from pages of other sites, and with large
+    """Middleware that refuses requests to unknown host names, requests from pages of other sites, and large
     bodies.
 
     Args:
-        app: answers the other requests.
-        names: of the server, in addition to this machine's names for itself and the address of the
+        app: application that serves all other requests.
+        names: names of the server, in addition to this machine's names for itself and the address of the
             connection.
     """
 
@@ -53,7 +53,7 @@ class Guard:
         self._names = HERE | {name.lower() for name in names}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request, or refuse it."""
+        """Serve or refuse a request."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
@@ -77,7 +77,7 @@ class Guard:
         await self._app(scope, _bounded(receive, bound), told)
 
     def _objection(self, scope: Scope) -> str:
-        """Return why a request is refused; empty if it isn't."""
+        """Return the reason for which a request is refused; empty if it isn't."""
         hosts = [value.decode("latin-1") for name, value in scope["headers"] if name == b"host"]
         origins = [value.decode("latin-1") for name, value in scope["headers"] if name == b"origin"]
         sites = [value for name, value in scope["headers"] if name == b"sec-fetch-site"]
@@ -91,7 +91,7 @@ class Guard:
             )
         if len(origins) > 1 or not is_own(origins[0] if origins else None, hosts[0], scheme):
             return "pages of other sites are refused"
-        # another site may link here, but may send nothing else
+        # Another site may link to the pages, but must not send any other request.
         is_link = (
             scope["type"] == "http" and scope["method"] == "GET" and not scope["path"].startswith("/api/")
         )
@@ -106,13 +106,13 @@ class TooLarge(Exception):  # noqa: N818 - it is an answer
 
 @dataclass(slots=True)
 class Bound:
-    """Longest body of a request [bytes]. Its route changes the bound before the body is read."""
+    """Longest body of a request [bytes]. The route changes this limit before the body is read."""
 
     most: int = MOST_BODY
 
 
 def _bounded(receive: Receive, bound: Bound) -> Receive:
-    """Return a receiver that raises `TooLarge` if the body exceeds a bound."""
+    """Return a receiver that raises `TooLarge` if the body exceeds the limit."""
     size = 0
 
     async def received() -> MutableMapping[str, Any]:

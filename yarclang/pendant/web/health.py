@@ -1,4 +1,4 @@
-"""The route for the health of the pendant's computer, its process and its data."""
+"""HTTP route for the health of the pendant's computer, its process and its data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The API as an OpenAPI 3.1 document, generated from the routes and the messages' types."""
+"""OpenAPI 3.1 document of the API, generated from the routes and the types of the messages."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ A socket is closed with the code 4401 if nobody is logged in, or the session has
 
 
 def document(routes: Iterable[Route]) -> dict[str, Any]:
-    """Return the document."""
+    """Return the OpenAPI document."""
     kept = tuple(routes)
     models: dict[type[Message], None] = dict.fromkeys((Denied, *_SAID, *_HEARD, *_EVENTS))
     for route in kept:

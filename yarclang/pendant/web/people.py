@@ -1,4 +1,4 @@
-"""Routes for logins, users, sessions and the audit trail."""
+"""HTTP routes for logins, users, sessions and the audit trail."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Routes for a program that is being edited: its list of commands, changes, forms and templates. No file is
-written.
+"""HTTP routes for a program that is being edited: its list of commands, changes, forms and templates. They
+write no file.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ async def _edit(service: Service, request: Request) -> Response:
 
 
 def _given(robot: Robot, values: tuple[float, ...]) -> Array:
-    """Return joint positions (n,) [rad or m] of a message.
+    """Return the joint positions (n,) that a message contains [rad or m].
 
     Raises:
         Trouble: the number of joints is wrong, or a position is beyond its limits.
@@ -137,7 +137,7 @@ def _changed(
 
 
 def _with_names(named: Around, change: said.ProgramChange, joints: Array | None) -> Edited:
-    """Carry out a change that depends on the meaning of names."""
+    """Carry out a change that needs the meaning of names in the program."""
     if isinstance(change, said.InsertCommand):
         return forms.put_in(named, change.after, change.command, change.fields)
     assert joints is not None  # a change that teaches a position has joints, given or from the robot
@@ -161,7 +161,7 @@ def _with_names(named: Around, change: said.ProgramChange, joints: Array | None)
 
 
 def _time(text: str) -> str:
-    """Return a motion time as it is written in its brackets."""
+    """Return a motion time as written in the square brackets of a command."""
     text = text.strip()
     if text.endswith("%"):
         return f"{checked('percent', 'percent', text)}%"
@@ -185,7 +185,7 @@ def _text_edits(program: Program, made: Edited) -> Iterable[said.TextEdit]:
 
 
 def _as_browsers(program: Program, line: int, column: int) -> int:
-    """Convert a column to UTF-16 code units."""
+    """Convert a column to UTF-16 code units, which browsers count."""
     return column + sum(ord(one) > 0xFFFF for one in program.content(line)[: column - 1])
 
 

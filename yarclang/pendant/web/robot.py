@@ -1,4 +1,4 @@
-"""Routes for the robot: its description, orders, control, and the programs of the project."""
+"""HTTP routes for the robot: its description, orders, control, and the programs of the project."""
 
 from __future__ import annotations
 
@@ -26,14 +26,16 @@ from yarclang.units import MM
 OVER_HTTP: dict[type[Order[Any]], Role] = {
     kind: role for kind, role in NEEDS.items() if kind not in (*wants.KINDS, orders.Steer, orders.Leave)
 }
-"""Orders with a route each, and on the socket; motions that are held go by the jog's socket."""
+"""Orders that have a route each and are also accepted on the socket. Hold-to-run motions use the socket
+for jogs.
+"""
 
 
 def order_in(text: bytes) -> tuple[Order[Any], int | str | None]:
-    """Return the order in a JSON object, and its id.
+    """Return the order in a JSON object, and the order's id.
 
     Raises:
-        Malformed: it is no order of the API.
+        Malformed: the object isn't an order of the API.
     """
     asked = read_order(text, MOST_LINE)
     if isinstance(asked.what, Denied):
@@ -119,7 +121,8 @@ async def _give_control(service: Service, request: Request) -> Response:
 
 async def _programs(service: Service, request: Request) -> Response:
     service.session(request)
-    # a folder may have 100,000 files, and the robot is streamed in this event loop
+    # List the files in a thread: a folder may contain 100,000 files, and this event loop streams to the
+    # robot.
     return answer(await asyncio.to_thread(service.gate.programs))
 
 

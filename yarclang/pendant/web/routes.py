@@ -20,16 +20,16 @@ Serve = Callable[["Service", Request], Awaitable[Response]]
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """A route.
+    """A route of the API.
 
     Attributes:
         method: GET, POST, PUT or DELETE.
-        path: with parameters in braces; `{path:path}` takes the rest, including slashes.
-        serve: answers a request, or raises `Trouble`.
-        summary: description, as a verb phrase.
-        body: message of the request; None without one.
-        answer: message of the answer; None if it is no JSON.
-        role: that is needed; empty if no login is needed.
+        path: path with parameters in braces; `{path:path}` takes the rest, including slashes.
+        serve: function that returns the response to a request, or raises `Trouble`.
+        summary: description that begins with a verb.
+        body: type of the message in the request; None if there is none.
+        answer: type of the message in the response; None if the response isn't JSON.
+        role: required role; empty if no login is needed.
         most: longest body of a request [bytes].
     """
 

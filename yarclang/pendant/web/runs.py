@@ -1,4 +1,4 @@
-"""Routes for logs of runs: their list, their content, and downloads."""
+"""HTTP routes for logs of runs: their list, their content, and downloads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Routes for the robot in three dimensions: the scene, its meshes, and the placements of links at joint
+"""HTTP routes for the robot in three dimensions: the scene, its meshes, and the placements of links at joint
 positions.
 """
 

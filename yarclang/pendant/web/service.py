@@ -1,4 +1,4 @@
-"""State that all requests share: the accounts, the robot, and the session of a request."""
+"""State that all requests share: accounts, robot, files, and the session of each request."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ COOKIE, DEVICE = "yarc_session", "yarc_device"
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A pendant.
+    """State of a pendant that all requests share.
 
     Attributes:
         robot: the robot.
@@ -46,21 +46,21 @@ class Service:
         seats: the sessions' clients of the coordinator.
         watched: the robot's present state.
         gate: checks and carries out orders.
-        files: of the project, with the rights to change them.
+        files: files of the project, with the rights to change them.
         scenery: the robot in three dimensions.
         program_scenes: loaded programs in their cells.
         calibrations: running calibrations of all sessions.
         calibration_writing: writes results of calibrations.
         signals: inputs and outputs.
         workspace: zones, obstacles and limits.
-        checks: of programs with a draft.
-        alarms: of the robot and the pendant.
+        checks: checks of programs with a draft.
+        alarms: alarms of the robot and the pendant.
         log_folders: folders of run logs.
         runs: list of run logs.
         readings: content of run logs.
-        life: of the process.
-        descriptions: files that the process has read.
-        backups: of the project.
+        life: end of the process on request.
+        descriptions: files that the process reads only when it starts.
+        backups: backups of the project.
         sampler: health of the computer and the process.
         closing: functions to call when a session ends, by its id.
     """
@@ -103,11 +103,11 @@ class Service:
 
         Args:
             robot: the robot.
-            attach: makes clients of its coordinator.
-            folder: of the project.
+            attach: attaches new clients to its coordinator.
+            folder: folder of the project.
             database: the file of users, sessions and audit trail.
             logs: folder or file for logs of motions; None if unknown.
-            life: of its process; None if it can't be ended from the pendant.
+            life: end of its process on request; None if the process can't be ended from the pendant.
 
         Raises:
             Trouble: the database can't be used.
@@ -178,8 +178,8 @@ class Service:
 
         Args:
             connection: the request.
-            role: that is needed.
-            pin: True if the PIN is needed as well.
+            role: required role.
+            pin: True if the PIN is required as well.
 
         Raises:
             NotAllowed: nobody is logged in, or the role or the PIN is missing.
@@ -192,7 +192,9 @@ class Service:
 
 
 def cookie(connection: HTTPConnection, name: str) -> str:
-    """Return the name of a cookie. Over TLS it has the prefix that only this server itself can set."""
+    """Return the name of a cookie. Over TLS the name gets the prefix `__Host-`, so that only this server
+    can set it.
+    """
     return f"__Host-{name}" if is_secure(connection) else name
 
 

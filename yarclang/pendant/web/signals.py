@@ -1,4 +1,4 @@
-"""Routes for inputs and outputs and their values. Values are set by the orders `set` and `input`."""
+"""HTTP routes for inputs and outputs and their values. Values are set by the orders `set` and `input`."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The two sockets of a page: one for the robot's state and for orders that mustn't wait for a new connection,
-and one for jogs.
+"""The two WebSockets of a page: one for the robot's state and for orders that mustn't wait for a new
+connection, and one for jogs.
 """
 
 from __future__ import annotations
@@ -27,20 +27,20 @@ from yarclang.pendant.web.service import Service, address_of
 from yarclang.runtime.actions import Trouble
 
 _ENDED = 4401
-"""Code for closing a socket because its session has ended. Browsers then show the login."""
+"""Code with which a socket is closed because its session has ended. Browsers then show the login page."""
 
 _REFUSED = 4403
-"""Code for closing a socket that needs another role."""
+"""Code with which a socket is closed because it requires another role."""
 
 _MOST_WAITING = 8
-"""Most orders of one page that run at a time."""
+"""Most orders of one page that are carried out at the same time."""
 
 _LOOKED_EACH = 5.0
-"""Time between two checks for the end of a session [s]."""
+"""Time between two checks whether the session has ended [s]."""
 
 
 async def watch(service: Service, socket: WebSocket) -> None:
-    """Send the robot's state to a page, and take its orders: /api/robot."""
+    """Send the robot's state to a page, and carry out the page's orders, at /api/robot."""
     async with contextlib.AsyncExitStack() as leaving:
         session = await let_in(service, socket)
         if session is None:
@@ -88,7 +88,7 @@ async def _carried_out(service: Service, socket: WebSocket, session: Session, pa
 
 
 async def jog(service: Service, socket: WebSocket) -> None:
-    """Move the robot while a button is pressed on a page: /api/jog."""
+    """Move the robot while a button is pressed on a page, at /api/jog."""
     session = await let_in(service, socket)
     if session is None:
         return
@@ -119,16 +119,16 @@ async def jog(service: Service, socket: WebSocket) -> None:
 
 
 async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) -> Session | None:
-    """Accept the socket of a page.
+    """Accept the WebSocket of a page.
 
     Args:
         service: the pendant.
-        socket: of the page.
-        role: that is needed.
+        socket: socket of the page.
+        role: required role.
 
     Returns:
-        The session of the page; None if the socket was closed because nobody is logged in or the role is
-        missing.
+        The session of the page; None if the socket was closed because nobody is logged in or the role isn't
+        sufficient.
     """
     await socket.accept()
     try:
@@ -145,8 +145,8 @@ async def until_it_ends(
 
     Args:
         service: the pendant.
-        socket: of the page.
-        session: of the page.
+        socket: socket of the page.
+        session: session of the page.
         *work: the coroutines.
     """
     over = asyncio.Event()

@@ -1,5 +1,5 @@
-"""Routes for frames and tools: their sources, the effect of a payload on torques, and robot.toml with the
-payload.
+"""HTTP routes for frames and tools: the files that declare them, the effect of a payload on torques, and the
+robot.toml with a payload.
 """
 
 from __future__ import annotations
@@ -80,7 +80,9 @@ def _shown(
 
 
 def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
-    """Return the source of a frame. A frame of the session hides another one of its name."""
+    """Return the origin of a frame: the file that declares it, or the session. A frame of the session hides
+    another frame of the same name.
+    """
     name = frame.name.strip("{}").upper()
     if name in ("B", "FLANGE"):
         return "urdf"
@@ -93,7 +95,7 @@ def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
 
 
 def _told(file: RobotFile) -> list[said.ToolKnown]:
-    """Return the tools of a file, as far as their values are valid."""
+    """Return the tools of a file, without values that are invalid."""
     from yarclang.robot.draft import read_draft
 
     tools = read_draft(file.data).table.tools

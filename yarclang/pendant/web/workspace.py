@@ -1,4 +1,4 @@
-"""Routes of the workspace: zones, obstacles and limits, drafts of changes, checks of programs, and
+"""HTTP routes for the workspace: zones, obstacles and limits, drafts of changes, checks of programs, and
 distances.
 """
 

@@ -1,5 +1,5 @@
-"""The files of a workspace: their paths, their content, and their content after a draft. Waits for the
-disk.
+"""The files of a workspace: their paths, their content, and their content after a draft. Functions wait for
+the disk.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from yarclang.source import SourceFile
 from yarclang.toml.reading import read_text
 
 _WIDER = "Y1355"
-"""Finding: a limit is wider than that of the URDF."""
+"""Code of the finding for a limit that is wider than that of the URDF."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,12 +58,12 @@ class Around:
 
 
 def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
-    """Return the files of a workspace from the coordinator's answer."""
+    """Return the files of a workspace from the coordinator's reply."""
     cell = None if told.cell is None else Path(told.cell)
     text, why = None, ""
     if cell is None:
         why = "there is no cell: make one, or name one in yarc.toml"
-        # the coordinator has no unreadable cell, but it can be repaired here
+        # The coordinator doesn't use a cell that can't be read, but the file can be repaired here.
         project = find_project(folder.root)
         if project.value is None:
             why = f"{FILE_NAME} can't be read: {project.diagnostics[0].message}"
@@ -94,7 +94,7 @@ def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
 
 
 def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
-    """Return the workspace as it is in the files."""
+    """Return the workspace as described by the files."""
     text = around.text
     source = None if text is None else text.placed
     if source is None and around.cell is not None:
@@ -124,13 +124,13 @@ def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
 
 
 def _read(path: Path) -> SourceFile | None:
-    """Return a file that is shown, even outside of the project; None if it can't be read."""
+    """Return a file that is shown even if it is outside of the project; None if it can't be read."""
     read = read_text(path, "")
     return None if isinstance(read, Diagnostic) else read
 
 
 def _waits(served: Robot, around: Around) -> bool:
-    """Return True if robot.toml differs from the robot that is served."""
+    """Return True if robot.toml differs from the running description."""
     if around.robot is None:
         return False
     robot, _ = checked_robot(around.robot.placed, around.robot_path.parent)
@@ -138,10 +138,10 @@ def _waits(served: Robot, around: Around) -> bool:
 
 
 def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[ProposedFile, ...]:
-    """Return the files that a draft changes, before and after.
+    """Return the files that a draft changes, before and after the change.
 
     Raises:
-        Trouble: the draft doesn't fit the files any more (code "changed"), or they can't be changed here.
+        Trouble: the files have changed since the draft was begun (code "changed"), or can't be changed here.
     """
     found = []
     if draft.entries:
@@ -167,10 +167,10 @@ def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[Pr
 
 
 def check_known(text: Text, known: str | None) -> None:
-    """Check that a file is the version that a draft was made from.
+    """Check that the file is still the version from which a draft was made.
 
     Raises:
-        Changed: it is another version.
+        Changed: the file is another version.
     """
     if text.known != known:
         raise Changed(text.file, text.known)

@@ -1,4 +1,6 @@
-"""Changes of zones, obstacles and limits as edits of a text that leave every other byte unchanged. No I/O."""
+"""Changes of zones, obstacles and limits in the text of a file. All other bytes of the text stay unchanged.
+No I/O.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +16,8 @@ from yarclang.toml.changes import ChangeError, with_table, with_value, without
 _BY_HAND = "change the file by hand: Program > open it"
 _LONGEST = 2000
 _MOST_WORK = 2_000_000
-"""Largest number of changes times characters of a file. Each change reads the text again, for about 10 s at
-this bound.
+"""Largest product of the number of changes and the number of characters of a file. Each change parses the
+text again; the limit corresponds to about 10 s.
 """
 
 
@@ -23,11 +25,11 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
     """Return the text of a cell.toml with changed zones and obstacles, and a description of the changes.
 
     Args:
-        source: the text from which the changes were made.
-        changes: at most one for each entry.
+        source: the text before the changes.
+        changes: at most one change for each entry.
 
     Raises:
-        Trouble: there is no such entry, or the file's form can't be changed.
+        Trouble: there is no such entry, or the file is written in a form that can't be changed.
     """
     if len(changes) * len(source.text) > _MOST_WORK:
         what = (
@@ -64,7 +66,7 @@ def with_limits(source: SourceFile, limits: Sequence[LimitChange]) -> tuple[str,
     """Return the text of a robot.toml with changed position limits, and a description of the changes.
 
     Raises:
-        Trouble: there is no such joint, or the file's form can't be changed.
+        Trouble: there is no such joint, or the file is written in a form that can't be changed.
     """
     data = _data(source)
     tables = data.get("joints", {})
@@ -125,8 +127,8 @@ def _changed(text: str, name: str, one: EntryChange, before: dict[str, Any]) -> 
 
 
 def _put(text: str, name: str, path: tuple[str, int, str], value: object) -> str:
-    """Return the text with a new value of an entry's key (None removes the key). An entry on one line is
-    rewritten.
+    """Return the text with a new value for a key of an entry (None removes the key). An entry that is written
+    on one line is written anew.
     """
     source = SourceFile(name, text)
     try:

@@ -1,5 +1,5 @@
-"""Checks of programs with a draft, in a process of low priority with bounded memory and time. One check runs
-at a time, for all sessions.
+"""Checks of all programs with a draft, in a process with low priority, limited memory and limited time. Only
+one check runs at a time, for all sessions.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from yarclang.pendant.messages.workspace import CheckShown, JudgedProgram
 from yarclang.runtime.actions import Trouble
 
 MOST_MEMORY = 3 << 30
-"""Address space of the process [bytes]; a compiler with its libraries takes 1 GiB of it."""
+"""Largest address space of the process [bytes]; a compiler with its libraries takes 1 GiB."""
 MOST_EACH = 120.0
 """Longest time for one program [s]."""
 MOST_IN_ALL = 1800.0
 """Longest time for all programs [s]."""
 _MOST_FILES = 1000
 _MOST_TIMES = 5
-"""Most starts of the process. Programs that end it are left out."""
+"""Most starts of the process. A program at which the process has ended is left out after its restart."""
 _LARGEST = 1 << 20
 
 
@@ -36,13 +36,13 @@ class Question:
     """Input of a check.
 
     Attributes:
-        folder: of the project.
+        folder: folder of the project.
         files: programs, as paths in the project.
-        robot: its folder or name.
-        cell: the cell of the session; None without one.
+        robot: folder or name of the robot.
+        cell: path of the session's cell; None without a cell.
         drafts: texts that replace files, by the files' absolute paths.
         joints: present joint positions (n,) [rad or m]; None if unknown.
-        digest: of the drafts.
+        digest: digest of the drafts.
     """
 
     folder: Path
@@ -68,10 +68,10 @@ class _Check:
 
 
 class Checks:
-    """The checks of a pendant. The last one is kept.
+    """Checks of programs on a pendant. The last check is kept.
 
     Args:
-        command: command to run with bounded memory; None for the checker.
+        command: command that starts the process; None for the ordinary checker with limited memory.
     """
 
     def __init__(self, command: tuple[str, ...] | None = None) -> None:
@@ -87,7 +87,7 @@ class Checks:
         """Begin a check.
 
         Raises:
-            Trouble: another one is running.
+            Trouble: another check is running.
         """
         last = self._last
         if last is not None and last.state == "running":
@@ -113,7 +113,7 @@ class Checks:
                 await self._last.task
 
     def outcome(self, digest: str) -> str:
-        """Return the outcome of the last check for drafts, in words for the audit trail."""
+        """Return the outcome of the last check of a draft, in words for the audit trail."""
         last = self._last
         if last is None or last.question.digest != digest or last.state != "done":
             return "programs not checked"
@@ -167,11 +167,11 @@ class Checks:
         except OSError as error:
             check.what = f"it can't be begun: {reason_of(error)}"
         finally:
-            if check.state == "running":  # otherwise no other check could begin
+            if check.state == "running":  # a check that counts as running would block all others
                 check.state = "failed"
 
     async def _listen(self, check: _Check) -> bool:
-        """Take the process's answers for the remaining files. Return True if it has finished."""
+        """Receive the process's replies for the remaining files. Return True if the process has finished."""
         process = await begun(self._command, limit=_LARGEST)
         try:
             await _ask(process, check)
@@ -193,7 +193,7 @@ class Checks:
             await _end(process)
 
     async def _leave_out(self, check: _Check) -> None:
-        """Leave out the current program, which has ended the process or taken too long."""
+        """Leave out the current program, because it has ended the process or has taken too long."""
         files = check.question.files
         if check.at < len(files):
             message = f"it couldn't be checked within {MOST_EACH:.0f} s and {MOST_MEMORY >> 30} GiB"

@@ -1,5 +1,5 @@
-"""The nearest pairs of bodies and the nearest zone borders at one joint position, for display. Proofs are in
-certificates.
+"""The nearest pairs of bodies, and the nearest borders of zones, at one joint position. They are only
+displayed; the proofs are in certificates.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from yarclang.robot.model import Array, Robot
 MOST = 8
 """Most pairs that are shown."""
 _MOST_OWN = 2
-"""Most pairs of the robot's own bodies among them, because these are always near."""
+"""Most pairs of two bodies of the robot among the shown pairs, because these are always near."""
 _LOOKED_AT = 60
-"""Most pairs whose distance is computed exactly: the nearest by their bounding boxes."""
+"""Most pairs of which the distance is computed exactly: those with the nearest bounding boxes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,11 +28,11 @@ class Near:
     """Two bodies, or a body and a zone.
 
     Attributes:
-        first: name of the first.
-        second: name of the second.
-        distance: [m].
+        first: name of the first body.
+        second: name of the second body, or of the zone.
+        distance: distance [m].
         margin: required distance [m].
-        points: (2, 3) nearest points in {B} [m]; None if there are none.
+        points: (2, 3) nearest points in {B} [m]; None if unknown.
     """
 
     first: str
@@ -43,13 +43,13 @@ class Near:
 
 
 def nearest(robot: Robot, cell: Cell | None, moving: Moving, q: Array) -> tuple[Near, ...]:
-    """Return the nearest pairs, least distance beyond the margin first.
+    """Return the nearest pairs, sorted by the distance beyond the margin.
 
     Args:
         robot: the arm.
         cell: its surroundings.
         moving: frame that zones treat as the tool.
-        q: (n,) [rad or m].
+        q: (n,) joint positions [rad or m].
     """
     scene = scene_of(robot, cell).value
     if scene is None:
@@ -65,7 +65,7 @@ def _room(one: Near) -> float:
 
 
 def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
-    """Return the nearest of candidate pairs (K,), each two names once."""
+    """Return the nearest of K candidate pairs, each pair of names only once."""
     if not len(pair):
         return []
     placed = place(scene, q[None])
@@ -107,7 +107,7 @@ def _zones(robot: Robot, cell: Cell, scene: Scene, moving: Moving, q: Array) -> 
     for watch in watches_of(robot, cell, moving):
         if watch.item is None or watch.zone.rule == "slow":
             continue
-        # the slack of a border has its margin subtracted already
+        # The margin is already subtracted in the slack of a border.
         room = float(slack_at(scene, watch, q[None])[0])
         if not np.isfinite(room):  # a constraint on the posture has no distance
             continue

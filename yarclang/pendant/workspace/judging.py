@@ -1,7 +1,7 @@
-"""The process that checks which programs fail with a draft. It reads the question from standard input and
-writes a line of JSON for each answer.
+"""The process that checks which programs have errors with a draft. It reads the question from standard input,
+and writes one line of JSON for each result.
 
-No file is written, and drafts are read in place of files.
+It writes no files. Drafts are read instead of the files that they change.
 """
 
 from __future__ import annotations
@@ -31,11 +31,13 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 _NOTHING = "Y0104"
-"""Finding: the file has no command. It is a module, which is checked with its callers."""
+"""Code of the finding for a file without a command. Such a file is a module; it is checked with its
+callers.
+"""
 
 
 def main() -> None:
-    """Answer one question."""
+    """Carry out one check."""
     asked = json.load(sys.stdin)
     out = sys.stdout
     for told in answers(asked):
@@ -44,11 +46,11 @@ def main() -> None:
 
 
 def answers(asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the problems of the robot's present position, and then the judgement of each file.
+    """Yield the problems at the robot's present position, and then the result for each file.
 
     Args:
-        asked: `folder` and `files` of the project, `robot`, `cell` (the session's, or null), `drafts` (text
-            by path), `joints` (n,) [rad or m].
+        asked: a mapping with `folder` and `files` of the project, `robot`, `cell` (the session's, or null),
+            `drafts` (text by path), and `joints` (n,) [rad or m].
     """
     drafts = {Path(path): SourceFile(path, text) for path, text in asked["drafts"].items()}
     before = Options(robot=asked["robot"], cell=asked["cell"])
@@ -61,7 +63,9 @@ def answers(asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
-    """Return the judgement of a program before and after; an empty one if the drafts don't affect it."""
+    """Return the result for a program before and after the draft; empty if the draft doesn't affect the
+    program.
+    """
     now = check_file(path, after)
     if any(one.code == _NOTHING for one in now.diagnostics):
         return {}
@@ -114,7 +118,7 @@ def _standing(asked: Mapping[str, Any], options: Options) -> Iterator[str]:
 
 
 def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
-    """Yield the joints that are beyond their limits at (n,) [rad or m]."""
+    """Yield the joints that are beyond their limits at joint positions (n,) [rad or m]."""
     excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
     for name, by, unit in zip(robot.joint_names, excess, robot.axis_unit_names, strict=True):
         if by > 1e-6:
@@ -122,7 +126,7 @@ def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
 
 
 def in_the_way(robot: Robot, cell: Cell, q: Array) -> Iterator[str]:
-    """Yield the zones and margins of a cell that the robot violates at (n,) [rad or m]."""
+    """Yield the zones and margins of a cell that the robot violates at joint positions (n,) [rad or m]."""
     told = set()
     for watch, slack in broken_at(robot, cell, tool_frame(robot), q):
         item = "the joints" if watch.item is None else watch.item.name

@@ -1,4 +1,4 @@
-"""A cell.toml and a robot.toml as the workspace page shows them. Waits for the disk."""
+"""Contents of a cell.toml and a robot.toml for the workspace page. Functions wait for the disk."""
 
 from __future__ import annotations
 
@@ -62,20 +62,20 @@ class Text:
 
     @property
     def source(self) -> SourceFile:
-        """The text as a source named by the path in the project."""
+        """Content of the file as a source named by its path in the project."""
         return SourceFile(self.file, self.text)
 
     @property
     def placed(self) -> SourceFile:
-        """The text as a source named by the absolute path."""
+        """Content of the file as a source named by its absolute path."""
         return SourceFile(str(self.path), self.text)
 
 
 def text_in(folder: ProjectFolder, path: Path) -> Text:
-    """Return a file that must be in the project.
+    """Return a text file that must be in the project.
 
     Raises:
-        Trouble: it doesn't exist, or is no text.
+        Trouble: the file doesn't exist, or isn't text.
     """
     inside = folder.path(str(path.absolute()))
     file = inside.relative_to(folder.root).as_posix()
@@ -89,13 +89,13 @@ def text_in(folder: ProjectFolder, path: Path) -> Text:
 
 
 def cell_of(text: SourceFile, folder: Path, robot: Robot) -> tuple[Cell | None, tuple[Diagnostic, ...]]:
-    """Return the cell of a text, and all of its findings."""
+    """Return the cell that a text describes, and all of its findings."""
     made = read_cell(text, folder, Names(is_word, robot))
     return made.value, made.diagnostics
 
 
 def entries_of(text: SourceFile) -> tuple[WorkspaceEntry, ...]:
-    """Return the zones and obstacles of a text. Entries that aren't tables are left out."""
+    """Return the zones and obstacles of a text, without entries that aren't tables."""
     data = _data(text)
     if data is None:
         return ()
@@ -113,7 +113,7 @@ def entries_of(text: SourceFile) -> tuple[WorkspaceEntry, ...]:
 
 
 def units_of(text: SourceFile) -> Mapping[Kind, Unit]:
-    """Return the units at the top of a cell.toml."""
+    """Return the units that are declared at the top of a cell.toml."""
     data = _data(text) or {}
     measures = Measures(TomlFile(text, find_places(text)))
     measures.read_common(_word(data.get("units")))
@@ -121,7 +121,7 @@ def units_of(text: SourceFile) -> Mapping[Kind, Unit]:
 
 
 def frames_of(cell: Cell | None) -> tuple[WorkspaceFrame, ...]:
-    """Return the frames in which bodies may be placed."""
+    """Return the frames in which bodies can be placed."""
     still = WorkspaceFrame(name="B", on_flange=False, pose=_rows(np.eye(4)))
     carried = WorkspaceFrame(name="FLANGE", on_flange=True, pose=_rows(np.eye(4)))
     own = () if cell is None else cell.frames.values()
@@ -136,7 +136,7 @@ def frames_of(cell: Cell | None) -> tuple[WorkspaceFrame, ...]:
 
 
 def watched_of(robot: Robot) -> tuple[str, ...]:
-    """Return the bodies that a zone may watch: parts, and links with shapes."""
+    """Return the bodies that a zone can watch: parts, and links with shapes."""
     return (*PARTS, *dict.fromkeys(one.link for one in robot.shapes))
 
 
@@ -167,18 +167,18 @@ def limits_of(text: str, robot: Robot) -> tuple[JointLimits, ...]:
 
 
 def findings_of(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
-    """Return findings as messages, at most as many as a page shows."""
+    """Return findings as messages, but not more than a page shows."""
     return finding_messages(found[:100])
 
 
 def checked_robot(text: SourceFile, folder: Path) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
-    """Return the robot of a robot.toml's text, and all of its findings."""
+    """Return the robot that a robot.toml's text describes, and all of its findings."""
     made = read_robot(text, folder)
     return made.value, made.diagnostics
 
 
 def _of_urdf(robot: Robot) -> dict[str, tuple[float | None, float | None]]:
-    """Return the end stops in a robot's URDF by joint [deg or mm], as far as they are given."""
+    """Return the position limits in a robot's URDF by joint [deg or mm], where given."""
     found: dict[str, tuple[float | None, float | None]] = {}
     source = read_text(robot.folder / robot.urdf, "")
     if isinstance(source, Diagnostic):
@@ -212,7 +212,7 @@ def _entry(
 
 
 def _values(known: dict[str, Any]) -> EntryValues:
-    """Return the keys of an entry. Those of a wrong form are left out, and are among the findings."""
+    """Return the keys of an entry, without those of a wrong type: these are among the findings."""
     while True:
         try:
             return EntryValues.model_validate_json(json.dumps(known, default=str))

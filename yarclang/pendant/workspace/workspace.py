@@ -1,5 +1,5 @@
-"""The workspace of the session's cell: its display, drafts of changes, saving by service users, and present
-distances.
+"""The workspace of the session's cell: its display, drafts of changes, saving by service users, and the
+present distances.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ from yarclang.units import MM
 _PROGRAM = ".yarc"
 _MOST_PROGRAMS = 1000
 _EACH = 1.0
-"""Time between two checks of the files for distances [s]."""
+"""Time between two checks whether the files for distances have changed [s]."""
 _LONGEST = 30_000
-"""Longest cell.toml for which distances are measured with a draft [characters], because the text is parsed
+"""Longest cell.toml for which distances are computed with a draft [characters], because its text is parsed
 several times a second.
 """
 _NEW_CELL = 'units = "mm,deg,s"\n'
@@ -70,10 +70,10 @@ class Workspace:
     """The workspace of a pendant.
 
     Args:
-        robot: of the pendant.
+        robot: robot of the pendant.
         watched: the robot's present state.
         filing: the files of the project.
-        checks: of programs.
+        checks: checks of programs.
     """
 
     def __init__(self, robot: Robot, watched: Watched, filing: Filing, checks: Checks) -> None:
@@ -87,7 +87,7 @@ class Workspace:
         self._measured: tuple[tuple[object, bytes], tuple[Near, ...]] | None = None
 
     async def shown(self) -> WorkspaceShown:
-        """Return the workspace as it is in the files.
+        """Return the workspace as described by the files.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -98,16 +98,17 @@ class Workspace:
         """Return the files after a draft, without writing anything.
 
         Raises:
-            Trouble: the draft doesn't fit the files any more (code "changed"), or they can't be changed here.
+            Trouble: the files have changed since the draft was begun (code "changed"), or can't be changed
+                here.
         """
         return Proposed(files=await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft))
 
     async def save(self, session: Session, address: str, draft: WorkspaceDraft) -> SavedWorkspace:
-        """Write the files after a draft.
+        """Write the files with the changes of a draft.
 
         Args:
-            session: of a service user who has entered the PIN lately.
-            address: from which the request came.
+            session: session of a service user who has entered the PIN recently.
+            address: address from which the request came.
             draft: the changes.
 
         Raises:
@@ -147,7 +148,7 @@ class Workspace:
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: there is a cell or a file of this name already, or it can't be written.
+            Trouble: there is already a cell or a file of this name, or the file can't be written.
         """
         self._filing.check_service(session)
         self._check_rest()
@@ -182,10 +183,10 @@ class Workspace:
     # programs
 
     async def check(self, session: Session, draft: WorkspaceDraft) -> CheckShown:
-        """Begin to check which programs fail with a draft.
+        """Begin to check which programs have errors with a draft.
 
         Raises:
-            Trouble: another check is running, or the draft doesn't fit.
+            Trouble: another check is running, or the draft doesn't fit the files.
         """
         around = await self._asked()
         files = await asyncio.to_thread(proposed_of, self._robot, around, draft)
@@ -212,10 +213,10 @@ class Workspace:
     # distances
 
     async def distances(self, draft: WorkspaceDraft | None) -> Distances:
-        """Return the present distances. Only one measurement runs at a time.
+        """Return the present distances. Only one computation runs at a time.
 
         Raises:
-            Trouble: the draft doesn't fit.
+            Trouble: the draft doesn't fit the files.
         """
         q = self._watched.showing.joints
         if q is None:
@@ -232,7 +233,7 @@ class Workspace:
             return Distances(pairs=tuple(map(_near_shown, self._measured[1])), what=what)
 
     async def _cell_with(self, draft: WorkspaceDraft | None) -> Cell | None:
-        """Return the cell with a draft's bodies; the same object for the same text."""
+        """Return the cell with the bodies of a draft; the same object if the text is the same."""
         around = await self._lately()
 
         def read() -> tuple[str, Cell | None]:
@@ -258,8 +259,8 @@ class Workspace:
     # files
 
     async def _lately(self) -> Around:
-        """Return the files, requested at most once a second, because each request also goes to the
-        controller.
+        """Return the files. They are requested at most once a second, because each request also goes to
+        the controller.
         """
         now = asyncio.get_running_loop().time()
         if self._around_at is None or now - self._around_at[0] > _EACH:

@@ -88,7 +88,7 @@ async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
 
 
 async def _write_frame(session: Session, name: str, base_from_frame: Array) -> bool:
-    """Write a frame into the cell.toml if the cell has it; otherwise as a FRAME line."""
+    """Write a frame into the cell.toml if the cell defines it; otherwise as a FRAME line."""
     path = await cell_file(session)
     if path is not None and name in cell_of(session, path).frames:
         return await write_into_cell(session, path, name, base_from_frame, "B")
@@ -138,7 +138,7 @@ async def _write_robot(session: Session, change: Callable[[SourceFile], str]) ->
 
 
 def _told(touching: Touching) -> str:
-    """Return the measured values, and what to type next."""
+    """Return the measured values, and what the user should type next."""
     if touching.missing:
         return f"{len(touching.joints)} of {touching.fewest}: {touching.next_step()}, then .touch"
     text = touching.result_text()

@@ -1,4 +1,4 @@
-"""The list of what can be typed."""
+"""Show the list of commands that can be typed."""
 
 from __future__ import annotations
 

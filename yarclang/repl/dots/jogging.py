@@ -1,4 +1,4 @@
-"""Jogging: the command, and the loop that sends the wanted motion to the robot."""
+"""Jog the robot: the command, and the loop that sends the wanted motion."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from yarclang.repl.session import Session
 from yarclang.runtime.actions import Trouble
 
 EACH = 0.05
-"""Time between two messages with the wanted motion [s]: less than the robot's watchdog."""
+"""Time between two messages with the wanted motion [s]. It is shorter than the time of the robot's
+watchdog.
+"""
 
 _LOOKED_EACH = 0.005
-"""Time between two checks if the robot rests [s]."""
+"""Time after which the robot is checked for rest again [s]."""
 
 
 async def _jog(session: Session, rest: str) -> None:
@@ -34,9 +36,9 @@ async def _jog(session: Session, rest: str) -> None:
 
 
 async def _moved(session: Session, jogging: Jogging) -> None:
-    """Move the robot by held keys, until the person or an event ends the jog.
+    """Move the robot while keys are held, until the user or an event ends the jog.
 
-    A released key holds the robot at once: the controller's buffer doesn't delay it.
+    When a key is released, the robot holds at once, without the delay of the controller's buffer.
     """
     loop = asyncio.get_running_loop()
     robot = session.attached

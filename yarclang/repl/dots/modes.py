@@ -1,4 +1,4 @@
-"""Ask before motions or not, and leave."""
+"""Choose whether to ask before motions, and leave the interpreter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Orders about running motions, which overtake everything."""
+"""Orders about running motions. They are carried out before all other texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs in files: load, run, save."""
+"""Load, run and save programs in files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from yarclang.repl.session import Session
 _ENDING = ".yarc"
 
 _SAME = 1e-6
-"""Times with a smaller difference count as equal [s]."""
+"""Times that differ by less count as equal [s]."""
 
 
 async def _load(session: Session, rest: str) -> None:
@@ -50,7 +50,7 @@ async def _step(session: Session, rest: str) -> None:
 
 
 async def _carry_out(session: Session, first: str, *, by_steps: bool) -> None:
-    """Compile the present file, show all of it, ask, and run it."""
+    """Compile the loaded file, show its whole plan, ask, and run it."""
     file = session.file
     if file is None:
         session.refuse("no program is loaded: .load FILE")
@@ -105,7 +105,7 @@ async def _save(session: Session, rest: str) -> None:
 
 
 def _files(session: Session, begun: str) -> Iterator[str]:
-    """Yield programs and folders whose names begin like this."""
+    """Yield programs and folders whose names begin with the typed text."""
     inside = begun.rpartition("/")[0]
     folder = session.folder / inside if inside else session.folder
     if not folder.is_dir():
@@ -117,7 +117,7 @@ def _files(session: Session, begun: str) -> Iterator[str]:
 
 
 def _indices(session: Session, begun: str) -> Iterator[str]:
-    """Yield indices of the loaded program that begin like this."""
+    """Yield indices of the loaded program that begin with the typed text."""
     commands = session.file.commands if session.file else ()
     return (one for one in commands if one.startswith(begun.upper()))
 

@@ -1,4 +1,4 @@
-"""Name the robot's present position."""
+"""Give a name to the robot's current position."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ async def _teach_cell(session: Session, name: str, words: list[str]) -> None:
 
 
 def joints_line(name: str, robot: Robot, joints: Array) -> str:
-    """Return `JOINTS NAME q1 ... (deg)` of joint positions (n,) [rad or m], to 0.0001 deg or mm."""
+    """Return the line `JOINTS NAME q1 ... (deg)` for joint positions (n,) [rad or m], to 0.0001 deg or mm."""
     values = " ".join(
         f"{value:.4f}".rstrip("0").rstrip(".") for value in np.round(joints / robot.axis_units, 4) + 0.0
     )

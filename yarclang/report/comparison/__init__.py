@@ -1,1 +1,1 @@
-"""Two programs by path and time: `yarc diff`."""
+"""Compare two programs by path and time, for `yarc diff`."""

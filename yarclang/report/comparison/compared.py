@@ -1,4 +1,4 @@
-"""Comparison of two programs by the robot's behaviour: paths, times, configurations, outputs and waits."""
+"""Compare two programs by the robot's behaviour: paths, times, configurations, outputs and waits."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot, Tolerance
 
 SAME_TIME = 5e-4
-"""Difference below which durations count as equal [s], because the segment time has steps."""
+"""Durations that differ by less count as equal [s], because segment times are multiples of a small step."""
 
 _OTHER_JOINTS = 1.0
-"""Difference of a joint at an equal tool pose above which another solution was taken [deg or mm]."""
+"""Difference of a joint, at an equal tool pose, above which the plans use different inverse kinematics
+solutions [deg or mm].
+"""
 
 Status = Literal["same", "changed", "added", "removed"]
 
@@ -31,13 +33,13 @@ class Compared:
         first: command of the first program; None if it has none.
         second: command of the second program; None if it has none.
         path: difference of the paths of two motions.
-        differs: True if this is beyond the tolerance.
-        other_branch: True if the tool ends alike with other joint values.
-        longer: extra duration of the second command [s]; 0 within the clock's step.
+        differs: True if this difference is beyond the tolerance.
+        other_branch: True if the tool has the same end but the joints have other values.
+        longer: extra duration of the second command [s]; 0 if it is at most `SAME_TIME`.
         what: True if two commands without motion do different things.
-        carries: True if the robot carries other parts meanwhile.
+        carries: True if the robot carries other parts during the commands.
         touches: True if other bodies may touch.
-        keeps: True if the motion keeps to other rules.
+        keeps: True if other rules apply to the motion.
     """
 
     first: Act | None
@@ -70,10 +72,10 @@ class Comparison:
     Attributes:
         first: execution of the first program.
         second: execution of the second program.
-        frame: whose path is compared.
-        tolerance: of the comparison.
+        frame: frame whose path is compared.
+        tolerance: tolerance of the comparison.
         start: (n,) difference of the second program's start from the first's [rad or m].
-        commands: of both programs.
+        commands: commands of both programs.
     """
 
     first: Executed
@@ -85,12 +87,12 @@ class Comparison:
 
     @property
     def starts_elsewhere(self) -> bool:
-        """True if a joint's start differs by more than the tolerance of an angle or a distance."""
+        """True if the start of a joint differs by more than the tolerance for angles or distances."""
         return bool((np.abs(self.start) > _allowed(self.first.robot, self.tolerance)).any())
 
     @property
     def holds_otherwise(self) -> bool:
-        """True if other inputs hold the motions, or the robot leaves on another way then."""
+        """True if other inputs hold the motions, or if the robot withdraws by other motions after a hold."""
         return self.first.watches != self.second.watches
 
     @property
@@ -116,7 +118,7 @@ def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparis
 
     Args:
         first: execution of the first program.
-        second: execution of the second program, with as many joints.
+        second: execution of the second program, with the same number of joints.
         tolerance: allowed difference of the tool.
     """
     robot = second.robot
@@ -136,7 +138,7 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
     longer = other.duration - one.duration
     longer = longer if abs(longer) > SAME_TIME else 0.0
     if one.curve is None or other.curve is None:
-        # the text of a dwell contains its duration
+        # for a dwell, `what` contains the duration
         return Compared(one, other, what=one.what != other.what, longer=longer)
     path = path_difference(robot, frame, one.curve, other.curve)
     differs = path.position > tolerance.position or path.angle > tolerance.angle

@@ -1,6 +1,7 @@
-"""Pairing of the commands of two programs: by effect and order, then by place.
+"""Pair the commands of two programs: by effect and order, then by place.
 
-An inserted command counts as new, wherever it is. Another index for an equal command is no difference.
+An inserted command counts as new, wherever it is. If equal commands have different indices, that is no
+difference.
 """
 
 from __future__ import annotations
@@ -16,26 +17,28 @@ from yarclang.progress import go_on
 Pair = tuple[Act | None, Act | None]
 
 _FINE = 1e-3
-"""Ends of motions that round to the same multiple of this are certainly equal [rad or m]."""
+"""Ends of motions that round to the same multiple of this are sure to be equal [rad or m]."""
 
 _MOST_CELLS = 200_000
-"""Largest table that is searched for the best pairs. Beyond it, commands are paired by place."""
+"""Largest table that is searched for the best pairs. If a table would be larger, commands are paired by
+place.
+"""
 
 _ALONE = 0.7
 _OTHER_PLACE = 0.3
 _OTHER_NAME = 0.15
 _OTHER_END = 0.8
 _FAR = 0.5
-"""Distance of two ends that costs all of `_OTHER_END` [rad or m]."""
+"""Distance of two ends [rad or m] from which on their cost is the whole of `_OTHER_END`."""
 
 
 def pairs_of(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """Return the commands of two programs side by side, in order; None for a missing partner."""
+    """Return pairs of the commands of two programs, in order; None for a missing partner."""
     return _aligned(first, second, [_key(one) for one in first], [_key(one) for one in second], _closest)
 
 
 def _key(act: Act) -> Hashable:
-    """Return a value that is equal for commands with certainly the same effect."""
+    """Return a value that is equal only for commands that are sure to have the same effect."""
     if act.curve is None:
         return act.kind, act.what
     return act.kind, tuple(np.round(act.curve.points[-1] / _FINE).astype(int).tolist())
@@ -63,7 +66,9 @@ def _apart(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
 
 
 def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """Return the ordered pairs of least cost. A command without a partner costs as well."""
+    """Return the pairs with the smallest total cost that keep the order of both programs. A command without a
+    partner also has a cost.
+    """
     n, m = len(first), len(second)
     if n * m == 0:
         return _apart(first, second)

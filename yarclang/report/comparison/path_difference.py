@@ -1,4 +1,6 @@
-"""Difference of two executed motions, place by place along their paths, regardless of their timing."""
+"""Compute the difference of two executed motions, place by place along their paths, regardless of their
+timing.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +12,10 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 
 _SAMPLES = 2048
-"""Samples of a motion over time."""
+"""Number of samples of a motion over time."""
 
 _PLACES = 513
-"""Places along the path at which both are compared."""
+"""Number of places along the path at which the motions are compared."""
 
 
 @frozen
@@ -21,12 +23,12 @@ class PathDifference:
     """The largest differences of two motions.
 
     Attributes:
-        position: of the tool's position [m].
-        angle: of the tool's orientation [rad].
+        position: difference of the tool's position [m].
+        angle: difference of the tool's orientation [rad].
         joint: the joint with the largest difference, from 0.
         joint_off: difference of this joint, in axis units.
-        at: place on the path of the largest difference in position, from 0 to 1; if the positions are equal,
-            that of the other differences.
+        at: place on the path, from 0 to 1, with the largest difference in position. If all positions are
+            equal, it is the place with the largest other difference.
     """
 
     position: float
@@ -43,7 +45,7 @@ def path_difference(robot: Robot, frame: str, one: Curve, other: Curve) -> PathD
     """Compare two curves at equal shares of their lengths in joint space.
 
     Args:
-        robot: of both motions.
+        robot: robot of both motions.
         frame: frame on the flange whose position and orientation are compared.
         one: a motion.
         other: another motion.
@@ -55,7 +57,7 @@ def path_difference(robot: Robot, frame: str, one: Curve, other: Curve) -> PathD
     tool = robot.flange_from_frame[frame]
     poses, others = tool_poses(robot.chain, q, tool), tool_poses(robot.chain, r, tool)
     off = np.linalg.norm(poses[:, :3, 3] - others[:, :3, 3], axis=1)
-    # the Frobenius distance of two rotations is 2 sqrt(2) sin(angle / 2)
+    # The Frobenius distance of two rotations that differ by an angle is 2 sqrt(2) sin(angle / 2).
     spread = np.linalg.norm(poses[:, :3, :3] - others[:, :3, :3], axis=(1, 2))
     angle = 2.0 * np.arcsin(np.minimum(spread / np.sqrt(8.0), 1.0))
     joints = np.abs(q - r) / robot.axis_units

@@ -1,4 +1,4 @@
-"""Differences of two programs, as text and as plain data."""
+"""Format differences of two programs, as text and as plain data."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _SIGNS = {"same": " ", "changed": "~", "added": "+", "removed": "-"}
 
 
 def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Iterator[tuple[str, str]]:
-    """Yield sign and line of each difference: ~ changed, + only in the second, - only in the first program;
-    then the totals, without a sign.
+    """Yield sign and line of each difference: ~ for a changed command, + for a command only in the second
+    program, - for one only in the first; then the totals, without a sign.
     """
     robot = comparison.second.robot
     if comparison.starts_elsewhere:
@@ -84,7 +84,7 @@ def _title(one: Compared) -> str:
 
 
 def difference_text(comparison: Comparison, one: Compared) -> str:
-    """Return the difference of a command, in words."""
+    """Return a description of a command's difference."""
     robot = comparison.second.robot
     match one.status, one.first, one.second:
         case "added", _, Act() as act:

@@ -1,1 +1,1 @@
-"""Complete information on one command: `yarc inspect`."""
+"""Collect complete information about one command, for `yarc inspect`."""

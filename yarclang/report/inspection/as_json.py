@@ -1,4 +1,4 @@
-"""A command's inspection as plain data, with units in the names."""
+"""Convert a command's inspection to plain data, with units in the names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from yarclang.units import MS
 
 
 def inspected_json(inspected: Inspected) -> dict[str, Any]:
-    """Return everything that the text shows; joints by name, null for unknown values."""
+    """Return everything that the text shows. Joints are given by name, and unknown values are null."""
     origin, robot = inspected.origin, inspected.robot
     motion = inspected.motion
     return {

@@ -1,4 +1,4 @@
-"""All joint positions that reach a pose, with the reasons why one was taken and others weren't."""
+"""Find all joint positions that reach a pose, and the reason why one was chosen and the others weren't."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Array, Robot
 
 MOST_TRIED = 24
-"""Most solutions that are tried with the following motions."""
+"""Largest number of solutions that are tried with the following motions."""
 
 Verdict = Literal["chosen", "farther", "continuity", "fails later", "works", "out of limits"]
 Follow = Callable[[Array], str]
-"""Function that returns what goes wrong after a joint position (n,), in a sentence; empty for nothing."""
+"""Function that returns a sentence about what fails after a joint position (n,); empty if nothing fails."""
 
 
 @frozen(eq=False)
@@ -29,8 +29,8 @@ class Solution:
         q: (n,) [rad or m].
         distance: sum of squared joint differences from the reference (rad and m).
         excess: (n,) distance of each joint beyond its limits [rad or m]; 0 within.
-        verdict: if and why it was taken.
-        reason: of the verdict, in words.
+        verdict: whether it was chosen, and the kind of the reason.
+        reason: the reason in words.
     """
 
     q: Array
@@ -49,15 +49,16 @@ def solutions_of(
     *,
     along_path: bool,
 ) -> tuple[Solution, ...]:
-    """Return all inverse-kinematics solutions with their full turns within limits, nearest first; then those
-    beyond limits.
+    """Return all inverse kinematics solutions, including those that differ by full turns.
+
+    Solutions within the limits come first, sorted by distance; solutions beyond the limits follow.
 
     Args:
         robot: the robot.
         base_from_flange: (4, 4), the pose.
-        reference: (n,) position from which the distance counts [rad or m].
-        chosen: (n,) the plan's solution; None if it takes none.
-        follow: returns what goes wrong after a solution.
+        reference: (n,) position from which the distance is measured [rad or m].
+        chosen: (n,) the plan's solution; None if it has none.
+        follow: returns what fails after a solution.
         along_path: True if the motion keeps its configuration, so that there is no choice.
     """
     chain, limits = robot.chain, robot.limits

@@ -1,4 +1,4 @@
-"""Corners around a command: motions that flow into each other, and outputs that are set during one."""
+"""Describe the corners around a command: blends between motions, and outputs that are set during a blend."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from yarclang.motion.plan import MotionPlan
 
 @frozen
 class Flowing:
-    """A corner that is passed in motion.
+    """A corner that is passed without a stop.
 
     Attributes:
         first: command before the corner.
         second: command after the corner.
-        begins: time at which both begin to overlap [s of the program].
-        middle: time at which the first command gives way to the second [s of the program].
+        begins: time at which both commands begin to overlap [s of the program].
+        middle: time at which the first command ends and the second begins in the plan [s of the program].
         ends: end of the overlap [s of the program].
     """
 
@@ -31,7 +31,7 @@ class Flowing:
 
 @frozen
 class Flows:
-    """Corners of a command; None at a stop.
+    """Corners of a command. Each is None if the robot stops there.
 
     Attributes:
         before: corner at the start of a motion.
@@ -61,7 +61,7 @@ def flows_of(plan: MotionPlan, number: int) -> Flows:
 
 
 def flow_lines(flows: Flows) -> Iterator[str]:
-    """Yield the lines on a motion's corners."""
+    """Yield the lines about a motion's corners."""
     if flows.before is not None:
         yield f"flows in from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
     if flows.behind is not None:
@@ -75,7 +75,7 @@ def _together(corner: Flowing) -> str:
 
 
 def when_set(flows: Flows) -> str:
-    """Return the time at which an output is set, in words."""
+    """Return words for the time at which an output is set."""
     if flows.inside is None:
         return "at rest,"
     return f"in motion, half way from {_called(flows.inside.first)} to {_called(flows.inside.second)},"

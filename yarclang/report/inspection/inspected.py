@@ -1,5 +1,5 @@
-"""Complete information on one command of a program: frames, target, joints, solutions, time, proofs, and its
-controller lines.
+"""Collect complete information about one command of a program: frames, target, joints, solutions, time,
+proofs, and its controller lines.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ from yarclang.robot.model import Robot
 
 @frozen(eq=False)
 class Studied:
-    """A program as far as it is understood, with its findings. It is planned and certified only if it has no
-    errors.
+    """The results of the stages that a program reached, with its findings. It is planned and certified only
+    if it has no errors.
     """
 
     program: Program
@@ -51,15 +51,15 @@ class Studied:
 
 @frozen(eq=False)
 class WayPoint:
-    """A pose that a motion goes to.
+    """A pose to which a motion goes.
 
     Attributes:
         pose: (4, 4) base_from_moving.
         flange_from_moving: (4, 4) pose of the moving frame.
-        reference: (n,) position from which the nearest solution counts [rad or m].
+        reference: (n,) joint position; the solution nearest to it is chosen [rad or m].
         near: True if NEAR gives the reference.
         solutions: joint positions that reach the pose.
-        unreachable: why there are none; None if there are.
+        unreachable: reason why there are no solutions; None if there are any.
     """
 
     pose: Array
@@ -75,21 +75,22 @@ class Inspected:
     """A command.
 
     Attributes:
-        robot: of the program.
+        robot: robot of the program.
         step: the command's step.
         number: its number in the program.
         start: (n,) joint positions before it [rad or m]; None if unknown because of errors.
         end: (n,) joint positions after it [rad or m]; None if unknown because of errors.
         motion: the planned motion; None for a command without motion, or one that can't be planned.
-        begins: its latest start in the program [s], counted after a WHEN; None if unknown.
+        begins: its latest start in the program [s], with the longer branch of each WHEN before it; None if
+            unknown.
         total: duration of the program; None if unknown.
-        waypoints: the poses that it goes to.
+        waypoints: the poses to which it goes.
         pace: limits of its time.
         certificate: its proof.
         stretches: its lines in the controller's text.
         text: lines of the controller's text; empty if the program has errors.
-        findings: of this command.
-        flows: its corners in motion.
+        findings: findings about this command.
+        flows: its corners that are passed without a stop.
         carries: parts that grippers hold during a motion.
         deeds: effects of a SET on parts, verb and names.
     """
@@ -120,14 +121,14 @@ class Inspected:
 
 
 def study(checked: Checked) -> Studied | None:
-    """Study a program that was checked with planning; None if its robot is unknown."""
+    """Collect the results of a program that was checked with planning; None if its robot is unknown."""
     if checked.program is None or checked.opened is None:
         return None
     return Studied(checked.program, checked.opened.request, checked.compiled, checked.diagnostics)
 
 
 def inspect_step(studied: Studied, number: int) -> Inspected:
-    """Inspect step `number` of a program, which isn't a Gap."""
+    """Inspect step `number` of a program. It must not be a Gap."""
     program, request, compiled = studied.program, studied.request, studied.compiled
     step = program.steps[number]
     assert not isinstance(step, Gap)
@@ -202,7 +203,9 @@ def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
 
 
 def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
-    """Return the poses of a motion with their solutions; the last pose of a Cartesian motion."""
+    """Return the poses of a motion with their solutions. For a Cartesian motion, this is only its last
+    pose.
+    """
     step = studied.program.steps[number]
     robot = studied.request.robot
     assert isinstance(step, Motion)

@@ -1,4 +1,6 @@
-"""Limits of a motion's time, where on its path they are reached, and the shortest possible time."""
+"""Compute the limits of a motion's time, the places on its path where they are reached, and the shortest
+possible time.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +28,10 @@ class Limit:
     """Use of a limit by a motion.
 
     Attributes:
-        kind: of the limit.
+        kind: kind of the limit.
         whose: joint or motor.
-        share: largest used share; 1 is all that may be used.
-        time: of the largest share, from the start of the motion [s].
+        share: largest share of the limit that the motion uses; 1 is the most that is allowed.
+        time: time of the largest share, from the start of the motion [s].
         s: share of the path at that time.
     """
 
@@ -45,7 +47,7 @@ class Pace:
     """Limits of a motion's time.
 
     Attributes:
-        limits: largest share first.
+        limits: uses of the limits, the largest share first.
         shortest: shortest possible time [s]; None if there is none, or the motion has no time of its own.
     """
 
@@ -54,7 +56,7 @@ class Pace:
 
     @property
     def is_shortest(self) -> bool:
-        """True if the first of the limits is fully used."""
+        """True if the limit with the largest share is fully used."""
         return bool(self.limits) and self.limits[0].share > 1.0 - 0.02
 
 
@@ -64,13 +66,13 @@ def pace_of(
     """Compute the limits of a planned motion.
 
     Args:
-        program: of the step.
+        program: program of the step.
         step: the motion.
         start: (n,) start of the motion [rad or m].
         motion: the planned motion.
-        request: with which it was planned.
+        request: settings with which it was planned.
         flows: True if it begins or ends without a stop. Its time is then that of its chain, and no shortest
-            time is searched.
+            time is computed.
     """
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)
@@ -88,7 +90,8 @@ def pace_of(
 def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:
     curve = motion.curve
     order = _ORDERS[demand.kind]
-    # a difference of order r from control point i belongs to knot i + r/2 - 1 (points are one knot ahead)
+    # A difference of order r that begins at control point i belongs to knot i + r/2 - 1: control points are
+    # one knot ahead of the knots.
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(curve.segments))
     s = float(np.interp(knot, np.arange(curve.segments + 1), knot_values(curve.law)))
     of_motor = demand.kind == "motor speed"
@@ -98,14 +101,14 @@ def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:
 
 
 def _shortest(program: Program, step: Motion, start: Array, request: Request) -> float | None:
-    """Return the shortest possible time under the command's shares of the limits [s]."""
+    """Return the shortest possible time within the command's shares of the limits [s]."""
     quickest = replace(alone(step), timing=replace(step.timing, duration=None, share=1.0, speed=None))
     planned = plan_program(replace(program, start=start, steps=(quickest,)), request)
     if planned.value is None or not planned.value.motions:
         return None
     duration = planned.value.motions[0].curve.duration
     for _ in range(_TRIALS):
-        # few digits, rounded up so that the printed time is possible
+        # round up to few digits, so that the printed time is possible
         duration = math.ceil(duration * 1e3 - 1e-6) / 1e3
         given = replace(quickest, timing=replace(quickest.timing, duration=duration))
         if plan_program(replace(program, start=start, steps=(given,)), request).value is not None:

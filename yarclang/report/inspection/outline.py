@@ -1,4 +1,4 @@
-"""Outline of a program as a tree: its branches and loops with their durations."""
+"""Build the outline of a program as a tree: its branches and loops with their durations."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class _Outline:
             for one in steps
             if isinstance(one, JointMove | LineMove) and one.search is not None
         }
-        """Texts of searches, by the register with the result."""
+        """Texts of searches, by the register that gets the result."""
 
     def rows(self) -> Iterator[Row]:
         """Yield the lines from the first step on."""
@@ -114,7 +114,7 @@ class _Outline:
     def _loop(self, number: int, depth: int) -> Iterator[Row]:
         step, end = self._steps[number], self._ends[number][1]
         is_sub = not any(isinstance(one, NextPass) for one in self._steps[number:end])
-        # the longest time of a loop is a whole pass, the shortest the time until it is left
+        # the longest time of a loop is that of a whole pass, the shortest is the time until it is left
         told = self._taken(number, end + 1)
         if not any(isinstance(one, Loop) for one in self._steps[number + 1 : end]):
             told = replace(told, loops=False)
@@ -148,8 +148,8 @@ class _Outline:
 
 
 def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
-    """Return the ELSE (None without one) and the end of each WHEN and loop. An unclosed one ends with the
-    program.
+    """Return the ELSE (None without one) and the end of each WHEN and loop. If one has no end, it ends with
+    the program.
     """
     found: dict[int, tuple[int | None, int]] = {}
     opened: list[tuple[int, int | None]] = []

@@ -1,4 +1,4 @@
-"""A command's inspection as text: sections of a title and lines."""
+"""Format a command's inspection as text: sections of a title and lines."""
 
 from __future__ import annotations
 
@@ -50,13 +50,15 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import DEG, MM, MS
 
 FEW = 3
-"""Lines of controller text that are shown at each end."""
+"""Number of lines of controller text that are shown at the beginning and at the end."""
 
 _NO_SHORTER = 2e-3
-"""Difference below which a time counts as the shortest, because that is rounded up [s]."""
+"""A time that is longer than the shortest time by less than this counts as the shortest, since the shortest
+time is rounded up [s].
+"""
 
 _MOST_SOLUTIONS = 12
-"""Most solutions that are listed; further ones are only counted."""
+"""Largest number of solutions that are listed. Further solutions are only counted."""
 
 
 @frozen
@@ -68,7 +70,7 @@ class Section:
 
 
 def sections_of(inspected: Inspected, *, all_lines: bool = False) -> tuple[Section, ...]:
-    """Return all information on a command, in the order in which it is computed.
+    """Return all information about a command, in the order in which it is computed.
 
     Args:
         inspected: the command.
@@ -113,7 +115,7 @@ def _command(inspected: Inspected) -> Iterator[str]:
 
 
 def _told(inspected: Inspected, step: Step) -> str | None:
-    """Return the effect of a step without motion; None if there is nothing to say."""
+    """Return the effect of a step without motion; None if there is nothing to report."""
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
             return f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is planned and proved from there when it runs"
@@ -339,11 +341,11 @@ def _table(step: TimedMove) -> Iterator[str]:
 
 
 _AT_ITS_SPEED = 0.99
-"""Share of a zone's speed, or of a ceiling, above which it counts as the motion's limit."""
+"""Share of a zone's speed, or of a ceiling, from which on it counts as a limit of the motion."""
 
 
 def _asked(timing: Timing) -> str:
-    """Return the motion time as the command gives it."""
+    """Return the motion time as it is written in the command."""
     if timing.duration is not None:
         return f"[{timing.duration:g} s]"
     if timing.speed is not None:
@@ -408,8 +410,8 @@ def _load(name: str, load: Load) -> str:
 def stretch_lines(
     stretches: Sequence[Stretch], text: Sequence[str], *, all_lines: bool = False
 ) -> Iterator[str]:
-    """Yield numbered lines of controller text, all or the first and last of each stretch, with their
-    purpose.
+    """Yield numbered lines of controller text with their purpose: all lines, or the first and last lines
+    of each stretch.
     """
     for stretch in stretches:
         size = stretch.last - stretch.first + 1

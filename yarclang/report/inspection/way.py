@@ -1,4 +1,4 @@
-"""The path to a command: plans of the steps before it, even if other steps have errors."""
+"""Find where the robot is before a command, by planning the steps before it. Other steps may have errors."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class Way:
 
 
 def steps_to(program: Program, number: int) -> tuple[Step, ...]:
-    """Return the steps that lead to a step, in one line, as in `line_to`."""
+    """Return the steps that lead to a step, as one straight sequence (see `line_to`)."""
     return tuple(line_to(program.steps[:number]))
 
 
 def way_to(program: Program, number: int, request: Request) -> Way:
-    """Plan the motion of step `number`, and as many steps before it as are needed for its start."""
+    """Plan the motion of step `number`, and the steps before it that are needed to know its start."""
     step = program.steps[number]
     assert isinstance(step, Motion)
     start = stands_before(program, number, request)
@@ -66,7 +66,7 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
     for place in range(len(line) - 1, -1, -1):
         one = line[place]
         if isinstance(one, Motion) and isinstance(one.end, JointGoal):
-            # the end is fixed, regardless of the start
+            # the end of this motion is known, wherever it starts
             return _behind(program, one.end.q, line[place + 1 :], request)
     return None
 
@@ -77,7 +77,7 @@ def alone(step: Motion) -> Motion:
 
 
 def trouble_behind(program: Program, number: int, stands: Array, request: Request) -> str:
-    """Return what goes wrong with the Cartesian motions directly after step `number`, if the robot is at
+    """Return what fails in the Cartesian motions directly after step `number`, if the robot is at
     `stands` (n,) [rad or m].
 
     Returns:

@@ -1,1 +1,1 @@
-"""Pictures of plans."""
+"""Draw pictures of plans."""

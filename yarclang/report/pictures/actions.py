@@ -1,4 +1,6 @@
-"""What a program does beside its motions, over the time of its plan: waits, outputs, and what inputs it waits for."""
+"""Find what a program does besides its motions, over the time of its plan: waits, outputs, and awaited
+inputs.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +34,10 @@ class Action:
     """A command that isn't a motion.
 
     Attributes:
-        sort: of the command.
-        text: to be shown.
+        sort: sort of the command.
+        text: text to be shown.
         start: time of its beginning [s].
-        end: time of its end in the plan [s]: waiting for an input takes no time there.
+        end: time of its end in the plan [s]. Waiting for an input takes no time in the plan.
     """
 
     sort: Sort
@@ -79,8 +81,8 @@ def planned_signals(plan: MotionPlan) -> tuple[SignalRow, ...]:
     """Return the outputs that a plan sets, and the inputs that it waits for, in the order of their first
     commands.
 
-    An output's value is known from its first SET on. After a WHEN whose ways leave different values it is
-    unknown until the next SET.
+    An output's value is known from its first SET on. After a WHEN whose branches leave different values, it
+    is unknown until the next SET.
     """
     places = plan.schedule.places
     follows = _Followed()
@@ -137,7 +139,7 @@ class _Followed:
             self._set(name, values.get(name), time)
 
     def _set(self, name: str, value: float | None, time: float) -> None:
-        """Give an output a value, or None if it isn't known."""
+        """Give an output a value; None if the value isn't known."""
         stretches = self._stretches.setdefault((name, False), [])
         before = self._now.get(name)
         if before is not None and before[0] == value:

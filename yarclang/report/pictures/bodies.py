@@ -1,4 +1,6 @@
-"""Robot, tools, parts and cell as triangles for a picture: few of them, in the pose at the program's start."""
+"""Convert robot, tools, parts and cell to triangles for a picture: few triangles, in the pose at the
+program's start.
+"""
 
 from __future__ import annotations
 
@@ -24,16 +26,18 @@ from yarclang.units import MM
 Kind = Literal["robot", "tool", "part", "obstacle", "zone"]
 
 _MOST_TRIANGLES = 300
-"""Most triangles of a body. A body with more is drawn as the hull of its extreme corners."""
+"""Largest number of triangles of a body. A body with more triangles is drawn as the hull of its extreme
+corners.
+"""
 
 _DIRECTIONS = 160
-"""Directions in which the extreme corners of such a body are searched."""
+"""Number of directions in which the extreme corners of such a body are searched."""
 
 _PLANE = 2400.0
-"""Edge length of the drawn piece of a half space's border [mm]."""
+"""Edge length of the part of a half space's border that is drawn [mm]."""
 
 _MOST_PIECES = 2_500
-"""Most triangles into which a body is divided for sorting by depth."""
+"""Largest number of triangles into which a body is divided for sorting by depth."""
 
 
 @frozen(eq=False)
@@ -41,9 +45,9 @@ class Body:
     """A drawn body.
 
     Attributes:
-        name: of the link, tool, part, obstacle or zone.
-        kind: of body.
-        rule: of a zone; empty for other bodies.
+        name: name of the link, tool, part, obstacle or zone.
+        kind: kind of body.
+        rule: rule of a zone; empty for other bodies.
         triangles: (F, 3, 3) corners in {B} [mm], counterclockwise seen from outside.
     """
 
@@ -58,7 +62,7 @@ class Surroundings:
     """The bodies around a path.
 
     Attributes:
-        bodies: that can be drawn.
+        bodies: bodies that can be drawn.
         left_out: names of the bodies whose shapes can't be read.
     """
 
@@ -88,7 +92,9 @@ _Placed = tuple[str, Kind, Array, Shape]
 
 
 def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
-    """Yield the links: their visual shapes, or, if one has none that can be read, its collision shapes."""
+    """Yield the links with their visual shapes. If a link has no visual shape that can be read, its collision
+    shapes are used.
+    """
     moved = _moved(robot, q)
     visuals = [(one, solid_of(one.shape)) for one in visual_shapes(robot)]
     spoilt = {one.link for one, solid in visuals if solid is None}
@@ -152,8 +158,8 @@ def _triangles(solid: Solid, pose: Array) -> Array:
 
 
 def _outline(vertices: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Return corners and faces of the hull of the extreme corners in `_DIRECTIONS` directions; of the box
-    around the corners if they are in a plane.
+    """Return corners and faces of the hull of the extreme corners in `_DIRECTIONS` directions. If the corners
+    are in one plane, return the box around them.
     """
     from scipy.spatial import ConvexHull, QhullError
 
@@ -181,9 +187,10 @@ def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
 
     Args:
         triangles: (F, 3, 3) [mm].
-        low: (3,) least corner of the box [mm].
-        high: (3,) largest corner of the box [mm].
-        longest: longest edge of a triangle, if they don't become too many [mm].
+        low: (3,) smallest coordinates of the box [mm].
+        high: (3,) largest coordinates of the box [mm].
+        longest: longest edge of a triangle [mm]; longer edges are allowed if there would be too many
+            triangles.
     """
     done: list[Array] = []
     left = triangles
@@ -210,7 +217,8 @@ def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
     beyond = sign * (triangles[:, :, axis] - bound)
     outside = beyond > 0.0
     count = outside.sum(axis=1)
-    # turn each triangle that the plane cuts so that its single corner on a side comes first
+    # rotate the corners of each triangle that the plane cuts, so that the corner that is alone on its side
+    # comes first
     single = np.where(count == 1, outside.argmax(axis=1), (~outside).argmax(axis=1))
     order = (np.arange(3) + single[:, None]) % 3
     rows = np.arange(len(triangles))[:, None]
@@ -246,7 +254,9 @@ def _split(triangles: Array) -> Array:
 
 
 def box_of(bodies: Iterable[Body]) -> tuple[Array, Array]:
-    """Return the least and largest corners (3,) of the box around bodies [mm]; infinite if there are none."""
+    """Return the smallest and largest coordinates (3,) of the box around bodies [mm]; infinite if there
+    are none.
+    """
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for body in bodies:
         low = np.minimum(low, body.triangles.min(axis=(0, 1)))

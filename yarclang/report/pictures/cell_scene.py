@@ -1,4 +1,6 @@
-"""The upper right of a motion's picture: the robot in its cell, at the start, with the path of its tool."""
+"""Draw the upper right of a motion's picture: the robot in its cell at the start, with the path of its
+tool.
+"""
 
 from __future__ import annotations
 
@@ -40,19 +42,21 @@ _ZONES: dict[str, Colour] = {
 }
 
 _AROUND = 0.25
-"""Space around robot and path in which the cell is shown, as a share of their longest side."""
+"""Width of the margin around robot and path in which the cell is shown, as a share of their longest side."""
 
 _FINEST = 14
-"""Triangles along the longest side of the box, for sorting by depth."""
+"""Number of triangles along the longest side of the box, for sorting by depth."""
 
 _LIGHT = np.array([0.35, -0.55, 0.76])
 """Direction to the light, a unit vector."""
 
 _FACING_AWAY = -0.25
-"""Cosine to the viewer's direction below which a triangle isn't seen, perspective included."""
+"""Cosine of the angle to the viewer below which a triangle isn't visible, with an allowance for
+perspective.
+"""
 
 _MOST_NAMES = 24
-"""Most bodies and zones with names."""
+"""Largest number of bodies and zones whose names are written."""
 
 
 def draw_cell(
@@ -105,7 +109,9 @@ def _box(points: Array, surroundings: Surroundings) -> tuple[Array, Array]:
 
 
 def _draw_bodies(axes: Any, drawn: list[tuple[Body, Array]]) -> None:
-    """Draw all bodies at once, since only triangles of one collection are sorted by depth."""
+    """Draw all bodies as one collection, since matplotlib sorts only triangles of the same collection by
+    depth.
+    """
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     if not drawn:
@@ -143,7 +149,7 @@ def _draw_zone(axes: Any, zone: Body, triangles: Array) -> None:
 
 
 def _edges(triangles: Array) -> Array:
-    """Return the edges (E, 2, 3) at which the surface of a body bends."""
+    """Return the edges (E, 2, 3) at which the surface of a body has a crease."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     sides = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2, 3)
@@ -161,7 +167,7 @@ def _edges(triangles: Array) -> Array:
 
 
 def _name(axes: Any, named: list[tuple[Body, Array]]) -> None:
-    """Write names at bodies and zones, unless they would lie on others."""
+    """Write names at bodies and zones, except names that would overlap others."""
     renderer = axes.figure.canvas.get_renderer()
     taken: list[Any] = []
     texts: dict[str, tuple[Body, Array]] = {}

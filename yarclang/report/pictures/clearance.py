@@ -1,4 +1,4 @@
-"""Distances of bodies over the time of a plan, at samples: for display, no proof."""
+"""Sample distances of bodies over the time of a plan, for display. This proves nothing."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from yarclang.report.clearance import SEEN, near
 from yarclang.report.pictures.trace import STANDING
 
 _SAMPLES = 400
-"""Samples over the whole plan."""
+"""Number of samples over the whole plan."""
 
 _MOST_STATES = 60
-"""Most states of the parts that are followed. In a program with more, only some of them are sampled."""
+"""Largest number of states of the parts that are followed. If a program has more, only some of them are
+sampled.
+"""
 
 
 @frozen(eq=False)
@@ -28,7 +30,7 @@ class Clearance:
     Attributes:
         times: (N,) [s].
         apart: (N,) distances, at most `SEEN`; 0 for bodies that touch [m].
-        pair: names of the two bodies at the least distance; empty if it is nowhere below `SEEN`.
+        pair: names of the two bodies with the smallest distance; empty if no distance is below `SEEN`.
     """
 
     times: Array
@@ -37,8 +39,8 @@ class Clearance:
 
 
 def clearance_of(plan: MotionPlan) -> Clearance | None:
-    """Sample the distances of bodies, with the parts where the program has moved them; None if there is
-    nothing to collide with.
+    """Sample the distances of bodies, with the parts where the program has moved them. None if there is no
+    body that could collide.
     """
     times = np.linspace(0.0, plan.duration or STANDING, _SAMPLES)
     cells, owner = _cells(plan, times)
@@ -63,7 +65,7 @@ def clearance_of(plan: MotionPlan) -> Clearance | None:
 
 
 def _cells(plan: MotionPlan, times: Array) -> tuple[tuple[Cell | None, ...], Rows]:
-    """Return the cells of a plan's states, and the number of the one that applies at each time (N,) [s]."""
+    """Return the cells of a plan's states, and the number of the cell that applies at each time (N,) [s]."""
     carried = carried_in_plan(plan)
     if carried is None:
         return (plan.program.cell,), np.zeros(len(times), dtype=np.int64)

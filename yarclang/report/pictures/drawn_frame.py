@@ -1,4 +1,4 @@
-"""Choice of the frame on the flange that a picture of a plan follows."""
+"""Choose the frame on the flange whose path a picture of a plan shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Picture of an arm's workspace."""
+"""Draw the workspace of an arm."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.robot.model import Robot
 
 
 def draw_held(robot: Robot, format_: Format) -> bytes:
-    """Return the picture of a robot's workspace, equal bytes for equal robots."""
+    """Return the picture of a robot's workspace. Equal robots give equal bytes."""
     from matplotlib.figure import Figure
 
     with picture_style():

@@ -1,4 +1,4 @@
-"""Colours for any colour vision, and their assignment to commands."""
+"""Colours that people with any kind of colour vision can distinguish, and their assignment to commands."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ _STYLES: tuple[Literal["-", "--", ":"], ...] = ("-", "--", ":")
 """Line styles. Joints beyond the seventh repeat the colours with another style."""
 
 CORNER_COLOUR = "#E66100"
-"""Colour of corners that are passed in motion."""
+"""Colour of corners that are passed without a stop."""
 
 MOST_BARS = 256
-"""Most bars and colours. Further commands share them with their neighbours, because they couldn't be
-distinguished.
+"""Largest number of bars and colours. If there are more commands, neighbours share a bar, because they
+couldn't be distinguished.
 """
 
 
 Sort = Literal["process", "led", "joints"]
-"""Sorts of motions: those that lead the tool at a speed that the program says, other paths of the tool, and
-motions of joints.
+"""Sorts of motions: motions of the tool at a programmed speed, other motions of the tool along a path, and
+joint motions.
 """
 
 
@@ -40,11 +40,11 @@ class Bar:
         behind: number after the last motion.
         start: time of the beginning [s].
         end: time of the end [s].
-        index: of the first motion's command.
-        name: of the first motion's command.
-        colour: of the bar.
-        text_colour: legible on `colour`.
-        sort: of the first motion.
+        index: index of the first motion's command.
+        name: name of the first motion's command.
+        colour: colour of the bar.
+        text_colour: colour of text that is legible on `colour`.
+        sort: sort of the first motion.
     """
 
     first: int
@@ -66,8 +66,8 @@ def joint_style(joint: int) -> tuple[str, Literal["-", "--", ":"]]:
 def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     """Return the motions of a plan in at most `MOST_BARS` bars.
 
-    The lines of the program are coloured in the order of viridis: passes of a loop, and calls of a SUB, have
-    the colours of their lines.
+    The lines of the program have the colours of viridis, in their order. Passes of a loop, and calls of a
+    SUB, have the colours of their lines.
     """
     from matplotlib import colormaps
 
@@ -80,7 +80,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     rank = {line: place for place, line in enumerate(dict.fromkeys(lines))}
     bars = []
     for first, end, origin, line in zip(firsts, bounds[1:], origins, lines, strict=True):
-        # from the dark end to a colour that is visible on white
+        # leave out both ends of viridis: the brightest colours can't be seen on white
         red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (rank[line] / max(len(rank) - 1, 1)))
         is_light = 0.299 * red + 0.587 * green + 0.114 * blue > 0.5
         bars.append(

@@ -1,5 +1,5 @@
-"""The left side of a motion's picture: shares of the limits over time, in one panel for each quantity, and
-the tool's speed.
+"""Draw the left side of a motion's picture: shares of the limits over time, in one panel for each quantity,
+and the tool's speed.
 """
 
 from __future__ import annotations
@@ -37,15 +37,17 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 0.052, 0.625, 0.895, 0.045
 _LIMIT_COLOUR = "#B2182B"
 
 _ZOOMED_BELOW = 40.0
-"""Largest value [%] of a quantity below which it gets most of its panel's height, and the range up to the
-limit the rest.
+"""If the largest value [%] of a quantity is below this, the quantity gets most of its panel's height, and the
+range up to the limit gets the rest.
 """
 
 _LEAST_INNER = 1.0
-"""Least range [%] that is zoomed. Less would show rounding as motion."""
+"""Smallest range [%] to which a panel is zoomed. With a smaller range, rounding errors would look like
+motion.
+"""
 
 _NOTHING = 1e-7
-"""Values below this are rounding [%]."""
+"""Values below this are rounding errors [%]."""
 
 _ZOOMED_HEIGHT = 0.78
 """Share of the height between the limits that a zoomed quantity gets."""
@@ -54,10 +56,10 @@ _CORNER_SHADE = 0.16
 """Opacity of corners in a panel."""
 
 _APART = 14.0
-"""Least distance of two texts above a panel [pixels]."""
+"""Smallest distance of two texts above a panel [pixels]."""
 
 _MOST_BOUNDARIES = 80
-"""Most boundaries between commands that are drawn. More would cover the curves."""
+"""Largest number of boundaries between commands that are drawn. More boundaries would cover the curves."""
 
 
 def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
@@ -120,7 +122,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
 
 
 def _quantities(robot: Robot, trace: Trace) -> list[_Panel]:
-    """Return the panels of shares. Their limits are in deg or mm, of joints."""
+    """Return the panels of shares. The limits that they name are those of joints, in deg or mm."""
     joints, units = joint_labels(robot.joint_names), robot.axis_unit_names
     rates = tuple(
         _Limits(getattr(robot.limits, name) / robot.axis_units, tuple(f"{unit}{per}" for unit in units))
@@ -145,13 +147,15 @@ def _quantities(robot: Robot, trace: Trace) -> list[_Panel]:
 
 
 def _head(axes: Axes, title: str, note: str, found: str) -> None:
-    """Write the text above a panel: its title, its extreme, and, if there is room between them, a remark."""
+    """Write the text above a panel: its title, its extreme value, and a remark if there is room between
+    them.
+    """
     begins = axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
     ends = axes.set_title(found, loc="right", fontsize=9, pad=4, color="0.2")
     axes.tick_params(labelbottom=False, length=2.5, labelsize=8.5)
     canvas: Any = axes.figure.canvas
     renderer = canvas.get_renderer()
-    # titles get their heights when the figure is drawn; widths are known before
+    # use widths only: the heights of titles are known only when the figure is drawn
     box = axes.get_window_extent(renderer)
     left = box.x0 + begins.get_window_extent(renderer).width + _APART
     right = box.x1 - ends.get_window_extent(renderer).width - _APART
@@ -170,13 +174,13 @@ class Shown:
     """Contents of the picture.
 
     Attributes:
-        trace: of the joints.
-        tool: of the drawn frame.
+        trace: motion of the joints.
+        tool: motion of the drawn frame.
         bars: commands.
-        corners: that are passed in motion.
+        corners: corners that are passed without a stop.
         actions: waits and outputs.
         signals: inputs and outputs over time.
-        clearance: sampled distances; None if there is nothing to collide with.
+        clearance: sampled distances; None if there is no body that could collide.
     """
 
     trace: Trace
@@ -190,7 +194,7 @@ class Shown:
 
 @frozen
 class _Drawn:
-    """Unit of the time axis, its name, and the width of lines."""
+    """Unit of the time axis, the unit's name, and the width of lines."""
 
     factor: float
     unit: str
@@ -207,15 +211,15 @@ class _Limits:
 
 @frozen(eq=False)
 class _Panel:
-    """A quantity.
+    """A panel with one quantity.
 
     Attributes:
-        title: of the panel.
+        title: title of the panel.
         values: (N, n) shares.
-        names: of the columns.
+        names: names of the columns.
         note: a remark.
-        height: relative to the other panels.
-        limits: by which the values are divided; None if they aren't worth telling.
+        height: height relative to the other panels.
+        limits: limits by which the values are divided; None if they aren't named.
     """
 
     title: str
@@ -244,8 +248,8 @@ def _peak_text(peak: Peak, panel: _Panel, drawn: _Drawn) -> str:
 
 
 def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> None:
-    """Draw `percent` (N, n) over `times` (N,), with the limits at 100 % either way."""
-    # draw the most varying first, because they would cover the others where the lines are dense
+    """Draw `percent` (N, n) over `times` (N,), with the limits at +100 % and -100 %."""
+    # draw the curves that vary most first, because dense lines would cover the others
     for column in np.argsort(-np.abs(percent).mean(axis=0), kind="stable"):
         colour, style = joint_style(int(column))
         axes.plot(times, percent[:, column], color=colour, linestyle=style, linewidth=width, zorder=3)
@@ -257,10 +261,10 @@ def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> No
 
 
 def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
-    """Choose the scale of a panel that includes the limits and a largest size of `peak` [%].
+    """Choose the scale of a panel that includes the limits and values up to +-`peak` [%].
 
     Returns:
-        A remark on the scale, if it isn't even.
+        A remark on the scale, if the scale isn't uniform.
     """
     zoomed = ""
     if can_zoom and _NOTHING < peak < _ZOOMED_BELOW:
@@ -276,9 +280,12 @@ def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
 
 
 def _zoom(axes: Axes, inner: float) -> None:
-    """Give +-`inner` [%] most of the height, and compress the range up to the limits into shaded strips."""
+    """Give the range +-`inner` [%] most of the height, and compress the range up to the limits into shaded
+    strips.
+    """
     outer = 100.0 + 0.35 * (100.0 - inner)
-    # one straight piece beyond the limit, so that its slope is equal on both sides of the limit
+    # use one straight piece from `inner` to beyond the limit, so that the slope is the same on both sides of
+    # the limit
     squeezed = _ZOOMED_HEIGHT + (1.0 - _ZOOMED_HEIGHT) * (1000.0 - inner) / (100.0 - inner)
     data = np.array([-1000.0, -inner, inner, 1000.0])
     drawn = np.array([-squeezed, -_ZOOMED_HEIGHT, _ZOOMED_HEIGHT, squeezed])
@@ -294,7 +301,7 @@ def _zoom(axes: Axes, inner: float) -> None:
 
 
 def _round_up(value: float) -> float:
-    """Return the next larger of 1, 2, 3, 5 times a power of ten."""
+    """Return the next larger number of the form 1, 2, 3 or 5 times a power of ten."""
     if value <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(value))
@@ -304,7 +311,7 @@ def _round_up(value: float) -> float:
 
 
 def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> None:
-    """Mark the starts of commands, and the overlaps of two, if they can be distinguished."""
+    """Mark the starts of commands, and the blends, if they are far enough apart to be distinguished."""
     if len(corners) <= _MOST_BOUNDARIES:
         for begin, end in zip(corners.begins / factor, corners.ends / factor, strict=True):
             axes.axvspan(begin, end, color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, zorder=0)
@@ -342,14 +349,14 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
 def legend_row(
     figure: Figure, handles: Sequence[Artist], left: float, height: float, right: float = _RIGHT
 ) -> None:
-    """Draw a legend in one row, or in two if it would be too long for one.
+    """Draw a legend in one row, or in two rows if one would be too long.
 
     Args:
-        figure: to draw on.
+        figure: figure to draw on.
         handles: its entries.
         left: left end, as a share of the figure's width.
-        height: of its middle, as a share of the figure's height.
-        right: the farthest right end, as a share of the figure's width.
+        height: height of its middle, as a share of the figure's height.
+        right: rightmost allowed end, as a share of the figure's width.
     """
     canvas: Any = figure.canvas
     room = (right - left) * figure.bbox.width

@@ -1,5 +1,5 @@
-"""Corners that a plan passes in motion: their times, places, and allowed deviations from the programmed
-path.
+"""Find the corners that a plan passes without a stop: their times, places, and allowed deviations from the
+programmed path.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.units import MM
 
 _SAME = 1e-9
-"""Distance below which the places of frames count as equal [m]."""
+"""Places of frames that differ by less count as equal [m]."""
 
 
 @frozen(eq=False)
@@ -26,11 +26,11 @@ class Passed:
     Attributes:
         motions: (c,) numbers of the motions that end in them.
         begins: (c,) times at which both motions begin to overlap [s].
-        middles: (c,) times at which one motion gives way to the other [s].
+        middles: (c,) times at which one motion ends and the other begins in the plan [s].
         ends: (c,) ends of the overlaps [s].
         places: (c, 3) places of the drawn frame in the corners themselves [mm in {B}].
-        radii: (c,) allowed distances from there [mm]: 0 if the path may not be left, NaN if the blend isn't
-            of that frame (it is of joints, or of another tool).
+        radii: (c,) allowed distances from these places [mm]. 0 if the motion must not leave the path, NaN if
+            the blend is given for joints or for another tool than this frame.
     """
 
     motions: NDArray[np.intp]
@@ -45,7 +45,7 @@ class Passed:
 
 
 def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
-    """Return the corners of a plan, seen from a frame on the flange."""
+    """Return the corners of a plan, as places of a frame on the flange."""
     flowing = [number for number, motion in enumerate(plan.motions) if motion.flows]
     halves = np.array([plan.motions[n].half for n in flowing])
     middles = plan.ends[flowing] if flowing else np.zeros(0)
@@ -62,7 +62,7 @@ def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
 
 
 def _radius(plan: MotionPlan, number: int, frame: DrawnFrame) -> float:
-    """Return the allowed distance of the drawn frame from a corner [mm]; NaN if none is given for that
+    """Return the allowed distance of the drawn frame from a corner [mm]; NaN if no distance is given for this
     frame.
     """
     step = plan.program.steps[plan.motions[number].step]

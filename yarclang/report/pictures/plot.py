@@ -1,7 +1,7 @@
-"""The motion of a program as a picture: joints against their limits and the tool's speed over time, and its
-path in space.
+"""Draw the motion of a program: joints against their limits and the tool's speed over time, and its path in
+space.
 
-No window is opened: the figure is drawn in memory, so that it works without a screen, and equal programs give
+No window is opened. The figure is drawn in memory, so that it works without a screen, and equal programs give
 equal bytes.
 """
 
@@ -41,12 +41,12 @@ SIZE = (1600, 1200)
 _DPI = 100
 
 _DRAWN = 1e-3
-"""Difference below which times are drawn as equal [s]."""
+"""Times that differ by less are drawn as equal [s]."""
 
 _LONGEST_NAME = 60
-"""Most characters of a program's name in the title."""
+"""Largest number of characters of a program's name in the title."""
 
-# Metadata to unset, so that no date gets into the file.
+# Unset this metadata, so that the file contains no date.
 _UNDATED: dict[Format, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
@@ -54,18 +54,18 @@ def draw(plan: MotionPlan, format_: Format) -> bytes:
     """Draw a plan.
 
     Args:
-        plan: to draw.
-        format_: of the picture. A PNG has `SIZE`.
+        plan: plan to draw.
+        format_: format of the picture. A PNG has `SIZE`.
 
     Returns:
-        The file's bytes, equal for equal plans.
+        The file's bytes. Equal plans give equal bytes.
     """
     with picture_style():
         return saved(_figure(plan), format_)
 
 
 def _figure(plan: MotionPlan) -> Figure:
-    """Draw the whole figure, for `SIZE` pixels."""
+    """Draw the whole figure with `SIZE` pixels."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -110,11 +110,12 @@ def _title(figure: Figure, plan: MotionPlan) -> None:
 
 
 def time_facts(lasting: Lasting, drawn: float) -> tuple[str, ...]:
-    """Return the texts of a picture on the time of a program.
+    """Return the texts about the time of a program in a picture.
 
     Args:
-        lasting: its duration.
-        drawn: length of the time axis [s]. It is longer if branches of a WHEN are drawn one after the other.
+        lasting: duration of the program.
+        drawn: length of the time axis [s]. It is longer than the duration if branches of a WHEN are drawn one
+            after the other.
     """
     takes = lasting.text(duration_text)
     return (takes, "ways of a WHEN one after the other") if drawn > lasting.most + _DRAWN else (takes,)
@@ -132,11 +133,11 @@ def duration_text(seconds: float) -> str:
 
 
 def saved(figure: Figure, format_: Format) -> bytes:
-    """Return a picture as the bytes of a file, equal for equal pictures."""
+    """Return a picture as the bytes of a file. Equal pictures give equal bytes."""
     buffer = io.BytesIO()
     metadata: dict[str, Any] = dict(_UNDATED[format_])
     with warnings.catch_warnings():
-        # a name in a script that the font lacks is drawn as boxes, without a warning
+        # characters that the font lacks are drawn as boxes, so matplotlib's warning is suppressed
         warnings.filterwarnings("ignore", message="Glyph")
         figure.savefig(buffer, format=format_, dpi=_DPI, metadata=metadata)
     return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""The ribbon of a picture: a program's commands over time."""
+"""Draw the ribbon of a picture: a program's commands over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _MOST_BOUNDARIES = 80
-"""Most bars with borders. More borders would cover the bars."""
+"""Largest number of bars that have borders. More borders would cover the bars."""
 
 _MARKS = {"set": ("^", OUTPUT), "wait": ("D", WAIT)}
 """Marker and colour of commands that take no time in a plan."""
@@ -26,7 +26,7 @@ _BELOW = -0.42
 """Height of the row of actions, in heights of the ribbon."""
 
 _LONGEST = 40
-"""Most characters of an action."""
+"""Largest number of characters of an action's text."""
 
 
 def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
@@ -55,7 +55,7 @@ def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
             middle = (bar.start + bar.end) / 2.0 / factor
             axes.text(middle, 0.45, inside, ha="center", va="center", fontsize=8, color=bar.text_colour)
             continue
-        # no room inside: put the label above the bar's start, unless the previous label reaches there
+        # no room inside: put the label above the start of the bar, unless it would overlap the previous label
         label = bar.index or bar.name
         if left >= free and left + width.of(label) <= width.pixel(axes.get_xlim()[1]):
             axes.text(bar.start / factor, 1.12, label, ha="left", va="bottom", fontsize=8, color="0.2")
@@ -99,7 +99,7 @@ def _cut(text: str) -> str:
 
 
 class _Widths:
-    """Conversion of times and texts to pixels of an axis."""
+    """Converter of times and texts to pixels of an axis."""
 
     def __init__(self, axes: Axes) -> None:
         from matplotlib.font_manager import FontProperties
@@ -110,7 +110,7 @@ class _Widths:
         self._axes = axes
 
     def of(self, text: str) -> float:
-        """Return the width of a text in the labels' size."""
+        """Return the width of a text in the font size of labels."""
         return float(self._renderer.get_text_width_height_descent(text, self._font, ismath=False)[0])
 
     def pixel(self, time: float) -> float:

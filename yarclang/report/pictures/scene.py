@@ -1,4 +1,4 @@
-"""The lower right of a motion's picture: the tool's path in space."""
+"""Draw the lower right of a motion's picture: the tool's path in space."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 
 def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: Passed, place: Place) -> None:
-    """Draw the path with each command in its colour, the way-points, corners passed in motion, and start and
-    end.
+    """Draw the path with each command in its colour, the way-points, the corners that are passed without a
+    stop, and start and end.
     """
     axes = space_axes(figure, place, "path")
     low, high = box_around(path.points)
@@ -50,7 +50,7 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
         )
     if len(corners):
         _draw_corners(axes, corners)
-    # a ring around a square: both are visible if a program ends at its start
+    # draw a ring around a square, so that both are visible if a program ends at its start
     axes.scatter(
         *path.points[0],
         s=130,
@@ -78,12 +78,12 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
 _END = "#D55E00"
 
 _MOST_BALLS = 60
-"""Most balls that are drawn. More would cover the path."""
+"""Largest number of balls that are drawn. More balls would cover the path."""
 
 
 def _draw_corners(axes: Any, corners: Passed) -> None:
-    """Draw a cross in each corner that is passed in motion, and the outline of the ball within which the path
-    may be left.
+    """Draw a cross in each corner that is passed without a stop, and the outline of the ball in which the
+    motion may leave the path.
     """
     every = -(-len(corners) // MOST_DOTS)
     label = "corners passed in motion" if every == 1 else f"corners passed (one of {every})"
@@ -114,7 +114,7 @@ def _draw_corners(axes: Any, corners: Passed) -> None:
 
 
 def _draw_floor(axes: Any, path: ToolPath, height: float, width: float) -> None:
-    """Draw the path's shadow on the floor of the box, which shows its depth."""
+    """Draw the path's shadow on the floor of the box, to show the depth."""
     floor = path.points.copy()
     floor[:, 2] = height
     axes.plot(*floor.T, color="0.7", linewidth=width, zorder=1, label="shadow")

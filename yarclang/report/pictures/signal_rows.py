@@ -1,4 +1,6 @@
-"""Inputs and outputs as rows of a picture: the times at which each was on, and at which the robot waited for it."""
+"""Draw inputs and outputs as rows of a picture: the times at which each was on, and at which the robot
+waited for it.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +14,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_ROWS = 8
-"""Most signals that have a row, in the order of their first reports."""
+"""Largest number of signals that have a row. They are chosen in the order of their first reports."""
 OUTPUT, INPUT, WAIT = "#0072B2", "#009E73", "#E69F00"
 _LONGEST = 12
-"""Most characters of a name."""
+"""Largest number of characters of a name."""
 _MOST_TEXTS = 40
-"""Most values of a signal that are written."""
+"""Largest number of values of a signal that are written."""
 _HIGH = 0.62
 """Share of a row's height that is drawn."""
 
@@ -27,10 +29,10 @@ class SignalRow:
     """A signal over time [s].
 
     Attributes:
-        name: of the signal.
+        name: name of the signal.
         is_input: False for an output.
-        stretches: (beginning, end, value); before the first the value is unknown.
-        waits: (beginning, end, True if the signal came).
+        stretches: (beginning, end, value); before the first stretch the value is unknown.
+        waits: (beginning, end, True if the awaited value came).
     """
 
     name: str
@@ -43,10 +45,10 @@ def draw_rows(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float
     """Draw signals below each other over time.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         rows: the signals, of which `MOST_ROWS` are drawn.
-        end: of the time axis [s].
-        factor: seconds in its unit.
+        end: end of the time axis [s].
+        factor: seconds in the axis's unit.
     """
     shown = rows[:MOST_ROWS]
     for row, signal in enumerate(shown):

@@ -1,4 +1,4 @@
-"""Three-dimensional axes of a picture, in equal scales, and the path of a tool in them."""
+"""Draw three-dimensional axes with equal scales in a picture, and the path of a tool in them."""
 
 from __future__ import annotations
 
@@ -26,24 +26,26 @@ VIEW = (24.0, -52.0)
 """Elevation and azimuth of the view on the box [deg]."""
 
 _MARGINS = np.array([76.0, 40.0])
-"""Space for the labels of the axes beside, and below and above the box [pixels]."""
+"""Space for the labels of the axes: at the sides of the box, and below and above it [pixels]."""
 
 _SLIMMEST = 0.35
-"""Least side of the box as a share of the longest, so that a plane path has space around it."""
+"""Smallest side of the box as a share of the longest side, so that a path in a plane has space around it."""
 
 _SMALLEST = 10.0
-"""Least length of the longest side [mm]."""
+"""Smallest length of the longest side [mm]."""
 
 _LINES: dict[Sort, tuple[float, Any, str]] = {
     "process": (1.6, "-", "tool at the speed of [V ..]"),
     "led": (1.0, "-", "other path of the tool"),
     "joints": (0.75, (0, (3.5, 1.6)), "motion of the joints"),
 }
-"""Width relative to other lines, style, and label of each sort of motion."""
+"""Width relative to other lines, style, and label, for each sort of motion."""
 
 
 def space_axes(figure: Figure, place: Place, label: str) -> Any:
-    """Add axes around a place: matplotlib draws 3D axes in squares, and clips at their borders."""
+    """Add axes that are larger than a place, because matplotlib draws 3D axes in squares and clips at
+    their borders.
+    """
     left, bottom, width, height = place
     size = figure.get_size_inches()
     side = max(width * size[0], height * size[1])
@@ -55,7 +57,7 @@ def space_axes(figure: Figure, place: Place, label: str) -> Any:
 
 
 def box_around(points: Array) -> tuple[Array, Array]:
-    """Return the least and the largest coordinates (3,) of the box to show [mm]."""
+    """Return the smallest and the largest coordinates (3,) of the box to show [mm]."""
     low, high = points.min(axis=0), points.max(axis=0)
     longest = max(float((high - low).max()), _SMALLEST)
     half = np.maximum((high - low) / 2.0, _SLIMMEST * longest / 2.0) * 1.08
@@ -64,12 +66,12 @@ def box_around(points: Array) -> tuple[Array, Array]:
 
 
 def line_width(bars: tuple[Bar, ...]) -> float:
-    """Return the width of a path's lines; less for many commands."""
+    """Return the width of a path's lines. It is smaller for many commands."""
     return 1.9 if len(bars) <= 20 else 1.4 if len(bars) <= 100 else 0.7
 
 
 def draw_path(axes: Any, path: ToolPath, bars: tuple[Bar, ...], width: float) -> None:
-    """Draw the path with each command in its colour: one labelled collection for each sort of motion."""
+    """Draw the path with each command in its colour. Each sort of motion is one collection with a label."""
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
     for sort in dict.fromkeys(bar.sort for bar in bars):
@@ -131,7 +133,7 @@ def space_legend(figure: Figure, handles: Sequence[Artist], place: Place, column
 
 
 def _fill(axes: Any, low: Array, high: Array, place: Place) -> None:
-    """Set equal scales, and a zoom with which the box from `low` to `high` (3,) fills a place."""
+    """Set equal scales, and the zoom with which the box from `low` to `high` (3,) fills a place."""
     size = axes.figure.get_size_inches() * axes.figure.dpi
     room = np.array(place[2:]) * size - 2.0 * _MARGINS
     corners = np.stack(np.meshgrid(*zip(low, high, strict=True), [1.0])).reshape(4, -1)

@@ -1,4 +1,4 @@
-"""Style of all pictures, independent of a user's own matplotlibrc."""
+"""The style of all pictures, which doesn't depend on the user's matplotlibrc."""
 
 from __future__ import annotations
 
@@ -36,11 +36,13 @@ def printable(text: str) -> str:
 
 
 LONGEST_NAME = 20
-"""Most characters of a name among others in a picture."""
+"""Largest number of characters of a name among other names in a picture."""
 
 
 def short_name(name: str) -> str:
-    """Return a name that can be drawn, of at most `LONGEST_NAME` characters, with its middle left out."""
+    """Return a name that can be drawn, with at most `LONGEST_NAME` characters. If it is longer, its middle
+    is left out.
+    """
     name = printable(name)
     kept = (LONGEST_NAME - 1) // 2
     return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1 - kept]}…{name[-kept:]}"

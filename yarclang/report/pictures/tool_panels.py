@@ -1,4 +1,4 @@
-"""Rows below the joints' shares: the tool's speed, the arm's distance from a singularity, and the
+"""Draw the rows below the joints' shares: the tool's speed, the arm's distance from a singularity, and the
 distances of bodies.
 """
 
@@ -25,27 +25,31 @@ _TOOL_COLOUR = "#3B3B6D"
 _WANTED_COLOUR = "#B2182B"
 
 _LEAST_TOP = 0.1
-"""Least top of the singular value's scale."""
+"""Smallest upper end of the scale for the singular value."""
 
 _ZOOMED_BELOW = 0.4
-"""Share of the largest speed below which the requested speeds get `_ZOOMED_HEIGHT` of the height."""
+"""If the requested speeds are below this share of the largest speed, they get `_ZOOMED_HEIGHT` of the
+height.
+"""
 
 _ZOOMED_HEIGHT = 0.75
 
 _TOGETHER = 1e-6
-"""Difference below which times count as equal [s]."""
+"""Times that differ by less count as equal [s]."""
 
 _LEAST_SPEED = 1.0
-"""Least top of the speed's scale [mm/s]. Less would show rounding as motion."""
+"""Smallest upper end of the speed's scale [mm/s]. With a smaller scale, rounding errors would look like
+motion.
+"""
 
 _LEAST_CLEARANCE = 20.0
-"""Least top of the clearance's scale [mm]."""
+"""Smallest upper end of the clearance's scale [mm]."""
 
 _HIGHEST_TICK = 0.92
-"""Highest number at a scale, as a share of its height."""
+"""Highest number on a scale, as a share of the scale's height."""
 
 _STILL = 1e-6
-"""Speeds below this are rounding [mm/s]."""
+"""Speeds below this are rounding errors [mm/s]."""
 
 
 def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: float) -> tuple[str, str]:
@@ -84,8 +88,8 @@ def _joined(wanted: Array) -> Array:
 
 
 def _scale(axes: Axes, wanted: float, top: float) -> str:
-    """Choose the scale of the speeds up to `top`. If `wanted` is far below, the requested speeds get most of
-    the height.
+    """Choose the scale of the speeds up to `top`. If `wanted` is much smaller, the requested speeds get most
+    of the height.
 
     Returns:
         A remark on the scale.
@@ -100,7 +104,8 @@ def _scale(axes: Axes, wanted: float, top: float) -> str:
     slope = (1.0 - _ZOOMED_HEIGHT) / (1.12 * top - inner)
 
     def forward(value: Array) -> Array:
-        # continue with the last slope, so that values beyond can be distinguished
+        # continue with the last slope, so that different values beyond the scale are drawn at different
+        # heights
         drawn_at: Array = np.where(
             value > data[-1], 1.0 + (value - data[-1]) * slope, np.interp(value, data, drawn)
         )
@@ -121,7 +126,7 @@ def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, wid
     """Draw the smallest singular value; times in units of `factor` [s].
 
     Returns:
-        The least value in words.
+        The smallest value in words.
     """
     _curve(axes, trace.times / factor, trace.singular, width)
     axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)
@@ -134,7 +139,7 @@ def draw_clearance(axes: Axes, trace: Clearance, factor: float, unit: str, width
     """Draw the smallest distance of two bodies; times in units of `factor` [s].
 
     Returns:
-        The least value in words, with the pair of bodies.
+        The smallest value in words, with the pair of bodies.
     """
     _curve(axes, trace.times / factor, trace.apart / MM, width)
     axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)
@@ -154,7 +159,9 @@ def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:
 
 
 def _scale_to(axes: Axes, top: float) -> None:
-    """Set the scale from 0 to `top`, without a number so near the top that it would touch the panel above."""
+    """Set the scale from 0 to `top`. Numbers so near the top that they would touch the panel above are
+    left out.
+    """
     axes.set_ylim(0.0, top)
     axes.locator_params(axis="y", nbins=4)
     axes.set_yticks([tick for tick in axes.get_yticks() if tick <= _HIGHEST_TICK * top])

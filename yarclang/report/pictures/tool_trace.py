@@ -1,4 +1,6 @@
-"""The tool's speed during a plan, and its distance from singularities, in a bounded number of samples."""
+"""Sample the tool's speed during a plan, and its distance from singularities, in a bounded number of
+samples.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +17,22 @@ from yarclang.robot.kinematics.singularity import smallest_singular_values
 from yarclang.units import MM
 
 _FEWEST = 12
-"""Least number of samples of a motion. Its speed profile has one peak, which they miss by at most a few
-percent.
+"""Smallest number of samples of a motion. Its speed profile has one peak, which the samples miss by at most a
+few percent.
 """
 
 _AT_ONCE = 20_000
-"""Samples that are computed at once, to bound the memory."""
+"""Number of samples that are computed at once, to bound the memory."""
 
 
 @frozen(eq=False)
 class ToolTrace:
     """Motion of a frame on the flange over time.
 
-    A thinned trace has two rows for each short interval: the least and the largest values in it.
+    A thinned trace has two rows for each short interval: the smallest and the largest values in it.
 
     Attributes:
-        frame: on the flange.
+        frame: frame on the flange.
         times: (N,) never decreasing [s].
         speed: (N,) speed of the frame's origin in {B} [mm/s].
         singular: (N,) smallest singular value of the weighted Jacobian: 0 at a singularity, 0.1 to 0.5 far
@@ -59,7 +61,7 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
     number = np.repeat(np.arange(len(counts)), counts + 1)
     along = (np.arange(ends[-1]) - begins[number]) / counts[number]
     times = plan.begins[number] + along * durations[number]
-    # at rest before the first motion and after the last
+    # the tool is at rest before the first motion and after the last
     stands = np.array([0.0, plan.duration])
     times = np.concatenate((stands[:1][times[:1] > 0.0], times, stands[1:][plan.duration > times[-1:]]))
     parts = []
@@ -92,8 +94,9 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
 
 
 def _wanted(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
-    """Return the speeds (k, 3) that commands request of the frame, and ceilings below twice the `fastest`
-    [mm/s]: start [s], end [s], and speed [mm/s].
+    """Return the speeds (k, 3) that commands request for the frame: start [s], end [s], and speed [mm/s].
+
+    Ceilings are included if they are below twice the `fastest` speed [mm/s].
     """
     rows = []
     for number, motion in enumerate(plan.motions):

@@ -1,4 +1,4 @@
-"""Path of a frame on the flange through space, in a bounded number of points."""
+"""Compute the path of a frame on the flange through space, in a bounded number of points."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 MOST_POINTS = 20_000
-"""Most points of all motions together, besides one start for each."""
+"""Largest number of points of all motions together, besides one start for each motion."""
 
 _MOST_EACH = 1_000
-"""Most points of one motion."""
+"""Largest number of points of one motion."""
 
 MOST_DOTS = 400
-"""Most way-points that can be distinguished in a picture."""
+"""Largest number of way-points that can be distinguished in a picture."""
 
 
 @frozen(eq=False)
@@ -28,12 +28,12 @@ class ToolPath:
     """Path of the origin of a frame on the flange, in mm in {B}.
 
     Attributes:
-        frame: on the flange.
+        frame: frame on the flange.
         points: (N, 3) points of all motions. Motion k is `points[bounds[k] : bounds[k + 1]]`, from its start
             to its end.
         bounds: ranges of the motions.
-        waypoints: (w, 3) positions that the commands name, including their ends; one of `every`, if there are
-            too many.
+        waypoints: (w, 3) positions that the commands name, including their ends. If there are too many, only
+            every `every`-th of them.
         every: thinning of the way-points.
     """
 
@@ -45,8 +45,10 @@ class ToolPath:
 
 
 def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
-    """Compute the path of a frame on the flange. The points are distributed by the lengths of the motions in
-    joint space, so that a short program is drawn finely and a long one stays bounded.
+    """Compute the path of a frame on the flange.
+
+    The points are distributed by the lengths of the motions in joint space. A short program thus gets many
+    points for its length, while the number of points of a long program is bounded.
     """
     start = plan.program.start[None]
     if not plan.motions:
@@ -57,7 +59,7 @@ def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
     shares = ways / max(float(ways.sum()), 1e-12)
     # a motion of k parts has k + 1 points: its start is repeated from the end of the previous motion
     parts = np.clip((shares * (MOST_POINTS - len(curves))).astype(np.intp), 1, _MOST_EACH)
-    # if there are more motions than points, only some have any
+    # if there are more motions than points, only some motions have any
     parts[np.arange(1 - len(parts), 1) % -(-len(parts) // MOST_POINTS) > 0] = 0
     bounds = np.concatenate(([0], np.cumsum(np.where(parts > 0, parts + 1, 0))))
     number = np.repeat(np.arange(len(parts)), np.diff(bounds))

@@ -1,4 +1,4 @@
-"""The motion of a plan as shares of the robot's limits, in a bounded number of samples."""
+"""Sample the motion of a plan as shares of the robot's limits, in a bounded number of samples."""
 
 from __future__ import annotations
 
@@ -16,22 +16,26 @@ from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Robot
 
 MOST_SAMPLES = 20_000
-"""Most samples that are kept. More are thinned, because a picture has far fewer columns of pixels."""
+"""Largest number of samples that are kept. If there are more, they are thinned, since a picture has far fewer
+columns of pixels.
+"""
 
 _PARTS = (2, 16)
-"""The fewest and the most parts of a segment. Jerk is constant and acceleration linear in a segment, so that
-both are exact at its ends. With two parts, a peak of the velocity between samples exceeds them by at most
-jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50 ms, 60 deg/s.
+"""The smallest and the largest number of parts of a segment. In a segment, jerk is constant and acceleration
+is linear, so that both are exact at its ends. With two parts, a peak of the velocity between samples exceeds
+them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50 ms, 60 deg/s.
 """
 
 _COLUMNS = 4_000
-"""Intervals of a thinned trace, each with its least and largest values: several for each pixel."""
+"""Number of intervals of a thinned trace, each with its smallest and largest values: several for each
+pixel.
+"""
 
 _AT_ONCE = 4_096
-"""Segments that are sampled at once."""
+"""Number of segments that are sampled at once."""
 
 _STANDS = 1e-9
-"""Difference below which times count as equal [s]."""
+"""Times that differ by less count as equal [s]."""
 
 STANDING = 1.0
 """Duration that is drawn for a program without motion [s]."""
@@ -43,17 +47,17 @@ class Trace:
 
     At the boundary of two segments a time is repeated, with the jerk before and after it. The quantities are
     (N, n), one column for each joint or motor. A thinned trace has two rows for each short interval, at its
-    first and last time: the least and the largest values in it.
+    first and last time: the smallest and the largest values in it.
 
     Attributes:
         times: (N,) never decreasing [s].
-        position: -1 at the lower limit and +1 at the upper; for a joint without limits, the angle over 180
-            deg.
-        velocity: signed, over the limit.
-        acceleration: signed, over the limit.
-        jerk: signed, over the limit.
-        motors: speed of the motors, signed, over the limit.
-        torque: of the joints, signed, over their efforts; None if masses or efforts are unknown.
+        position: -1 at the lower limit and +1 at the upper; for a joint without limits, the angle divided by
+            180 deg.
+        velocity: signed velocity, divided by the limit.
+        acceleration: signed acceleration, divided by the limit.
+        jerk: signed jerk, divided by the limit.
+        motors: signed speed of the motors, divided by the limit.
+        torque: signed torque of the joints, divided by their efforts; None if masses or efforts are unknown.
         is_thinned: True for a thinned trace.
     """
 
@@ -77,7 +81,7 @@ class Peak:
     """The largest share of a quantity.
 
     Attributes:
-        share: of the limit.
+        share: share of the limit.
         column: joint or motor, counted from 0.
         time: [s].
     """
@@ -88,7 +92,7 @@ class Peak:
 
 
 def peak_of(trace: Trace, values: Array) -> Peak:
-    """Return the largest size in `values` (N, n), one of the quantities of `trace`."""
+    """Return the value with the largest magnitude in `values` (N, n), one of the quantities of `trace`."""
     row, column = divmod(int(np.argmax(np.abs(values))), values.shape[1])
     return Peak(abs(float(values[row, column])), column, float(trace.times[row]))
 
@@ -96,8 +100,8 @@ def peak_of(trace: Trace, values: Array) -> Peak:
 def trace_of(plan: MotionPlan) -> Trace:
     """Sample all motions of a plan.
 
-    Up to `MOST_SAMPLES` samples are kept unchanged. Of more, the least and largest values of short intervals
-    are kept, so that no peak is lost.
+    Up to `MOST_SAMPLES` samples are kept unchanged. If there are more, the smallest and largest values of
+    short intervals are kept, so that no peak is lost.
     """
     limits = _limits(plan.robot)
     if not plan.motions:
@@ -108,7 +112,7 @@ def trace_of(plan: MotionPlan) -> Trace:
     sampled = each(_all_sampled(limits, plan, parts))
     if segments * (parts + 1) > MOST_SAMPLES:
         intervals = [extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
-        # several motions may share a column, which is then reduced again
+        # several motions may belong to the same interval, so its extremes are computed again
         first, last, least, most = (np.concatenate(part) for part in zip(*intervals, strict=True))
         first, last, least, most = extremes(first, last, least, most, plan.duration)
         times = np.column_stack((first, last)).ravel()
@@ -119,8 +123,8 @@ def trace_of(plan: MotionPlan) -> Trace:
 
 
 def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tuple[Array, Array]]:
-    """Yield times (N,) [s] and all shares, side by side, of groups of motions and of each stretch in which
-    the robot rests.
+    """Yield times (N,) [s] and all shares, side by side, for each group of motions and for each stretch
+    during which the robot rests.
     """
     ends = np.concatenate(([0.0], plan.ends))
     begins = np.concatenate((plan.begins, [plan.duration]))
@@ -134,7 +138,7 @@ def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tupl
             yield times, _standing(limits, plan, times)
         if first == len(segments):
             return
-        # consecutive motions without a rest between them, up to `_AT_ONCE` segments
+        # a group: consecutive motions without a rest between them, up to `_AT_ONCE` segments
         behind = int(np.searchsorted(passed, passed[first] + _AT_ONCE, side="right")) - 1
         behind = min(max(behind, first + 1), len(segments))
         rests = np.flatnonzero(stands[first + 1 : behind])
@@ -152,8 +156,8 @@ def _standing(limits: _Limits, plan: MotionPlan, times: Array) -> Array:
 def _sampled(
     limits: _Limits, plan: MotionPlan, motions: NDArray[np.intp], segments: NDArray[np.intp], parts: int
 ) -> tuple[Array, Array]:
-    """Return times (N,) [s] in motions of so many segments, and all shares, side by side (N, 5 n) or (N, 6
-    n).
+    """Return times (N,) [s] in motions, with each segment in so many parts, and all shares, side by side (N,
+    5 n) or (N, 6 n).
     """
     curves = [plan.motions[number].curve for number in motions.tolist()]
     number = np.repeat(motions, segments)
@@ -169,7 +173,7 @@ def _sampled(
 
 @frozen(eq=False)
 class _Limits:
-    """Denominators of the shares.
+    """Numbers by which values are divided to get shares.
 
     Attributes:
         middle: (n,) middle of each joint's range [rad or m].
@@ -178,7 +182,7 @@ class _Limits:
         acceleration: (n,) largest acceleration [rad/s² or m/s²].
         jerk: (n,) largest jerk [rad/s³ or m/s³].
         motors: (n, n) share of each motor's speed for each joint velocity.
-        robot: for the torques; None if its masses are unknown.
+        robot: the robot, for the torques; None if its masses are unknown.
     """
 
     middle: Array
@@ -190,8 +194,9 @@ class _Limits:
     robot: Robot | None
 
     def shares(self, q: Array, v: Array, a: Array, j: Array) -> Array:
-        """Return the shares of position, velocity, acceleration and jerk (N, n), given in SI, followed by the
-        motors' speeds (N, 5 n) and, if known, the torques (N, 6 n).
+        """Return the shares of position, velocity, acceleration and jerk (N, n each), whose values are given
+        in SI, followed by those of the motors' speeds (in all N, 5 n) and, if known, of the torques (in all
+        N, 6 n).
         """
         dynamics = self.robot.dynamics if self.robot else None
         rows = np.empty((len(q), 5 if dynamics is None else 6, q.shape[1]))
@@ -229,14 +234,14 @@ def has_limits(robot: Robot) -> NDArray[np.bool_]:
 def extremes(
     first: Array, last: Array, least: Array, most: Array, duration: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Join neighbouring intervals that begin in the same of `_COLUMNS` equal parts of `duration` [s].
+    """Join neighbouring intervals that begin in the same one of `_COLUMNS` equal parts of `duration` [s].
 
     Args:
         first: (N,) beginning of each interval [s], never decreasing.
         last: (N,) end of each interval [s].
-        least: (N, m) least values in it.
+        least: (N, m) smallest values in it.
         most: (N, m) largest values in it.
-        duration: of the whole plan [s].
+        duration: duration of the whole plan [s].
 
     Returns:
         The four arrays of the joined intervals.

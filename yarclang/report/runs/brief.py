@@ -1,4 +1,4 @@
-"""Summary of a log, from its beginning and its end only."""
+"""Summarize a log from its beginning and its end only."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from yarclang.report.runs.kind import MAGIC
 from yarclang.runtime.log_record import FORMAT, METADATA
 
 ReadAt = Callable[[int, int], bytes]
-"""Function that reads a number of bytes at an offset; fewer at the end."""
+"""Function that reads a number of bytes at an offset; it returns fewer bytes at the end of the file."""
 
 _HEAD = 1 << 16
 _MOST_INDEX = 1 << 23
-"""Most bytes of an index that are read: that of four hours."""
+"""Largest number of bytes of an index that are read: the index of four hours."""
 _MOST_CHUNK, _MOST_UNPACKED = 1 << 21, 1 << 23
-"""Largest last chunk, packed and unpacked [bytes]. A log is written twice a second."""
+"""Largest size of the last chunk, packed and unpacked [bytes]. A chunk is written twice a second."""
 _LONGEST = 300
-"""Most characters of a text."""
+"""Largest number of characters of a text."""
 _FOOTER = struct.Struct("<BQQQI")
 _CHANNEL, _MESSAGE, _STATISTICS, _CHUNK, _CHUNK_INDEX, _METADATA, _OFFSET = 4, 5, 0x0B, 6, 8, 0x0C, 0x0E
 
@@ -32,18 +32,18 @@ class Brief:
     """Summary of a run's log.
 
     Attributes:
-        program: its name, for people.
-        robot: its name.
-        controller: its address.
-        client: that ordered the first motion; empty if unknown.
-        version: of yarclang that wrote the log.
+        program: name of the program for people.
+        robot: name of the robot.
+        controller: address of the controller.
+        client: client that ordered the first motion; empty if unknown.
+        version: version of yarclang that wrote the log.
         started: date and time in UTC, ISO 8601.
         is_known: False if this version can't read the log's format.
         is_whole: True if the log was closed; False if it is being written or was cut off.
-        duration: from the first message to the last [s]; None if unknown.
+        duration: time from the first message to the last [s]; None if unknown.
         well: True if the run came to its end; None if unknown.
-        what: why it didn't end well.
-        code: of the finding.
+        what: reason why it didn't end well.
+        code: code of the finding.
     """
 
     program: str
@@ -65,7 +65,7 @@ def brief_of(read: ReadAt, size: int) -> Brief | None:
 
     Args:
         read: reads from the file.
-        size: of the file [bytes].
+        size: size of the file [bytes].
     """
     try:
         facts = _facts(read(0, _HEAD))

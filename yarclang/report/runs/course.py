@@ -1,4 +1,4 @@
-"""The course of a run: its states as spans of time, and notable events."""
+"""The course of a run: its states over time, and notable events."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TROUBLED = (State.HOLD, State.FAULT, State.DISCONNECTED)
 """States that weren't planned."""
 
 _AT_ONCE = 0.1
-"""Difference in time below which events become one mark [s]."""
+"""Events whose times differ by less become one mark [s]."""
 
 
 @frozen
@@ -27,7 +27,7 @@ class Span:
     """A state over time.
 
     Attributes:
-        state: of the robot.
+        state: state of the robot.
         start: [s of the run].
         end: [s of the run].
         begins: [s of the program]; None before the program has begun.
@@ -57,10 +57,10 @@ class Mark:
 
 
 def spans_of(run: RecordedRun, tracking: Tracking) -> tuple[Span, ...]:
-    """Return the states, one after the other."""
+    """Return the states in the order of time."""
     first: list[tuple[State, float]] = []
     for one in run.told:
-        # a state may be reported again, with another reason
+        # the same state may be reported again, with another reason
         if isinstance(one, Changed) and not (first and first[-1][0] is one.state):
             first.append((one.state, one.time))
     times = [time for _, time in first] + [max(run.end, first[-1][1] if first else 0.0)]
@@ -90,7 +90,7 @@ def marks_of(run: RecordedRun, tracking: Tracking) -> tuple[Mark, ...]:
 
 
 def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
-    """Return the outcome of the run, and if it ended well; None if unknown."""
+    """Return the outcome of the run, and True if the run ended well; None if unknown."""
     outcome: Outcome | None = run.outcome
     if outcome is None:
         last = next((one.state for one in reversed(run.told) if isinstance(one, Changed)), None)
@@ -104,8 +104,8 @@ def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
 
 
 def _program_time(run: RecordedRun, tracking: Tracking, time: float) -> float | None:
-    """Return the program's time of an event; None before its first sample and, beyond a moment, after the
-    last.
+    """Return the program's time of an event. None if the event is before the program's first sample, or more
+    than a moment after its last.
     """
     times = run.times[tracking.rows]
     if not len(times) or not times[0] - 0.5 <= time <= times[-1] + 15.0:

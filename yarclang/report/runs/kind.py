@@ -1,4 +1,4 @@
-"""Detection of run logs."""
+"""Detect run logs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reader for the log of a run: the program, the reports, and the robot's positions."""
+"""Read the log of a run: the program, the reports, and the robot's positions."""
 
 from __future__ import annotations
 
@@ -23,27 +23,28 @@ from yarclang.runtime.log_record import CERTIFICATE, FORMAT, JOB, METADATA, PROG
 
 @frozen(eq=False)
 class RecordedRun:
-    """A run from its log. Times are in s from the log's start, in the controller's pace.
+    """A run from its log. Times are in s of the controller, from the log's start.
 
     Attributes:
-        file: that was read.
-        program: its name, for people.
-        controller: its address.
-        version: of yarclang that wrote the log.
+        file: file that was read.
+        program: name of the program for people.
+        controller: address of the controller.
+        version: version of yarclang that wrote the log.
         started: date and time in UTC, ISO 8601.
-        pace: seconds of the controller in a second of the clock: 1, except for a simulator.
-        robot: as the log describes it.
-        commands: of the program, with their times in it.
+        pace: seconds of the controller per second of the clock: 1, except for a simulator.
+        robot: robot as the log describes it.
+        commands: commands of the program, with their times in it.
         duration: the last time of the program [s].
-        lasting: how long the program takes.
+        lasting: duration of the program.
         counts_dwells: True if times of the program include dwells; False in older logs.
-        text: for the controller.
+        text: text for the controller.
         source: the program; may be empty.
-        certificate: as JSON; may be empty.
+        certificate: certificate as JSON; may be empty.
         told: all reports, in order.
         times: (N,) of the samples [s].
         program_times: (N,) the program's time, accurate to one or two segments [s].
-        passes: (N,) number of `Pass` of the program before each sample, from 0; -1 on the way to the start.
+        passes: (N,) number of the program's `Pass` to which each sample belongs, from 0; -1 during the motion
+            to the start.
         actual: (N, n) joint positions [rad or m].
         commanded: (N, n) joint positions [rad or m].
         following: (N, n) following errors of the motors [counts].
@@ -86,10 +87,10 @@ class RecordedRun:
 
 
 def read_run(file: str) -> Result[RecordedRun]:
-    """Read the log of a run, even if it is unfinished.
+    """Read the log of a run, even if it is incomplete.
 
     Returns:
-        None, with a finding, if the file can't be read or is no log that this version can read.
+        None, with a finding, if the file can't be read or isn't a log that this version can read.
     """
     try:
         content = read_whole(Path(file), LARGEST_LOG)
@@ -183,6 +184,6 @@ def _lasting(job: Mapping[str, Any]) -> Lasting:
 
 def _command(one: Mapping[str, Any]) -> JobCommand:
     begins = float(one["begins_s"])
-    # older logs have no clock: their branches of a WHEN are one after the other
+    # older logs have no clock: their times count the branches of a WHEN one after the other
     clock = float(one.get("clock_s", begins))
     return JobCommand(one["index"], one["name"], one["source_line"], begins, float(one["ends_s"]), clock)

@@ -1,4 +1,4 @@
-"""Messages in the log of a run: reports, samples as rows of numbers, and the robot."""
+"""Read the messages in the log of a run: reports, samples as rows of numbers, and the robot."""
 
 from __future__ import annotations
 
@@ -49,10 +49,10 @@ class Pass:
     """Beginning of a job's execution.
 
     Attributes:
-        time: of the beginning [s].
-        job: its name.
-        duration: of the job [s].
-        of_program: True for the program or a part of it; False for the way to its start.
+        time: time of the beginning [s].
+        job: name of the job.
+        duration: duration of the job [s].
+        of_program: True for the program or a part of it; False for the motion to its start.
     """
 
     time: float
@@ -86,7 +86,7 @@ class Messages:
         told: reports.
         rows: for each sample its time and program time [s], the actual and the commanded joints [deg or mm],
             and the following errors [counts].
-        passes: for each sample its pass; -1 on the way to the start.
+        passes: number of the pass to which each sample belongs; -1 during the motion to the start.
         unread: number of invalid messages.
     """
 
@@ -172,7 +172,7 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
 
 
 def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
-    """Return a message on inputs and outputs; None for an unknown kind.
+    """Return a message about inputs and outputs; None for an unknown kind.
 
     Raises:
         ValueError, KeyError, TypeError: a value is missing or invalid.
@@ -193,7 +193,7 @@ def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
 
 
 def read_robot(facts: Mapping[str, str], job: Mapping[str, Any]) -> RecordedRobot:
-    """Return the robot from metadata and job.
+    """Return the robot that metadata and job describe.
 
     Raises:
         ValueError, KeyError, TypeError: a value is missing or invalid.

@@ -1,5 +1,5 @@
-"""Panels of a run's picture: joints over the time of the program, errors, and the program's progress by the
-clock.
+"""Draw the panels of a run's picture: joints over the time of the program, errors, and the program's progress
+over the time of the clock.
 """
 
 from __future__ import annotations
@@ -31,29 +31,33 @@ COLOURS = {
     State.HOLD: ("#E6A700", 0.30),
     State.FAULT: ("#D7301F", 0.25),
 }
-"""Shades of states; the others have none."""
+"""Shades of states. States that are missing here aren't shaded."""
 
 NOT_RUN = "0.93"
 PLANNED = "0.70"
 LIMIT = "#B2182B"
 
 _COLUMNS = 4_000
-"""Intervals of a line in all. A picture has fewer columns of pixels."""
+"""Total number of intervals of a line. A picture has fewer columns of pixels."""
 
 _FEWEST = 50
-"""Fewest intervals of one pass among many."""
+"""Smallest number of intervals of one pass, if there are many passes."""
 
 _LEAST_SPAN = 5.0
-"""Least span of a joint's axis [deg or mm]. Less would show the noise of a joint that stands as motion."""
+"""Smallest range of a joint's axis [deg or mm]. With a smaller range, the noise of a joint at rest would look
+like motion.
+"""
 
 _LEAST_ERROR = {"counts": 2.0}
-"""Least half height of a panel of errors, by the unit of its values."""
+"""Smallest half height of a panel of errors, by the unit of its values."""
 
 _LEAST_OTHER = 0.005
-"""Least half height for other units [deg or mm]."""
+"""Smallest half height for other units [deg or mm]."""
 
 _NARROWEST = 0.003
-"""Least width of a shade, as a share of the axis, because a hold takes no time of the program."""
+"""Smallest width of a shade, as a share of the axis. It is needed because a hold takes no time of the
+program.
+"""
 
 
 @frozen(eq=False)
@@ -68,7 +72,7 @@ class Shown:
 
     @property
     def reached(self) -> float:
-        """Last time of the program that was reached [s]."""
+        """Last time of the program that the run reached [s]."""
         return float(self.tracking.times.max()) if len(self.tracking.times) else 0.0
 
     @property
@@ -136,11 +140,11 @@ def draw_joint(axes: Axes, shown: Shown, joint: int) -> None:
 def draw_lines(
     axes: Axes, shown: Shown, values: Array, names: tuple[str, ...], units: tuple[str, ...]
 ) -> None:
-    """Draw one line for each column of `values` (M, n) over the program's time, and name the largest value
+    """Draw one line for each column of `values` (M, n) over the program's time, and write the largest value
     above.
     """
     factor = shown.unit[0]
-    # draw the most varying first, because they would cover the others
+    # draw the lines that vary most first, because they would cover the others
     for column in np.argsort(-np.abs(values).mean(axis=0), kind="stable") if len(values) else ():
         colour, style = joint_style(int(column))
         for when, what in passes_of(shown, values[:, column : column + 1]):
@@ -162,7 +166,9 @@ def draw_lines(
 
 
 def most_text(values: Array, names: tuple[str, ...], units: tuple[str, ...], times: Array, unit: str) -> str:
-    """Return the largest size in `values` (M, n) for each unit, with its name and its time among (M,)."""
+    """Return the value with the largest magnitude in `values` (M, n) for each unit, with its name and its
+    time among (M,).
+    """
     if not len(values):
         return "no samples"
     return "most: " + "; ".join(
@@ -187,7 +193,9 @@ def off_path_text(shown: Shown) -> str:
 def _largest(
     values: Array, names: tuple[str, ...], units: tuple[str, ...]
 ) -> Iterator[tuple[str, float, str, int]]:
-    """Yield for the columns of each unit: the unit, the largest size, its column's name, its row."""
+    """Yield for the columns of each unit: the unit, the largest magnitude, and its column's name and its
+    row.
+    """
     for unit in dict.fromkeys(units):
         columns = [column for column, one in enumerate(units) if one == unit]
         row, place = divmod(int(np.argmax(np.abs(values[:, columns]))), len(columns))
@@ -195,8 +203,8 @@ def _largest(
 
 
 def _size(size: float) -> str:
-    """Format a number with two significant digits, without an exponent, to at most five decimals; smaller
-    ones are rounded up.
+    """Format a number with two significant digits, without an exponent, and with at most five decimals.
+    Smaller numbers are rounded up.
     """
     if size < 1e-5:
         return "0.00001" if size > 0.0 else "0"
@@ -216,7 +224,7 @@ def draw_clock(axes: Axes, shown: Shown) -> None:
     for span in shown.spans:
         if is_shaded(span, end):
             colour, alpha = COLOURS[span.state]
-            # the last state lasts until the end
+            # the last state ends at the end of the log
             until = end if span is shown.spans[-1] else max(span.end, span.start + _NARROWEST * end)
             axes.axvspan(span.start / factor, until / factor, color=colour, alpha=alpha, lw=0, zorder=0)
     values = tracking.times[:, None] / shown.unit[0]
@@ -245,15 +253,17 @@ def draw_clock(axes: Axes, shown: Shown) -> None:
 
 
 def is_shaded(span: Span, end: float) -> bool:
-    """Return True if a state is visible on an axis up to `end` [s]. Loading that takes no time isn't
-    shown.
+    """Return True if a state is long enough to be visible on an axis up to `end` [s]. Loading that takes no
+    time isn't shown.
     """
     is_brief = span.end - span.start < _NARROWEST * end
     return span.state in COLOURS and not (span.state is State.INIT and is_brief)
 
 
 def shade_program(axes: Axes, shown: Shown) -> None:
-    """Shade the parts that weren't run on an axis of the program's time, and mark holds and failures."""
+    """Shade the parts of the program that weren't run, on an axis of the program's time, and mark holds
+    and failures.
+    """
     factor, duration = shown.unit[0], max(shown.planned.duration, 1e-3)
     axes.set_xlim(0.0, duration / factor)
     axes.grid(axis="y", color="0.9", linewidth=0.6)
@@ -286,8 +296,10 @@ def not_run(shown: Shown) -> bool:
 
 
 def passes_of(shown: Shown, values: Array) -> list[tuple[Array, Array]]:
-    """Return the lines over the program's time for each pass, without branches of a WHEN that it left out:
-    times (k,) [s] and `values` (M, m) at them, thinned.
+    """Return thinned lines over the program's time, one for each part of a run without a jump in time: times
+    (k,) [s], and `values` (M, m) at them.
+
+    A jump is a branch of a WHEN that was left out, or the beginning of another pass.
     """
     return _by_pass(shown, shown.tracking.times, values)
 
@@ -310,8 +322,8 @@ def _planned_line(planned: Planned) -> tuple[Array, Array]:
 
 
 def thinned(times: Array, values: Array, columns: int) -> tuple[Array, Array]:
-    """Thin lines of increasing times (k,) and values (k, m) to the least and largest values of intervals, if
-    there are more points.
+    """Thin lines with increasing times (k,) and values (k, m), if they have too many points. Each of
+    `columns` intervals keeps its smallest and largest values.
     """
     if len(times) <= 2 * columns:
         return times, values

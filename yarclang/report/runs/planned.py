@@ -1,5 +1,5 @@
-"""The planned motion from a log's controller text: exact cubics, as in its strict reader and the
-certificate.
+"""Reconstruct the planned motion from the controller text in a log. The cubics are exact: the text is read by
+the same strict reader as for the certificate.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ class Planned:
 
     Attributes:
         cubics: its segments, in order [rad or m, s].
-        begins: (N,) beginning of each segment [s]. If the next one begins later than it ends, the robot rests
-            in between.
+        begins: (N,) beginning of each segment [s]. If the next segment begins later than a segment ends, the
+            robot rests in between.
         stand: (n,) its start [rad or m].
-        duration: of the whole program [s].
+        duration: duration of the whole program [s].
         dwells: (D, 2) beginning and end of each dwell [s], in order.
-        ways: (W, 3) for each WHEN: the times at which its branches part, at which the second one begins, and
-            at which that ends [s], nested ones after them; for each EXIT: the time at which the loop is left,
-            and twice that of its end.
-        lasting: how long a run takes.
+        ways: (W, 3) for each WHEN: the time at which its branches part, the time at which the second branch
+            begins, and the time at which the second branch ends [s]. A nested WHEN comes after the outer one.
+            For each EXIT: the time at which the loop is left, and twice the time at which the loop ends.
+        lasting: duration of a run.
     """
 
     cubics: Cubics
@@ -48,8 +48,8 @@ class Planned:
     lasting: Lasting
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Return positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]; at rest,
-        those of the previous motion.
+        """Return positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]. At rest,
+        the position is that of the end of the previous motion.
         """
         if not len(self.begins):
             stand = np.tile(self.stand, (len(times), 1))
@@ -62,7 +62,7 @@ class Planned:
         return self.cubics.h[self._rows(times)] if len(self.begins) else np.zeros(len(times))
 
     def _rows(self, times: Array) -> NDArray[np.int64]:
-        """Return the segments at times (M,); the first and the last for times outside."""
+        """Return the segments at times (M,). Times before the first segment or after the last give these."""
         return np.clip(np.searchsorted(self.begins, times, side="right") - 1, 0, len(self.begins) - 1)
 
 
@@ -95,8 +95,8 @@ def _refused(run: RecordedRun, reason: str) -> Result[Planned]:
 
 
 def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwells: bool) -> Planned:
-    """Return the segments of all sequences (TUM 289: S, S, S, c1 ... cM, cM, cM), from `start` (n,) in axis
-    units.
+    """Return the segments of all sequences (TUM 289: S, S, S, c1 ... cM, cM, cM), which begin at `start` (n,)
+    in axis units.
     """
     if not counts_dwells:
         content = replace(content, course=tuple(one for one in content.course if not isinstance(one, Dwelt)))
@@ -137,9 +137,11 @@ def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwel
 
 
 def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, float, float]]:
-    """Return for each WHEN the times at which its branches part, at which the second one begins, and at which
-    that ends [s]. The reader has checked that each has an end. The steps after an EXIT in its loop count
-    as a branch, too.
+    """Return for each WHEN the time at which its branches part, the time at which the second branch begins,
+    and the time at which it ends [s].
+
+    The steps between an EXIT and the end of its loop also count as a branch. The reader has checked that
+    every WHEN has an end.
     """
     open_: list[tuple[int, float, float | None]] = []
     ways: dict[int, tuple[float, float, float]] = {}

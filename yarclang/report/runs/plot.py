@@ -1,4 +1,4 @@
-"""A run as a picture: the plan and the execution."""
+"""Draw a run: the plan and the execution."""
 
 from __future__ import annotations
 
@@ -45,22 +45,22 @@ _LEFT, _MIDDLE, _GAP, _RIGHT = 0.045, 0.565, 0.065, 0.985
 _TOP, _BOTTOM = 0.865, 0.055
 
 _MOST_MARKS = 6
-"""Most events that are listed."""
+"""Largest number of events that are listed."""
 
 _LONGEST = 95
-"""Most characters of a line in that list."""
+"""Largest number of characters of a line in this list."""
 
 
 def draw_run(run: RecordedRun, planned: Planned, format_: Format) -> bytes:
-    """Draw a run against its plan.
+    """Draw a run together with its plan.
 
     Args:
-        run: from its log.
+        run: the run, from its log.
         planned: its plan.
-        format_: of the picture. A PNG has `SIZE`.
+        format_: format of the picture. A PNG has `SIZE`.
 
     Returns:
-        The file's bytes, equal for equal logs.
+        The file's bytes. Equal logs give equal bytes.
     """
     tracking = tracking_of(run, planned)
     shown = Shown(run, planned, tracking, spans_of(run, tracking), marks_of(run, tracking))
@@ -127,7 +127,7 @@ def _draw_joints(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_errors(figure: Figure, shown: Shown) -> None:
-    """Draw the errors of joints and motors, and the progress by the clock."""
+    """Draw the errors of joints and motors, and the progress over the time of the clock."""
     run, tracking = shown.run, shown.tracking
     robot = run.robot
     bottom = _BOTTOM + 0.135
@@ -170,7 +170,7 @@ def _draw_errors(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_marks(figure: Figure, shown: Shown) -> None:
-    """List the events by their numbers."""
+    """List the events with their numbers."""
     marks = shown.marks
     listed = marks if len(marks) <= _MOST_MARKS else marks[: _MOST_MARKS - 1]
     lines = [f"{number}  {mark.time:.2f} s  {mark.text}" for number, mark in enumerate(listed, 1)]
@@ -202,6 +202,6 @@ def _draw_legend(figure: Figure, shown: Shown) -> None:
 
 
 def _cut(text: str, most: int) -> str:
-    """Return a text with only characters that can be drawn, of bounded length."""
+    """Return a text that has only characters that can be drawn, with bounded length."""
     text = printable(text)
     return text if len(text) <= most else text[: most - 1] + "…"

@@ -1,4 +1,4 @@
-"""The records of an MCAP file up to its end, or to the first invalid one."""
+"""Read the records of an MCAP file up to its end, or to the first invalid record."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from yarclang.report.runs.kind import MAGIC
 from yarclang.runtime.log_scene import SCENE_TOPICS
 
 _LARGEST_CHUNK = 1 << 26
-"""Largest unpacked chunk [bytes]. Those of `yarc run` have 1 MiB and a message."""
+"""Largest size of an unpacked chunk [bytes]. Chunks of `yarc run` have 1 MiB and one message more."""
 _LEAST_LEFT, _PACKED = 1 << 28, 40
-"""Largest size of all unpacked chunks together [bytes], and further bytes for each byte of the file: logs are
-compressed to a tenth.
+"""Bound of the total size of all unpacked chunks: a fixed number of bytes, plus a number for each byte of the
+file. Logs are usually compressed to a tenth.
 """
 
 
@@ -28,12 +28,12 @@ class Records:
     """Content of a file.
 
     Attributes:
-        metadata: by name.
-        attachments: by name.
-        messages: topic and content, in the order of writing. Messages that aren't JSON objects are left out, and
-            those for viewers of scenes.
+        metadata: metadata by name.
+        attachments: attachments by name.
+        messages: topic and content, in the order of writing. Messages that aren't JSON objects, and messages
+            for viewers of scenes, are left out.
         unread: number of messages that were left out.
-        trouble: why the file may have contained more; empty for a complete file.
+        trouble: reason why the file may have contained more; empty for a complete file.
     """
 
     metadata: dict[str, dict[str, str]]
@@ -44,10 +44,10 @@ class Records:
 
 
 def read_records(content: bytes) -> Records | None:
-    """Read a file as far as possible.
+    """Read the part of a file that is valid.
 
     Returns:
-        None for a file that isn't MCAP, nor the beginning of one.
+        None if the file doesn't begin like an MCAP file.
     """
     if content[: len(MAGIC)] != MAGIC:
         return None
@@ -79,7 +79,7 @@ def read_records(content: bytes) -> Records | None:
 
 
 def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
-    """Return the records, and the reason if they stop before the file's end."""
+    """Return the records, and the reason if they end before the file's end."""
     stream = io.BytesIO(content)
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None)
     records: list[McapRecord] = []
@@ -100,7 +100,7 @@ def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
 
 
 def _unpacked(chunk: Chunk, most: int) -> Chunk | None:
-    """Unpack a chunk, regardless of its claimed size.
+    """Unpack a chunk, without trusting the size that it claims.
 
     Returns:
         None if it has more than `most` bytes.

@@ -51,11 +51,11 @@ def draw_signals(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: fl
     """Draw signals below each other over the time of the run.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         rows: the signals.
-        end: of the time axis [s].
-        factor: seconds in its unit.
-        unit: its name.
+        end: end of the time axis [s].
+        factor: seconds in the axis's unit.
+        unit: name of this unit.
     """
     draw_rows(axes, rows, end, factor)
     axes.set_xlim(0.0, end / factor)

@@ -1,6 +1,6 @@
-"""A run as lines of text: reports, and one status line that changes during the motion.
+"""Format a run as lines of text: reports, and one status line that changes during the motion.
 
-Live and recorded runs look alike: a `View` takes reports and positions, and returns the line.
+Live and recorded runs look alike: a `View` processes reports and positions, and returns the line.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnd
 from yarclang.runtime.state import State
 
 PLAIN_EACH = 5.0
-"""Time between two status lines for a long command, if no line can change [s]."""
+"""Time between two status lines of a long command, if the output can't change a line [s]."""
 
 
 class HasJoints(Protocol):
@@ -42,10 +42,10 @@ class View:
     """State of the status line. Each method returns the view after an event.
 
     Attributes:
-        robot: for joint names and units.
+        robot: robot with joint names and units.
         lasting: duration of the job.
-        state: of the robot.
-        progress: the last one.
+        state: state of the robot.
+        progress: the last progress.
         joints: (n,) actual positions [rad or m].
     """
 
@@ -66,11 +66,11 @@ class View:
                 return self
 
     def at(self, joints: Array) -> View:
-        """Return the view after a joint position (n,) [rad or m]: `sample.joints(robot)`."""
+        """Return the view after a new joint position (n,) [rad or m]: `sample.joints(robot)`."""
         return replace(self, joints=joints)
 
     def performing(self, lasting: Lasting) -> View:
-        """Return the view after the beginning of another job, which takes `lasting`."""
+        """Return the view after the beginning of another job, whose duration is `lasting`."""
         return replace(self, lasting=lasting, progress=None)
 
     @property
@@ -100,7 +100,7 @@ def notice_text(notice: Notice) -> str:
 
 
 def progress_text(progress: Progress, lasting: Lasting | None = None) -> str:
-    """Return the command, the program's time, its duration, and the remaining time at the present
+    """Return the command, the program's time, its duration, and the remaining time at the current
     override.
     """
     of = f" of {lasting.text(time_text)}" if lasting is not None else ""
@@ -138,7 +138,7 @@ def head_text(run: RecordedRun) -> str:
 
 
 def _is_usual(one: Told) -> bool:
-    """Return True for a state between a WAIT and the next motion that needs no line of its own."""
+    """Return True for a state that occurs between a WAIT and the next motion and needs no line of its own."""
     return isinstance(one, Changed) and not one.why and one.state in (State.STOP, State.INIT, State.MOVE)
 
 
@@ -148,7 +148,7 @@ class Moment:
 
     Attributes:
         time: [s].
-        view: after the moment.
+        view: view after the moment.
         line: report of the moment; empty if there is none.
     """
 
@@ -162,7 +162,7 @@ def moments_of(run: RecordedRun) -> Iterator[Moment]:
     view, between = View(run.robot, run.lasting), False
     told: Iterator[tuple[float, Told | int]] = ((moment.time, moment) for moment in run.told)
     seen: Iterator[tuple[float, Told | int]] = ((float(time), row) for row, time in enumerate(run.times))
-    # at equal times, reports come after samples, above all the outcome
+    # at equal times, reports come after samples, so that the outcome is last
     for time, moment in merge(seen, told, key=lambda pair: pair[0]):
         line = ""
         match moment:

@@ -1,14 +1,14 @@
-"""Comparison of a run with its plan: the program's time of each sample, and the robot's distance from the
+"""Compare a run with its plan: find the program's time of each sample, and the robot's distance from the
 plan.
 
 Times of a program include its dwells, with the branches of a WHEN one after the other. For the search, dwells
-and branches that weren't taken are cut out: the robot followed the remaining curve from its beginning. While
-the robot rested, only the program times in the log give the time.
+and branches that weren't taken are cut out. What remains is the curve that the robot followed from its
+beginning. For the time during which the robot rested, only the program times in the log are used.
 
 A sample's program time comes from the number of lines that the controller has left. It is accurate to one or
-two segments, and a segment of a fast motion is degrees long. But commanded positions are on the planned
-curve: the time is taken at which the curve is nearest to them. If the curve turns back on itself, there are
-two such times; then the neighbouring samples decide.
+two segments, and in a fast motion a segment is several degrees long. But commanded positions are on the
+planned curve, so the time is corrected to the time at which the curve is nearest to them. If the curve
+returns to the same place, there are two such times; then the neighbouring samples decide.
 """
 
 from __future__ import annotations
@@ -26,30 +26,34 @@ from yarclang.report.runs.planned import Planned
 from yarclang.robot.model import Array
 
 _LATE = 0.3
-"""Largest error of a sample's program time [s], besides the segments: from the requests before it, and a slow
-link.
+"""Largest error of a sample's program time [s] besides the error of some segments. It comes from the requests
+before the sample, and from a slow link.
 """
 
 _SEGMENTS = 4.0
-"""Largest error in segments, in addition."""
+"""Largest number of segments of error, in addition."""
 
 _SURE = 0.12
-"""Largest error of a time that was corrected by the clock [s]."""
+"""Largest error of a time after its correction by the clock [s]."""
 
 _NEAR = 1e-3
-"""Difference below which the distances of two places on the curve count as equal [deg or mm]."""
+"""If the distances of two places on the curve differ by less, both are equally near [deg or mm]."""
 
 _SAME = 2e-3
-"""Difference below which times count as equal [s]."""
+"""Times that differ by less count as equal [s]."""
 
 _DRIFT = 1e-3
-"""Largest relative deviation of the controller's clock from the host's. Quartzes are ten times better."""
+"""Largest relative deviation of the controller's clock from the host's. Quartz clocks are ten times
+better.
+"""
 
 _BESIDE = 0.02
-"""Distance in time from a rest within which the curve doesn't determine the time [s]."""
+"""Distance in time from a rest within which the nearest place on the curve doesn't determine the time [s]."""
 
 _BESIDE_WAY = 0.12
-"""Distance in time from the end of a branch within which a program time of the log may be outside [s]."""
+"""Distance in time from the end of a branch within which a program time in the log may be outside of the
+branch [s].
+"""
 
 _WITHIN = 1e-6
 """Time after its end at which a branch is left [s]."""
@@ -58,21 +62,21 @@ _CANDIDATES = 65
 _MINIMA = 3
 _STEPS = 5
 _ROWS = 2048
-"""Samples that are computed at once, to bound the memory."""
+"""Number of samples that are computed at once, to bound the memory."""
 
 _DOUBT = 1e-4
-"""Cost of a time at the end of the window, as a distance [deg or mm]: a few counts decide only if nothing
-moves.
+"""Cost of a time at the end of the window, as a distance [deg or mm]. It is so small that a difference of a
+few counts decides, unless nothing moves.
 """
 
 
 @frozen(eq=False)
 class Tracking:
-    """The M samples of a run's program against its plan.
+    """The M samples of a run's program, compared with its plan.
 
     Attributes:
         rows: (M,) indices of the samples in the run.
-        times: (M,) of the program [s], never decreasing within a pass.
+        times: (M,) times of the program [s], never decreasing within a pass.
         off_path: (M, n) commanded position minus the nearest point of the planned path [rad or m].
         error: (M, n) actual position minus the planned position at that time [rad or m].
         breaks: (B,) samples before which a branch of a WHEN was left out, or another pass begins.
@@ -114,12 +118,12 @@ def _parts(passes: NDArray[np.int64]) -> Iterator[slice]:
 
 @frozen(eq=False)
 class _Course:
-    """A planned motion without some stretches of its time.
+    """A planned motion without the stretches of time that a pass didn't follow.
 
     Attributes:
         planned: the motion.
-        cut: (C, 2) disjoint stretches in order [s of the program].
-        at_cut: (C,) times of the stretches [s of the course].
+        cut: (C, 2) disjoint stretches that are cut out, in order [s of the program].
+        at_cut: (C,) times of these cuts [s of the course].
         stands: (D,) times at which the robot rested [s of the course], each once.
         skipped: (W, 2) branches of a WHEN that were left out [s of the program].
     """
@@ -144,14 +148,16 @@ class _Course:
         return self.planned.segment_times(self.places(times))
 
     def places(self, times: Array) -> Array:
-        """Convert times (M,) of the course to times of the program [s]; at a cut, its end."""
+        """Convert times (M,) of the course to times of the program [s]. A time at a cut becomes the end of
+        the cut.
+        """
         longer = np.concatenate(([0.0], np.cumsum(np.diff(self.cut, axis=1))))
         found: Array = times + longer[np.searchsorted(self.at_cut, times, side="right")]
         return found
 
     def times(self, places: Array) -> Array:
-        """Convert times (M,) of the program to times of the course [s]; those in a cut become that of its
-        beginning.
+        """Convert times (M,) of the program to times of the course [s]. Times in a cut become the time of
+        the cut.
         """
         if not len(self.cut):
             return places
@@ -180,15 +186,15 @@ class _Course:
 
 def _course(planned: Planned, told: Array) -> _Course:
     """Return the course that a pass with program times `told` (M,) [s] can have followed: without dwells, and
-    without branches in which it never was.
+    without branches in which none of these times is.
     """
     ways = np.concatenate((planned.ways[:, :2], planned.ways[:, 1:]))
     when = np.sort(told)
-    # times near its ends may belong to the motion before or after it
+    # times near the ends of a branch may belong to the motion before or after the branch
     margin = np.minimum(_BESIDE_WAY, 0.4 * (ways[:, 1] - ways[:, 0]))
     first, behind = np.searchsorted(when, ways[:, 0] + margin), np.searchsorted(when, ways[:, 1] - margin)
     skipped = ways[(ways[:, 1] > ways[:, 0]) & (behind <= first)]
-    # just after its end, the other branch's beginning is another place
+    # cut slightly beyond the end: this time is also the beginning of the other branch, which is another place
     skipped = skipped + np.array([0.0, _WITHIN])
     cut: list[tuple[float, float]] = []
     for begin, end in sorted((*skipped.tolist(), *planned.dwells.tolist())):
@@ -204,8 +210,8 @@ def _course(planned: Planned, told: Array) -> _Course:
 
 
 def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return times of the course [s] for the samples of one pass: never decreasing ones, and those at which
-    the curve is nearest.
+    """Return two times of the course [s] for each sample of one pass: the first never decrease, and the
+    second are those at which the curve is nearest to the sample.
     """
     clock, points = run.times[rows] * (1.0 + _DRIFT), run.commanded[rows]
     units, told = run.robot.axis_units, planned.times(run.program_times[rows])
@@ -214,7 +220,7 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
     near = _nearest(planned, units, points, about, window)
     if near.alone.any():
         sure, when = _never_falling(near.times[near.alone], near.weights[near.alone]), clock[near.alone]
-        # linear between them; before the first and after the last as in the log
+        # interpolate linearly between the sure times; before the first and after the last, follow the log
         inside = np.clip(clock, when[0], when[-1])
         about = np.interp(inside, when, sure) + about - np.interp(inside, clock, about)
     near = _nearest(planned, units, points, about, np.full(len(rows), _SURE))
@@ -222,7 +228,9 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
 
 
 def _never_falling(values: Array, weights: Array) -> Array:
-    """Return the nearest values that never decrease; those with much weight are moved least."""
+    """Return the nearest values that never decrease (isotonic regression). Values with a large weight are
+    changed least.
+    """
     from scipy.optimize import isotonic_regression
 
     result: Array = isotonic_regression(values, weights=weights).x
@@ -235,8 +243,8 @@ class _Nearest:
 
     Attributes:
         times: (M,) [s].
-        weights: (M,) reliability of each: the square of the speed there.
-        alone: (M,) True if the curve isn't as near at another time.
+        weights: (M,) reliability of each time: the square of the speed there.
+        alone: (M,) True if the curve isn't equally near at another time.
     """
 
     times: Array
@@ -264,7 +272,7 @@ def _nearest(planned: _Course, units: Array, points: Array, about: Array, window
 
 
 def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
-    """Find the nearest times as in `_nearest`, for as many points as fit into memory."""
+    """Find the nearest times as in `_nearest`, for a number of points whose data fit into memory."""
     doubt, places = ((_DOUBT / window) ** 2)[:, None], (points / units)[:, None]
     about = about[:, None]
 
@@ -282,7 +290,7 @@ def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, wi
     is_least = (costs[:, 1:-1] <= costs[:, :-2]) & (costs[:, 1:-1] <= costs[:, 2:])
     some = np.argpartition(np.where(is_least, costs[:, 1:-1], np.inf), _MINIMA, axis=1)[:, :_MINIMA]
     best = np.take_along_axis(tried, some, axis=1)
-    # Gauss-Newton steps, not beyond the neighbouring samples
+    # Gauss-Newton steps from each minimum, limited to the interval between its neighbouring candidates.
     step = window[:, None] * (shares[1] - shares[0])
     low, high = np.maximum(best - step, 0.0), np.minimum(best + step, planned.duration)
     for _ in range(_STEPS):
@@ -293,7 +301,8 @@ def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, wi
     final = np.where(np.take_along_axis(is_least, some, axis=1), cost(best, x), np.inf)
     which = np.argmin(final, axis=1)[:, None]
     times = np.take_along_axis(best, which, axis=1)
-    # costs are squares: another place is as near if its distance differs by a few counts only
+    # Costs are squared distances. Another minimum is equally near if its distance differs by only a few
+    # counts.
     rivals = final < np.take_along_axis(final, which, axis=1) + _NEAR**2
     rivals &= (np.abs(best - times) > _SAME) & (np.abs(best - about) < 2.0 * _SURE)
     weights = np.take_along_axis((v**2).sum(axis=2) + doubt, which, axis=1)

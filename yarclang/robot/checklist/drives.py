@@ -67,7 +67,9 @@ def _resolution(robot: Robot) -> Item:
 
 
 def _speeds(robot: Robot) -> Item:
-    """Compare the motors' speeds with those that joints need at their limits, each alone and all together."""
+    """Compare the motors' speed limits with the motor speeds that the joints' limits need: with one joint
+    moving, and with all joints moving together.
+    """
     needed = np.abs(counts_per_joint(robot)) * robot.limits.velocity
     alone, together = needed.max(axis=1), needed.sum(axis=1)
     have = robot.actuation.velocity

@@ -26,7 +26,7 @@ EXACT = 1e-9
 """Largest deviation of forward kinematics from Pinocchio [m, rad]."""
 
 SOLVED = 0.99
-"""Share of the poses that the search must solve."""
+"""Smallest share of the poses that the inverse kinematics must solve."""
 
 DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
 """Directions of straight lines of fixed orientation that are tried from a place: along and against each axis
@@ -46,7 +46,7 @@ LINE = 0.1
 """Length of a line, as a share of the arm's length."""
 
 ROOM = 0.7
-"""A joint this far from its limits [rad or m] has all the room that a line needs."""
+"""Distance of a joint from its limits [rad or m] that is enough for any line."""
 
 STRAIGHT = 0.01
 """Smallest singular value below which a position counts as near a singularity."""
@@ -61,7 +61,8 @@ SHORT_TOOL = 5e-3
 """A distance shorter than this [m] doesn't determine the tool's direction."""
 
 ALONG = 0.9
-"""Cosine of the angle between z of TCP and the tool, above which one points along the other."""
+"""Cosine of the angle between z of TCP and the tool above which z of TCP counts as pointing along the tool.
+"""
 
 
 def geometry_items(robot: Robot) -> Iterator[Item]:
@@ -116,7 +117,7 @@ def _method(robot: Robot) -> Item:
 
 
 def _forward(robot: Robot, q: Array) -> Item:
-    """Compare our poses with Pinocchio's own, of the whole URDF."""
+    """Compare our poses with Pinocchio's poses for the whole URDF."""
     ours, theirs = flange_poses(robot.chain, q), pinocchio_poses(robot, q)
     miss = float(np.abs(ours - theirs).max())
     if miss <= EXACT:
@@ -233,7 +234,7 @@ def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
     Args:
         robot: the robot, n joints.
         starts: (K, n) joint positions [rad or m], where the lines begin.
-        length: of the lines [m].
+        length: length of the lines [m].
     """
     paths = [_line(robot, start, way * length) for start in starts for way in DIRECTIONS]
     each = np.repeat(starts, len(DIRECTIONS), axis=0)
@@ -241,7 +242,9 @@ def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
 
 
 def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
-    """Return the path of a line from the flange's place at `q` (n,) along `way` (3,) [m]."""
+    """Return the path of a straight line that begins at the flange's place for `q` (n,) and runs along `way`
+    (3,) [m].
+    """
     start = flange_poses(robot.chain, q[None])[0]
 
     def pose_at(s: Array) -> Array:
@@ -253,7 +256,7 @@ def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
 
 
 def _why(robot: Robot, end: Broken, length: float) -> str:
-    """Return the place at which a line ends, and the reason."""
+    """Return a sentence that names the place at which a line ends, and the reason."""
     place = f"ends after {end.s * length / MM:.0f} mm"
     if end.joint is None:
         return f"{place} (out of reach, or at a singularity)"
@@ -336,11 +339,11 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
 
 
 def _outwards(robot: Robot) -> Array | None:
-    """Return the direction out of the arm (3,) in {B} with all joints at 0, or None if it can't be
-    determined.
+    """Return the unit direction (3,) in {B} in which the arm points outwards with all joints at 0, or None if
+    it can't be determined.
 
-    It is from FLANGE to TCP; without a tool, from the axis of the joint before the last one to the flange,
-    along the last axis if the last joint turns.
+    With a tool, this is the direction from FLANGE to TCP. Without a tool, it is the direction from the axis
+    of the joint before the last one to the flange, taken along the last axis if the last joint turns.
     """
     frame = robot.flange_from_frame.get("TCP")
     if frame is None:

@@ -25,5 +25,5 @@ class Item:
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return names with commas; those after the first `most` are only counted."""
+    """Return names separated by commas; only the first `most` are listed, the others are counted."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

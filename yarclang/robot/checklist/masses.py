@@ -1,5 +1,5 @@
-"""Check if motions are compared with the motors' efforts, and compute the efforts that the arm needs to hold
-itself.
+"""Check whether torques of motions are compared with the joints' effort limits, and compute the torques that
+the arm needs to hold itself.
 """
 
 from __future__ import annotations

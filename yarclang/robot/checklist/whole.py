@@ -34,10 +34,11 @@ class Checklist:
 
 
 def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) -> Checklist:
-    """Check all items for a robot of the library, a robot.toml or a folder with one.
+    """Check all items of the list for a robot.
 
     Args:
-        name_or_path: the robot.
+        name_or_path: the name of a robot of the library, the path of a robot.toml, or of a folder that
+            contains one.
         further: functions that yield the items of higher layers.
     """
     loaded = load_robot(name_or_path)

@@ -1,4 +1,5 @@
-"""Compute kinematics of serial arms: forward, inverse, along a path. Whole arrays at a time, SI units.
+"""Compute forward and inverse kinematics of serial arms, and follow paths. Functions take whole arrays, in SI
+units.
 
 `fk` computes poses and Jacobians. `nearest_solutions` solves one pose within a robot's limits, `track`
 follows a path, `follow` finds the exact joint positions of many samples near seeds, `branches` returns

@@ -1,8 +1,9 @@
-"""Search for other ways along a path for a redundant arm: the same poses, at less of some cost.
+"""Find joint paths of lower cost that follow the same poses, for a redundant arm.
 
-The whole path is moved at once through the null spaces of its samples, like an elastic band: downhill of the
-cost, smoothed along the path, and brought back onto the poses by iteration (as in CHOMP: Zucker et al., IJRR
-32(9-10), 2013). A joint therefore begins to move long before the place where its motion is needed.
+The whole joint path is moved at once through the null spaces of its samples, like an elastic band. Each step
+goes downhill in cost, is smoothed along the path, and is brought back onto the poses by iteration (as in
+CHOMP: Zucker et al., IJRR 32(9-10), 2013). A joint therefore begins to move long before the place where its
+motion is needed.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ FEWEST, MOST = 33, 257
 """The smallest and the largest number of samples of a path."""
 
 MOVE = 0.05
-"""Typical motion of a joint between two samples of the known way [rad or m]."""
+"""Typical motion of a joint between two samples of the known joint path [rad or m]."""
 
 FARTHEST = 0.15
-"""Largest motion of a joint between two samples of a way that is found [rad or m]; `Track` allows 0.2."""
+"""Largest motion of a joint between two samples of a resulting path [rad or m]; `Track` allows 0.2."""
 
 PROBE = 0.01
-"""Distance to either side at which the cost is evaluated [rad, or m by weights]."""
+"""Step of the central differences for the gradient of the cost [rad, or m by weights]."""
 
 LARGEST, SMALLEST = 0.15, 0.004
 """The largest and the smallest step that is tried [rad, or m by weights]."""
@@ -42,8 +43,8 @@ NUDGE, NUDGES = 0.2, 4
 """Size [rad, or m by weights] and number of the steps by which a start is moved to one side of the path."""
 
 MOST_ASKED = 8500
-"""Approximate limit on the joint positions that are put onto one path or whose cost is evaluated: 0.2 s among
-bodies. The search ends there.
+"""Approximate limit on the number of joint positions that are put onto the path or whose cost is evaluated.
+The search ends there; with a cost that measures distances between bodies, this takes about 0.2 s.
 """
 
 STIFF = 0.01
@@ -57,18 +58,20 @@ Cost = Callable[[Array], Array]
 def bent(
     chain: Chain, limits: Limits, pose_at: Callable[[Array], Array], followed: Track, cost: Cost
 ) -> Iterator[Track]:
-    """Yield ways along a path with the same start, within limits, that cost less than the known one.
+    """Yield joint paths with the same poses and the same start, within limits, that cost less than the known
+    one.
 
-    The first is downhill of the known way, the others start to one side of it. Each is computed only when it
-    is requested. An arm with six joints or fewer yields none.
+    The search for the first one starts from the known joint path itself; the later searches start from paths
+    displaced to one side of it. Each result is computed only when it is requested. An arm with six joints or
+    fewer yields none.
 
     Args:
         chain: the arm, n joints.
         limits: its limits.
         pose_at: base_from_flange (N, 4, 4) for path places (N,).
-        followed: the known way.
-        cost: maps joint positions (N, n) to costs (N,), which are never negative; 0 where nothing can be
-            gained.
+        followed: the known joint path.
+        cost: maps joint positions (N, n) to costs (N,). Costs are never negative; a cost of 0 can't be
+            improved.
     """
     if chain.size <= 6:
         return
@@ -100,7 +103,7 @@ class _Band:
         self.start = followed.q[0]
         self.scale = weights(chain, limits) / np.pi
         self.smooth = _smoothing(len(s))
-        # keep clear of the limits, except where the known way comes nearer to them
+        # keep clear of the limits, except where the known joint path comes nearer to them
         low, high = clear_of_limits(limits, self.start)
         self.low = np.maximum(np.minimum(low, followed.q.min(axis=0)), limits.lower)
         self.high = np.minimum(np.maximum(high, followed.q.max(axis=0)), limits.upper)
@@ -111,10 +114,10 @@ class _Band:
         return self._cost(q)
 
     def onto(self, q: Array) -> Array | None:
-        """Return the joint positions (M, n) near `q` (M, n) that stand at the poses, with the path's own
+        """Return the joint positions (M, n) near `q` (M, n) that reach the poses, starting at the path's own
         start.
 
-        None if they miss a pose, jump between two samples, or leave the limits.
+        Return None if they miss a pose, jump between two samples, or leave the limits.
         """
         self.asked += len(q)
         found = fit(self.chain, self.poses, q, lower=self.low, upper=self.high, rounds=15)
@@ -151,15 +154,16 @@ class _Band:
         return q
 
     def beside(self, q: Array, number: int) -> Array | None:
-        """Return joint positions (M, n) to one side of `q` (M, n); the displacement grows along the first
-        third.
+        """Return joint positions (M, n) displaced to one side of `q` (M, n).
+
+        The displacement grows along the first third of the path.
 
         Args:
             q: the joint positions at the samples.
             number: the side, from 1: each spare direction has two.
 
         Returns:
-            The positions after as many nudges as stay on the poses; None if there is none.
+            The positions after the nudges that stay on the poses; None if not even the first nudge does.
         """
         direction, sign = (number - 1) // 2, 1.0 if number % 2 else -1.0
         share = np.minimum(np.linspace(0.0, 3.0, len(q)), 1.0)[:, None]
@@ -168,7 +172,8 @@ class _Band:
         for _ in range(NUDGES):
             ways = null_spaces(self.chain, q, self.scale)
             way = ways[:, direction].copy()
-            # null vectors have no sign: keep one along the path, and that of the nudge before
+            # null vectors have no sign: choose the sign that agrees with the previous sample, and with the
+            # nudge before
             for place in range(1, len(way)):
                 along = ways[place].T @ (ways[place] @ way[place - 1])
                 way[place] = along / max(float(np.linalg.norm(along)), 1e-9)
@@ -203,8 +208,8 @@ class _Band:
 def _smoothing(count: int) -> Array:
     """Return the matrix (count - 1, count - 1) that smooths a displacement of the samples after the first.
 
-    It is the response of a stiff band that is held at its start: the inverse of the stiffness for stretching
-    (first differences) and bending (second differences).
+    The matrix is the response of a stiff band that is held at its start: the inverse of the stiffness for
+    stretching (first differences) and bending (second differences).
     """
     width = 1.0 / (count - 1)
     slope = (np.eye(count - 1) - np.eye(count - 1, k=-1)) / width

@@ -2,8 +2,9 @@
 batches.
 
 The last index of each array counts the samples, the index before it the branches: (shoulder 2, elbow 2) for
-the arm, with (wrist 2) in front of them for the wrist. Angles come from half-angle formulas and atan2 of both
-legs, so that they stay accurate near a boundary, where a solution vanishes or two meet.
+the arm, with (wrist 2) in front of them for the wrist. Angles are computed by half-angle formulas and atan2
+of both legs of a right triangle. They therefore stay accurate near a boundary, where a solution vanishes or
+two solutions meet.
 """
 
 from __future__ import annotations
@@ -33,12 +34,12 @@ def free_joints(arm: Form) -> tuple[int, int]:
 
 @frozen(eq=False)
 class Branches:
-    """The answer of the closed form, samples last.
+    """All branches of poses; the samples are the last index.
 
-    `q` (6, 8, N) [rad] is in (-pi, pi]. A branch that doesn't reach the pose has `valid` (8, N) false and
-    holds the joint positions that stretch towards the pose. `free` (2, 8, N) is true where q1 (the wrist
-    centre is on axis 1) or the wrist's angle (the wrist is straight) isn't determined by the pose; the held
-    value is used.
+    `q` (6, 8, N) [rad] is in (-pi, pi]. A branch that doesn't reach the pose has `valid` (8, N) false; its
+    `q` are the joint positions that stretch towards the pose. `free` (2, 8, N) is true if the pose doesn't
+    determine q1 (the wrist centre is on axis 1), or the wrist's angle (the wrist is straight); the held value
+    is used then.
     """
 
     q: Array
@@ -59,12 +60,12 @@ def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
     Args:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
-        hold: (6, N) or (6, 1) [rad], the joint positions from which q1 is taken if the wrist centre is on
-            axis 1, and q4 if the wrist is straight. With three parallel axes, the sum of their angles is
+        hold: (6, N) or (6, 1) [rad], the values for angles that a pose leaves free: q1 if the wrist centre is
+            on axis 1, and q4 if the wrist is straight. With three parallel axes, the sum of their angles is
             taken from `hold` instead of q4.
 
     Returns:
-        The branches; the index is 4 wrist + 2 shoulder + elbow.
+        The branches; the index of a branch is 4 wrist + 2 shoulder + elbow, each 0 or 1.
     """
     count = len(base_from_flange)
     if count <= BLOCK:
@@ -96,6 +97,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
     turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 3, 2, 1, count)
     bent = q2 + q3
     sin, cos = np.sin(bent), np.cos(bent)
+    # axes 2 and 3 are parallel: their turns add up to one turn about z of frame 2, which is undone here
     rest: Array = np.empty((3, 3, 2, 2, count))
     rest[0] = cos * turned[0] + sin * turned[1]
     rest[1] = cos * turned[1] - sin * turned[0]
@@ -130,11 +132,13 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
     turned[1] = cos1 * rows[1] - sin1 * rows[0]
     turned[2] = rows[2]
     turned = ((arm.shoulder[:3, :3] @ arm.wrist).T @ turned.reshape(3, -1)).reshape(3, 3, 2, count)
+    # the parallel axes turn together by the sum of their angles, counted about axis 2
     together = hold[1] + arm.elbow_sign * hold[2] + arm.hand_sign * hold[3]
     # axis 2 stands for axis 4 of a wrist; its zero is in `arm.wrist`, so `together` needs no offset
     wrist, bendable, straight = wrist_angles(arm, turned, together)
     # subtract the hand: x and y of axis 4 in frame 2, (wrist 2, shoulder 2, N)
     sin, cos = np.sin(wrist[0]), np.cos(wrist[0])
+    # the hand leads from axis 4 to the wrist centre and is turned by the sum of the three angles
     x, y = _in_plane(arm, columns[3], sin1, cos1)
     x = x - (cos * arm.hand[0] - sin * arm.hand[1])
     y = y - (sin * arm.hand[0] + cos * arm.hand[1])
@@ -143,6 +147,7 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
     q[0] = q1[:, None]
     q[1] = q2
     q[2] = q3 * arm.elbow_sign
+    # what joints 2 and 3 leave of the sum is joint 4's angle
     q[3] = (wrist[0][:, :, None] - q2 - q3) * arm.hand_sign
     q[4:] = wrist[1:, :, :, None]
     q = q.reshape(6, 8, count)
@@ -193,7 +198,7 @@ def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], 
 def one_branch(
     arm: Form, base_from_flange: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Compute one branch of all poses: the same bits as `closed_form` returns, in less time.
+    """Compute one branch of all poses, bit by bit as `closed_form` does, but in less time.
 
     Args:
         arm: the arm's constants.
@@ -202,8 +207,8 @@ def one_branch(
 
     Returns:
         Joint positions (6, N) [rad]; a mask (N,) of the poses that they reach; and a mask (N,) of the poses
-        at which an angle of any branch is free. Positions at the latter mean nothing: use `closed_form`,
-        which holds free angles.
+        at which an angle of any branch is free. The joint positions at poses with free angles are
+        meaningless: use `closed_form` there, which holds free angles.
     """
     if isinstance(arm, ParallelArm):
         found = closed_form(arm, base_from_flange, np.zeros((6, 1)))
@@ -326,7 +331,8 @@ def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.
 def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
     """Return angles on the full turn nearest to seeds, and their differences from the seeds [rad].
 
-    Only whole turns are added: the arm's target depends on the pose, not on the digits of its last position.
+    Only whole turns are added to an angle. The arm's target therefore depends on the pose, and not on the
+    last digits of the arm's previous position.
     """
     near = angle - TURN * np.round((angle - seed) * (1.0 / TURN))
     return near, near - seed
@@ -353,6 +359,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     columns = _columns(arm, poses)
     q: Array = np.empty((6, len(poses)))
     q1, over = _shoulder(arm, columns[3], seed[0])
+    # choose the shoulder; `rival` collects the least cost of a rejected side
     q1, away1 = next_to(q1, seed[0])
     cost1 = away1 * away1
     second = cost1[1] < cost1[0]
@@ -362,6 +369,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     sin1, cos1 = np.sin(q[:1]), np.cos(q[:1])
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
     q3 *= arm.elbow_sign
+    # choose the elbow
     bends, away = next_to(np.stack((q2[0], q3[0])), seed[1:3, None])
     costs = away[0] * away[0] + away[1] * away[1]
     second = costs[1] < costs[0]
@@ -370,12 +378,14 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     q[1:3] = np.where(second, bends[:, 1], bends[:, 0])
     rest = _left_over(arm, columns, (sin1[0], cos1[0]), q[1] + arm.elbow_sign * q[2])
     wrist, bendable, _straight = wrist_angles(arm, rest, seed[3])
+    # choose the wrist
     turns, away = next_to(wrist[:, :, 0], seed[3:, None])
     costs = (away * away).sum(axis=0)
     second = costs[1] < costs[0]
     rival = np.minimum(rival, np.maximum(costs[0], costs[1]))
     cost += np.minimum(costs[0], costs[1])
     q[3:] = np.where(second, turns[:, 1], turns[:, 0])
+    # costs are sums of squares: any other branch costs at least as much as the rejected side in which it is
     sure = (cost < rival) & over.reached & reached[0] & bendable[0]
     # near a singularity rounding decides: leave these poses to `closed_form`, which is the reference
     sure &= np.hypot(rest[0, 2, 0], rest[1, 2, 0]) > 1e-5

@@ -1,4 +1,4 @@
-"""Find an arm's elbow: the place that swings out although neither shoulder nor flange does."""
+"""Find an arm's elbow: a point that can swing out while shoulder and flange stay in place."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Elbow:
 def elbow_of(chain: Chain) -> Elbow | None:
     """Return the elbow of an arm, or None if it has none.
 
-    The shoulder is where the first two turning axes meet, or come nearest. The elbow's axis is the turning
-    axis that is farthest from both shoulder and flange, with all joints at zero; the smaller of the two
-    distances counts. Such a joint changes the distance from shoulder to flange most. The elbow is the point
-    of this axis that is nearest to the shoulder.
+    The shoulder is the point at which the first two turning axes meet, or come nearest to each other. The
+    elbow's axis is the turning axis that is farthest from both shoulder and flange, with all joints at zero;
+    the smaller of the two distances counts. A joint on this axis changes the distance from shoulder to flange
+    most. The elbow is the point of the axis that is nearest to the shoulder.
     """
     turning = np.flatnonzero(~chain.is_prismatic)
     if len(turning) < 2:
@@ -61,13 +61,15 @@ def _foot(frame: Array, point: Array) -> Array:
 
 
 def _nearest_on(one: Array, other: Array) -> Array:
-    """Return the point on the z axis of `one` that is nearest to the z axis of `other`; for parallel axes,
-    the foot of the other frame's origin.
+    """Return the point on the z axis of `one` that is nearest to the z axis of `other`.
+
+    For parallel axes, this is the foot of the other frame's origin.
     """
     across = np.cross(one[:3, 2], other[:3, 2])
     if float(across @ across) < 1e-12:
         return _foot(one, other[:3, 3])
     apart = other[:3, 3] - one[:3, 3]
+    # the foot of the common perpendicular of two skew lines
     along = float(np.cross(apart, other[:3, 2]) @ across) / float(across @ across)
     nearest: Array = one[:3, 3] + along * one[:3, 2]
     return nearest

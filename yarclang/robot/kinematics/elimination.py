@@ -2,15 +2,15 @@
 
 The method is that of Raghavan and Roth (Inverse Kinematics of the General 6R Manipulator and Related
 Linkages, Journal of Mechanical Design 115(3), 1993), with the last step of Manocha and Canny (Efficient
-Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Of fourteen equations, in which two
-angles appear on one side only, six remain in the other three angles. Written in the half tangents of two of
-these, they give a 12 by 12 matrix whose entries are quadratic in the half tangent of the third. Its
-eigenvalues are the solutions, at most sixteen.
+Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Two of the angles appear on one side
+only of fourteen equations. Their elimination leaves six equations in the other three angles. Written in the
+half tangents of two of these three, the equations give a 12 by 12 matrix whose entries are quadratic in the
+half tangent of the third. Its eigenvalues are the solutions, at most sixteen.
 
 The loop of an arm and its pose can be opened at several joints and read from either end, which gives six
 eliminations (`_ORDERS`). If axes are parallel or meet, some of these have no regular matrix. Each arm is
-therefore tried with all of them once. If none finds all solutions, the arm is bent a little: isolated
-solutions move little by this, and iteration brings them back.
+therefore tried once with all six. If no elimination finds all solutions, the arm is bent a little: isolated
+solutions then move only a little, and iteration brings them back.
 """
 
 from __future__ import annotations
@@ -61,18 +61,18 @@ EXACT = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
 APART = 5e-5
-"""Solutions that differ by less than this in every joint [rad] count as one: where two solutions meet, joint
-positions at this distance from both miss the pose by no more than `EXACT`.
+"""Solutions that differ by less than this in every joint [rad] count as one. Near the place where two
+solutions meet, joint positions at this distance from both solutions miss the pose by no more than `EXACT`.
 """
 
 _ORDERS = (1, 4, 0, 2, 3, 5)
-"""Places at which the loop is opened (0 to 2), and the same read from the loop's other end (3 to 5); those
-that suit most arms come first.
+"""Joints at which the loop is opened, as numbers 0 to 2 if the loop is read forwards and 3 to 5 if it is read
+from its other end. The orders that suit most arms come first.
 """
 
 _OFFSETS = (0.3, 0.7, 1.1)
-"""Angles from which the three eliminated angles are counted [rad]. A half tangent is infinite half a turn
-away, and so these keep it away from the angles that people use.
+"""Zeros of the three eliminated angles [rad]. A half tangent is infinite half a turn from the zero; these
+values keep that away from the angles that people use.
 """
 
 _THIRDS: Array = 2.0 * math.pi / 3.0 * np.arange(3.0)
@@ -86,9 +86,9 @@ _HALVES = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
 class Elimination:
     """The constants of one elimination for an arm.
 
-    `first` (4, 4) lies before the first joint's frame and `last` (4, 4) after the last joint's frame; `steps`
-    (5, 4, 4) lie between the joints' frames. Lengths are in units of `scale` [m]. `order` is where the loop
-    is opened.
+    `first` (4, 4) is the transform before the first joint's frame, `last` (4, 4) the transform after the last
+    joint's frame, and `steps` (5, 4, 4) are the transforms between the joints' frames. Lengths are in units
+    of `scale` [m]. `order` is one of `_ORDERS`, the places at which the loop may be opened.
     """
 
     first: Array
@@ -107,8 +107,8 @@ def every_solution(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArra
 
     Returns:
         q (N, MOST, 6) in (-pi, pi] [rad], sorted by joint values within a pose, and a mask (N, MOST) of the
-        entries that are solutions. Each solution reaches its pose by forward kinematics. A pose that leaves a
-        joint free has some solutions of its continuum.
+        entries that are solutions. Each solution reaches its pose by forward kinematics. If a pose leaves a
+        joint free, the result has only some solutions of the continuum.
     """
     q = np.zeros((len(base_from_flange), MOST, 6))
     valid = np.zeros((len(base_from_flange), MOST), dtype=bool)
@@ -127,8 +127,9 @@ def _with_twins(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return solutions (N, MOST, 6) and their mask (N, MOST), completed by close neighbours.
 
-    Where two solutions are about to meet, their half tangents nearly form a double root, and iteration may
-    lead from both to the same solution. They lie apart along the joint motion that leaves the flange at rest.
+    If two solutions are about to meet, their half tangents nearly form a double root, and iteration may lead
+    from both to the same solution. The two differ along the joint motion that leaves the flange at rest, so
+    the neighbour is searched for in that direction.
     """
     rows, which = np.nonzero(valid)
     here = q[rows, which]
@@ -151,7 +152,7 @@ def _with_twins(
 def distinct(
     chain: Chain, base_from_flange: Array, rows: NDArray[np.int_], candidate: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Make candidates exact, and return those that reach their poses, each once.
+    """Polish candidates, and return the distinct ones that reach their poses.
 
     Args:
         chain: an arm of six turning joints.
@@ -188,7 +189,7 @@ def distinct(
 
 
 def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Array]:
-    """Make candidates (K, 6) exact by slightly damped Newton steps.
+    """Polish candidates (K, 6) by slightly damped Newton steps.
 
     Args:
         chain: an arm of six turning joints.
@@ -262,8 +263,9 @@ def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
 def best_elimination(chain: Chain) -> Elimination:
     """Return the elimination that finds most solutions for an arm, remembered by the chain's identity.
 
-    The eliminations are tried on poses of known joint positions. The search ends when two eliminations have
-    found all of these and equally many solutions; otherwise the one with most solutions is taken.
+    The eliminations are tried on poses of known joint positions. The search ends as soon as three
+    eliminations have found the same largest number of solutions, and the last two of them also found all
+    known joint positions again. Otherwise the elimination that found most solutions wins.
     """
     from yarclang.robot.kinematics.fk import flange_poses
 
@@ -284,7 +286,8 @@ def best_elimination(chain: Chain) -> Elimination:
         if total > most:
             best, most, sure = form, total, 0
         elif total == most:
-            # two eliminations find equally many solutions: assume that there are no more
+            # another elimination finds as many solutions, with the known ones among them: assume that there
+            # are no more once this has happened twice
             away = solved - q[:, None]
             away -= 2.0 * math.pi * np.round(away / (2.0 * math.pi))
             near = np.where(valid, np.abs(away).max(axis=2), np.inf).min(axis=1)
@@ -299,12 +302,12 @@ def candidates(
 ) -> tuple[NDArray[np.int_], Array]:
     """Solve poses by an elimination.
 
-    A pose whose matrix isn't regular is solved with the arm bent a little.
+    If the matrix of a pose isn't regular, the arm is bent a little and the pose is solved again.
 
     Args:
         form: the elimination.
         base_from_flange: (N, 4, 4).
-        is_trial: return nothing instead of bending the arm.
+        is_trial: True to return nothing instead of bending the arm.
 
     Returns:
         The index of each candidate's pose (K,), and joint positions (K, 6) [rad].
@@ -357,12 +360,13 @@ def _bent_form(form: Elimination, size: float) -> Elimination:
 
 
 def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[Array], float]:
-    """Return the loop of arm and pose, from where it is opened.
+    """Return the closed loop of the arm and its pose, read from the joint at which the elimination opens it.
 
     Returns:
-        The joints in the loop's order; the transform after each of them, (4, 4), or (N, 4, 4) for the pose's;
-        and the sign of the angles.
+        The joints in the loop's order; the transform after each of them, which is (4, 4), or (N, 4, 4) for
+        the transform that contains the poses; and the sign of the angles.
     """
+    # the pose closes the loop: the inverse of `between` is the transform from the last joint to the first
     between = _inverse(form.first) @ base_from_flange @ _inverse(form.last)
     between[:, :3, 3] /= form.scale
     joints, steps = list(range(6)), [*form.steps, _inverse(between)]
@@ -377,8 +381,10 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
 
 @lru_cache(maxsize=256)
 def _left_side(form: Elimination) -> Array:
-    """Return the side of the fourteen equations that contains no pose: coefficients (14, 3, 3, 3) of 1, cos,
-    sin of the loop's third, fourth and fifth angle.
+    """Return the side of the fourteen equations that doesn't contain the pose.
+
+    Returns:
+        Coefficients (14, 3, 3, 3) of 1, cos, sin of the loop's third, fourth and fifth angle.
     """
     _, (_, _, cd, de, ef, _), _ = _loop(form, np.eye(4)[None])
     turned_c = _turns(_THIRDS + _OFFSETS[0])[:, None, None]
@@ -465,8 +471,11 @@ _TO_HALVES = np.einsum("xi,yj,zk->ijkxyz", _HALVES, _HALVES, _HALVES).reshape(27
 
 
 def _fourteen(axis: Array, point: Array) -> Array:
-    """Return the fourteen expressions (..., 14) in a frame's z axis and origin (..., 3) that are linear in
-    cos and sin of each angle: p, l, p·p, p·l, p x l, (p·p) l - 2 (p·l) p.
+    """Return the fourteen expressions (..., 14) of Raghavan and Roth in a frame's z axis l and origin p (...,
+    3).
+
+    They are p, l, p·p, p·l, p x l, and (p·p) l - 2 (p·l) p. All of them are linear in cos and sin of each
+    angle.
     """
     square = (point * point).sum(axis=-1, keepdims=True)
     along = (point * axis).sum(axis=-1, keepdims=True)

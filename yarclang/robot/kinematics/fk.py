@@ -1,12 +1,12 @@
 """Compute forward kinematics and Jacobians of whole batches (product of exponentials; Lynch and Park, ch. 4
 and 5).
 
-Pinocchio reads the URDF. For many poses at once these arrays are several times as fast as a loop over its
-calls, and the tests compare the two.
+Pinocchio reads the URDF. For many poses at once, these arrays are several times as fast as a loop over
+Pinocchio's functions; the tests compare the two.
 
-Internally each joint gets a frame whose z is the joint's axis. Its motion then is a rotation of two columns,
-and all that lies between two joints is one constant matrix. The last index counts the samples: a step is a
-few operations on whole rows, in blocks that stay in the cache.
+Internally each joint gets a frame whose z is the joint's axis. The joint's motion then is a rotation of two
+columns, and the transform between two joints is one constant matrix. The last index counts the samples: a
+step is a few operations on whole rows, in blocks that stay in the cache.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from yarclang.robot.model import Array, Chain, Lines
 BLOCK = 1024
 """Samples in one block: the arrays of a step stay in the second-level cache."""
 NO_PITCH = 1e-11
-"""Largest pitch [m per rad] that counts as rounding: the joint only turns. If the joint's axis is farther
+"""Largest pitch [m per rad] that is treated as rounding: the joint only turns. If the joint's axis is farther
 than 1 m from {B}'s origin, the limit grows in proportion to the distance.
 
-No joint of a URDF both turns and slides. What is left is rounding, about 1e-14 m for an arm 100 m from its
-URDF's root, and an arm with sliding joints would have no closed form.
+No joint of a URDF both turns and slides. Rounding leaves a pitch of about 1e-14 m for an arm 100 m from its
+URDF's root. If this counted as sliding, the arm would have no closed form.
 """
 
 
@@ -99,7 +99,7 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
 
 
 def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
-    """Compute as `poses_and_jacobians` does, with the samples last.
+    """Compute poses and Jacobians as `poses_and_jacobians` does, but with the samples as the last index.
 
     Args:
         chain: the arm, n joints.
@@ -111,6 +111,7 @@ def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple
     """
     links = links_of(chain)
     columns, axes, origins = walk(chain, q, flange_from_tool)
+    # for a turning joint (Lynch and Park, ch. 5.1): angular part z, linear part z x (tool - origin)
     arms = columns[3] - origins
     jacobian = np.empty((6, chain.size, q.shape[1]))
     # linear part: the cross product of axis and lever arm
@@ -121,13 +122,15 @@ def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple
         jacobian[3 + row] = axes[:, row]
     if links.uniform:
         return columns, jacobian
+    # the general case: the joint turns by `turn` and slides by `slide` per unit
     jacobian *= links.turn[:, None]
     jacobian[:3] += links.slide[:, None] * axes.transpose(1, 0, 2)
     return columns, jacobian
 
 
 def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array, Array]:
-    """Step from joint to joint, with the samples last.
+    """Compute the frames of the tool and of all joints by stepping from joint to joint; samples are the last
+    index.
 
     Args:
         chain: the arm, n joints.
@@ -135,8 +138,8 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
         flange_from_tool: (4, 4).
 
     Returns:
-        The tool's axes and, as the fourth, its origin (4, 3, N); each joint's axis (n, 3, N); and a point on
-        each axis (n, 3, N). All are in {B}.
+        The tool's axes and, as the fourth column, its origin (4, 3, N); each joint's axis (n, 3, N); and a
+        point on each axis (n, 3, N). All are in {B}.
     """
     links = links_of(chain)
     count = q.shape[1]
@@ -152,6 +155,7 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
         else:
             here[:] = frame
         if links.turn[joint]:
+            # a turn about z combines only the columns x and y: x' = cos x + sin y, y' = cos y - sin x
             np.multiply(here[:2], cos[joint], out=frame[:2])
             frame[0] += here[1] * sin[joint]
             frame[1] -= here[0] * sin[joint]
@@ -171,9 +175,9 @@ class Links:
 
     `frames` (n, 4, 4) are the joints' frames in {B} with all joints at zero, z along the axis. `first` (4, 3)
     holds the columns of the first frame, `steps` (n, 4, 4) the transposed transforms from each joint's frame
-    to the one before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position, `turn`
-    (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if all joints turn by
-    one and none slides.
+    to the frame before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position,
+    `turn` (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if `turn` is 1
+    and `slide` is 0 for all joints.
     """
 
     frames: Array

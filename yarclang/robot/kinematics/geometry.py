@@ -3,12 +3,13 @@
 Spherical wrist: the last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor
 6, axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
 decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two
-parallel": subproblem 4 for q1, 3 for q3, 1 for q2; then 4, 1, 1 for the wrist.
+parallel". Subproblem 4 gives q1, subproblem 3 gives q3, subproblem 1 gives q2; then subproblems 4, 1 and 1
+give the wrist.
 
-Three parallel axes (2, 3, 4: most cobots): axes 5 and 6 meet. As the parallel axes turn, their meeting point
+Three parallel axes (2, 3, 4: most cobots): axes 5 and 6 meet. When the parallel axes turn, this meeting point
 keeps its distance along axis 2, which gives q1 (subproblem 4). The rotation that is left after joint 1 is a
-turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5 and 6. It is
-solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
+turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5 and 6. These
+three turns are solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
 """
 
 from __future__ import annotations
@@ -126,8 +127,8 @@ NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
 def nominal_form(chain: Chain) -> Form | None:
     """Return the closed form of the nominal arm from which a calibrated chain differs a little.
 
-    Its solutions are starting points: those of the chain are near them. None if the chain has a closed form
-    of its own, or resembles no arm that has one.
+    The solutions of the nominal arm are near those of the chain, and serve as starting points for iteration.
+    Return None if the chain has a closed form of its own, or resembles no arm that has one.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform or form_of(chain) is not None:
@@ -152,13 +153,14 @@ def nominal_form(chain: Chain) -> Form | None:
 
 @lru_cache(maxsize=256)
 def parallel_arm(chain: Chain) -> ParallelArm | None:
-    """Return the closed form of a chain with three parallel axes, or None if it isn't one; remembered by the
-    chain's identity.
+    """Return the closed form of a chain with three parallel axes, or None for any other chain; remembered by
+    the chain's identity.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
         return None
     axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
+    # axes 2, 3 and 4 are parallel if their cross products vanish
     along = axes[1]
     if max(float(np.linalg.norm(np.cross(along, other))) for other in (axes[2], axes[3])) > TOLERANCE:
         return None
@@ -166,11 +168,13 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     alpha, beta, lean = _angle(along, axes[4]), _angle(axes[4], axes[5]), _angle(axes[0], along)
     if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
         return None
+    # the links between the parallel axes, perpendicular to them
     across = _across(points[2] - points[1], along)
     fore = _across(points[3] - points[2], along)
     upper, fore_length = float(np.linalg.norm(across)), float(np.linalg.norm(fore))
     if min(upper, fore_length) < SMALL_ANGLE:
         return None
+    # the common normals of axes 2 and 5, and of axes 5 and 6, are the x axes from which the angles count
     second = frame_of(along, across / upper, points[1])
     x4, x6 = np.cross(along, axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
     first = np.linalg.inv(links.frames[0])
@@ -201,8 +205,8 @@ def _across(way: Array, axis: Array) -> Array:
 
 @lru_cache(maxsize=256)
 def wristed_arm(chain: Chain) -> WristedArm | None:
-    """Return the closed form of a chain with a spherical wrist, or None if it isn't one; remembered by the
-    chain's identity.
+    """Return the closed form of a chain with a spherical wrist, or None for any other chain; remembered by
+    the chain's identity.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
@@ -224,11 +228,13 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     second = frame_of(axes[1], across / upper, points[1])
     third = second.copy()
     third[:3, 3] += across
+    # the wrist centre in frame 3: in the plane perpendicular to axis 2, and along axis 2
     seen = np.linalg.inv(third) @ np.r_[centre, 1.0]
     fore = float(np.hypot(seen[0], seen[1]))
     if fore < SMALL_ANGLE:
         return None
     first = links.frames[0]
+    # the common normals of axes 4 and 5, and of axes 5 and 6, are the x axes from which the angles count
     x4, x6 = np.cross(axes[3], axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
     fourth = frame_of(axes[3], x4, centre)
     sixth = frame_of(axes[5], x6, centre)
@@ -249,8 +255,8 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
 
 
 def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
-    """Return the point (3,) in which axes (m, 3) through `points` (m, 3) meet, or None if one misses it by
-    `tolerance` [m].
+    """Return the point in which axes (m, 3) through `points` (m, 3) meet, or None if an axis misses that
+    point by more than `tolerance` [m].
     """
     # least squares: the sum of the projections perpendicular to the axes
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]

@@ -1,4 +1,6 @@
-"""Find the nearest solutions of many poses together, each taken from the solution of the pose before."""
+"""Find the nearest solutions of many consecutive poses together, with each solution as reference for the next
+pose.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +17,18 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 
 _CLEARLY = 1e-8
-"""Least margin by which the nearest solution must be nearer than all others [squared joint differences]."""
+"""Least margin by which a solution must be nearer than all others to count as the nearest [squared joint
+differences].
+"""
 
 
 def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, reference: Array) -> Array:
-    """Return the first solution of `nearest_solutions` for each pose, with the one before as reference.
+    """Return the first solution of `nearest_solutions` for each pose; its reference is the solution of the
+    pose before.
 
-    The arm is assumed to stay on one branch, so that all references are known at once. The result ends before
-    the first pose at which that isn't certain: another solution is as near, or an angle is free. It is empty
-    for an arm without a closed form.
+    All poses are solved at once, on the assumption that the arm stays on one branch. The result ends before
+    the first pose at which this assumption is uncertain, because another solution is as near or an angle is
+    free. The result is empty for an arm without a closed form.
 
     Args:
         chain: the arm, n joints.
@@ -46,15 +51,19 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     branch = int(np.argmin(first))
     if not np.isfinite(first[branch]):
         return nothing
+    # unwrap the branch: put the first pose on the full turn nearest to the reference, and remove the jumps by
+    # full turns between poses
     turns = np.zeros((len(q), chain.size))
     turns[0] = np.round((nearest_turn(chain, limits, q[0, branch], reference) - q[0, branch]) / TURN)
     turns[1:] = turns[0] - np.cumsum(np.round(np.diff(q[:, branch], axis=0) / TURN), axis=0)
     along = q[:, branch] + TURN * turns
+    # compare with all other branches, each pose with the assumed solution of the pose before as reference
     clipped, costs = _costs(chain, limits, q, reaching, np.vstack([reference, along[:-1]]))
     own = costs[:, branch].copy()
     costs[:, branch] = np.inf
     is_sure = np.isfinite(own) & (own + _CLEARLY < costs.min(axis=1))
     is_sure &= (clipped[:, branch] == along).all(axis=1)
+    # a free angle is held at the first reference, not at the solution before
     is_sure &= ~(solutions.singular & solutions.valid).any(axis=0)
     return along[: len(along) if is_sure.all() else int(np.argmin(is_sure))]
 
@@ -62,8 +71,8 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
 def _costs(
     chain: Chain, limits: Limits, q: Array, reaching: NDArray[np.bool_], reference: Array
 ) -> tuple[Array, Array]:
-    """Return the branches (N, B, n), each on its turn nearest to `reference` (N, n), and their squared
-    distances from it (N, B): infinite if out of limits or reach.
+    """Return the branches (N, B, n) on the full turns nearest to `reference` (N, n), and their squared
+    distances from it (N, B). The distance is infinite if a branch exceeds limits or misses its pose.
     """
     lifted = nearest_turn(chain, limits, q, reference[:, None])
     inside = np.abs(beyond(limits, lifted)).max(axis=2) <= EDGE

@@ -1,4 +1,4 @@
-"""Solve poses for joint positions: the solution nearest to a seed, or all branches. For whole batches.
+"""Solve whole batches of poses for joint positions: for the solution nearest to a seed, or for all branches.
 
 Arms with a spherical wrist or three parallel axes have a closed form. A calibrated arm starts from the closed
 form of its nominal arm. Any other arm of six turning joints is solved by elimination, and all others by
@@ -34,25 +34,27 @@ REACHED = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
 NEARLY_REACHED = 1e-6
-"""The same miss for an arm with fewer than six joints [m or rad].
+"""The miss up to which a joint position counts as a solution for an arm with fewer than six joints [m or
+rad].
 
-The poses that such an arm reaches are a thin set. Axes that are parallel except for the last digits of a
-URDF, or a pose typed with a few decimals, would leave nothing of it.
+The poses that such an arm reaches are a thin set. With a tighter limit, hardly any pose would count as
+reachable, because poses are typed with a few decimals, and axes may be parallel only up to the last digits of
+a URDF.
 """
 
 NEARLY_REACHES = 0.05
-"""A nominal solution of a calibrated arm may have a solution nearby if it misses by less than this [m and
-rad].
+"""A nominal solution of a calibrated arm is improved by iteration if it misses the pose by less than this [m
+and rad].
 """
 
 REGULAR = 0.03
-"""Smallest singular value of a Jacobian [m and rad] above which a solution keeps its place when the arm is
-calibrated.
+"""Smallest singular value of a Jacobian [m and rad] above which a solution only moves a little when the arm
+is calibrated.
 """
 
 STRETCHED = 1.0
-"""Extra cost of a branch that doesn't reach the pose, in squared joint differences. A seed at the edge of the
-workspace stays on its own branch instead of jumping to another.
+"""Extra cost of a branch that doesn't reach the pose [squared joint differences]. It is finite, so that a
+seed at the edge of the workspace stays on its own branch instead of jumping to another.
 """
 
 
@@ -64,9 +66,9 @@ def reached_within(chain: Chain) -> float:
 def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, Array, Array]:
     """Find the solution nearest to each seed, without regard to limits.
 
-    With a closed form, it is the branch and full turn with the least sum of squared joint differences; if the
-    wrist is straight (or the wrist centre is on axis 1), the seed's q4 (q1) is kept. Otherwise damped least
-    squares start from the seed and stay on its full turn.
+    With a closed form, the result is the branch and full turn with the least sum of squared joint
+    differences. If the wrist is straight (or the wrist centre is on axis 1), the seed's q4 (or q1) is kept.
+    Without a closed form, damped least squares start from the seed and stay on its full turn.
 
     Args:
         chain: the arm, n joints.
@@ -91,6 +93,7 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
         columns = walk(chain, nearest, np.eye(4))[0]
         miss_position[piece], miss_angle[piece] = misses(columns, pose_columns(poses))
         q[piece] = nearest.T
+    # improve solutions near a boundary or a singularity, and find the nearest miss of poses out of reach
     rough = np.flatnonzero(np.maximum(miss_position, miss_angle) > POLISH)
     if len(rough):
         better = fit(chain, base_from_flange[rough], q[rough])
@@ -104,11 +107,13 @@ def branches(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Find all solutions of each pose, without regard to limits.
 
-    With a closed form these are its eight branches, always in the same order: along a path, one index is one
-    configuration as long as no singularity is passed. The first eight of a calibrated arm are near those of
-    its nominal arm. Any other arm of six turning joints has its isolated solutions, at most 16, in the order
-    of their joint values. For all other arms, and for poses at which elimination finds nothing, these are the
-    distinct solutions that a search from 48 fixed joint positions finds, at most 16, in the order found.
+    - With a closed form, the solutions are its eight branches, always in the same order: along a path, one
+      index is one configuration as long as no singularity is passed.
+    - The first eight solutions of a calibrated arm are near those of its nominal arm.
+    - Any other arm of six turning joints has its isolated solutions, at most 16, in the order of their joint
+      values.
+    - For all other arms, and for poses at which elimination finds nothing, the solutions are those that a
+      search from 48 fixed joint positions finds: distinct, at most 16, in the order found.
 
     Args:
         chain: the arm, n joints.
@@ -139,15 +144,17 @@ def branches(
 
 
 def has_all(chain: Chain) -> bool:
-    """Return True if `branches` finds all isolated solutions of a pose: for an arm of six turning joints."""
+    """Return True if `branches` finds all isolated solutions of a pose, as it does for arms of six turning
+    joints.
+    """
     return chain.size == 6 and links_of(chain).uniform
 
 
 def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Return the solutions of a calibrated arm, starting from its nominal closed form.
 
-    Where two nominal solutions meet, or nearly meet, the calibrated arm may have more or fewer: all solutions
-    of such a pose are then found by elimination too.
+    If two nominal solutions meet or nearly meet, the calibrated arm may have more or fewer solutions. For
+    such a pose, elimination is used as well, to find all of them.
 
     Args:
         chain: the calibrated arm.
@@ -233,7 +240,7 @@ def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
 
 
 def _nearest_of_all(arm: Form, poses: Array, seed: Array) -> Array:
-    """Return the same as `_nearest_branch`, by comparing all branches."""
+    """Return the nearest solution as `_nearest_branch` does, by comparing all branches."""
     found = closed_form(arm, poses, seed)
     near, away = next_to(found.q, seed[:, None])
     cost = np.einsum("jbn,jbn->bn", away, away)
@@ -256,7 +263,9 @@ _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
 
 
 def _radical_inverse(index: NDArray[np.int_], base: int) -> Array:
-    """Return the digits of `index` (N,) to `base`, mirrored at the point, in [0, 1)."""
+    """Return the radical inverse (N,) in [0, 1) of `index` (N,): its digits to `base`, mirrored at the
+    point.
+    """
     result, scale, left = np.zeros(len(index)), 1.0 / base, index.copy()
     while left.any():
         left, digit = np.divmod(left, base)

@@ -1,9 +1,10 @@
-"""Follow a path within joint limits with a redundant arm: a joint at its limit stays there, and the others
-make up for it.
+"""Follow a path within joint limits with a redundant arm: a joint at its limit stays there, and the other
+joints compensate.
 
-The way is found step by step, each with the least motion of the joints, where each joint's motion counts as a
-share of its range. This way has a corner wherever a joint comes to its limit or leaves it. It is therefore
-smoothed along the path and put back onto the poses, alternately, so that a joint slows down before its limit.
+A joint path is first computed step by step, each step with the least motion of the joints; each joint's
+motion counts as a share of its range. This path has a corner wherever a joint comes to its limit or leaves
+it. It is therefore smoothed and put back onto the poses, alternately, so that a joint slows down before its
+limit.
 """
 
 from __future__ import annotations
@@ -25,15 +26,17 @@ FARTHEST, SHARPEST = 0.15, 0.02
 """Largest motion of a joint between two places, and largest change of that motion [rad or m]."""
 
 ROOM = 2e-3
-"""Distance that joints keep from their limits, as far as the start does [rad or m]: a curve through the
-places may overshoot a little.
+"""Distance that joints keep from their limits [rad or m], unless the start is nearer to them. A curve through
+the places may overshoot a little.
 """
 
 ROUNDS = 12
 """The largest number of smoothing rounds."""
 
 PASSES = 30
-"""Smoothing passes in one round; in each, every place moves halfway to the middle of its neighbours."""
+"""Number of smoothing passes in one round. In each pass, every place moves halfway to the middle of its
+neighbours.
+"""
 
 STEPS = 6
 """Steps that put each place back onto its pose."""
@@ -42,7 +45,8 @@ STEPS = 6
 def kept_within(
     chain: Chain, limits: Limits, paths: Sequence[Callable[[Array], Array]], starts: Array
 ) -> list[Strand | None]:
-    """Return for each path the strand from its start that stays within limits, or None if none is found.
+    """Return, for each path, joint positions that follow it from its start within limits, or None if none are
+    found.
 
     Args:
         chain: an arm with more than six joints.
@@ -62,8 +66,8 @@ def kept_within(
 
 
 class _Kept:
-    """Limits (K, n) for ways that start at `starts` (K, n): the arm's limits less `ROOM`, widened to include
-    the starts.
+    """Limits (K, n) for joint paths that start at `starts` (K, n): the arm's limits, narrowed by `ROOM` and
+    widened to include the starts.
     """
 
     __slots__ = ("chain", "lower", "scale", "starts", "upper")
@@ -76,14 +80,15 @@ class _Kept:
         self.scale = scale / scale.max()
 
     def stepped(self, poses: Array) -> dict[int, Array]:
-        """Return the ways (PLACES, n) of least motion through poses (K, PLACES, 4, 4), by the index of their
-        path. Paths without one are left out.
+        """Return joint paths (PLACES, n) of least motion through poses (K, PLACES, 4, 4), by the index of
+        their pose path. Pose paths that can't be followed are left out.
         """
         ways = np.repeat(self.starts[:, None], PLACES, axis=1)
         rows = np.arange(len(ways))
         for place in range(1, PLACES):
             go_on()
             before = ways[rows, place - 1]
+            # the last place serves as reference: the step to the next pose is then the least one
             pull = Pull(
                 self.chain, self.lower[rows], self.upper[rows], poses[rows, place], before, self.scale
             )
@@ -95,8 +100,8 @@ class _Kept:
         return {row: ways[row] for row in rows.tolist()}
 
     def smoothed(self, row: int, poses: Array, way: Array) -> Array | None:
-        """Return `way` (PLACES, n) through poses (PLACES, 4, 4) without its corners, or None if some
-        remain.
+        """Return the joint path `way` (PLACES, n) through poses (PLACES, 4, 4) with its corners smoothed, or
+        None if some corners remain.
         """
         for _ in range(ROUNDS):
             if _is_smooth(way):
@@ -104,6 +109,7 @@ class _Kept:
             go_on()
             wanted = way.copy()
             for _ in range(PASSES):
+                # a binomial filter (1, 2, 1) / 4 along the path; the ends stay
                 wanted[1:-1] += 0.25 * (wanted[:-2] - 2.0 * wanted[1:-1] + wanted[2:])
             pull = Pull(self.chain, self.lower[row], self.upper[row], poses[1:], wanted[1:], self.scale)
             back, miss = pull.put_back(wanted[1:], STEPS)

@@ -23,14 +23,16 @@ LEAPS = 4000
 """The largest number of leaps along a path with few bends."""
 
 _OVER = 4
-"""The largest number of bends between two samples of a leap."""
+"""The largest number of bends of the path between two samples of a leap."""
 
 DRIFT = 0.12
-"""Largest distance of a solution from its prediction [rad or m]; beyond it may be another branch."""
+"""Largest distance of a solution from its prediction [rad or m]. A solution farther away may be on another
+branch.
+"""
 
 BEND = 0.04
-"""Largest difference between two consecutive moves [rad or m]; beyond it, what looks like one curve may be
-two branches that come near each other.
+"""Largest difference between two consecutive moves [rad or m]. A larger difference suggests two branches that
+come near each other, instead of one curve.
 """
 
 AWAY = 1.5
@@ -39,10 +41,11 @@ others.
 """
 
 STEEP = 5
-"""The power with which that speed grows from the middle of the range to its ends."""
+"""Power with which that speed grows from the middle of the range to its ends."""
 
 DAMPING = 1e-7
-"""Damping of the prediction: at a singularity a joint that doesn't help stays where it is."""
+"""Damping of the prediction. At a singularity, it keeps a joint at rest that can't contribute to the motion.
+"""
 
 
 def march(
@@ -52,11 +55,11 @@ def march(
     bends: int = 0,
     limits: Limits | None = None,
 ) -> Strand:
-    """Follow one path from `q_start` (n,), which stands at pose_at(0).
+    """Follow one path from `q_start` (n,), which reaches pose_at(0).
 
-    Each leap predicts its samples along the arm's least joint velocities, improves them by damped least
-    squares, and keeps them up to the first one that is too far from its prediction or from the sample before.
-    A leap that keeps none is repeated with a shorter length.
+    Each leap predicts its samples along the arm's least joint velocities, and improves them by damped least
+    squares. It keeps the samples before the first one that is too far from its prediction or from the sample
+    before. A leap that keeps no sample is repeated with a shorter length.
 
     Args:
         chain: the arm, n joints.
@@ -67,7 +70,7 @@ def march(
             the least motion of the joints.
 
     Returns:
-        The strand, up to the path's end or to where it can't be continued.
+        The strand, up to the path's end or to the place after which it can't be continued.
     """
     steps = _steps(chain, pose_at, q_start, bends, limits)
     try:
@@ -148,7 +151,7 @@ def _steps(
             break
         length = max(length / LEAP, 0.5 * FINEST * LEAP)
     else:
-        end = "nothing"  # no end in sight: each leap advances by less and less
+        end = "nothing"  # the leaps become ever shorter, without reaching the end
     return Strand(np.concatenate(places), np.concatenate(joints), end, beyond)
 
 
@@ -173,8 +176,7 @@ def _leap(
 
 
 def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: Array) -> Array:
-    """Return the least steps (n, K) that make twists (6, K), while joints move away from their limits in the
-    null space.
+    """Return the least steps (n, K) that make twists (6, K), plus null-space motion away from the limits.
 
     Each joint's motion counts as a share of its range.
 
@@ -185,6 +187,7 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
         twist: (6, K) [m above rad].
         q: (n,) [rad or m].
     """
+    # J⁺ = Jᵀ (JJᵀ + d)⁻¹, with each joint in units of its range
     scale = weights(chain, limits)
     scaled = jacobian * scale
     inverse = scaled.T @ np.linalg.inv(scaled @ scaled.T + DAMPING * np.eye(len(scaled)))
@@ -192,11 +195,11 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
     lower, upper = (np.where(bounded, one, q) for one in (limits.lower, limits.upper))
     middle = 0.5 * (lower + upper)
-    # beyond a limit the motion back grows no further
+    # limit the motion back: it doesn't grow beyond a limit
     place = np.clip((q - middle) / scale, -1.0, 1.0)
     back = -(np.sign(place) * np.abs(place) ** STEEP)
     # project onto the null space: (I - J⁺ J) back
     back -= inverse @ (scaled @ back)
-    # scale it by the motion of the joints along the path itself
+    # scale this motion by the motion of the joints along the path
     step += AWAY * np.abs(step).max(axis=0) * back[:, None]
     return step * scale[:, None]

@@ -27,10 +27,12 @@ from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
 SAME = APART
-"""Solutions that differ by less than this in every joint [rad or m], except for full turns, count as one."""
+"""Solutions that differ by less than this in every joint [rad or m], except for full turns, count as the
+same.
+"""
 
 STANDS = 1e-7
-"""Squared joint difference from the reference up to which a solution counts as the reference itself."""
+"""Squared joint difference up to which a solution counts as equal to the reference."""
 
 SEARCHES = 96
 """Number of starts of the numeric search within limits."""
@@ -46,7 +48,8 @@ ORIENTATION = 30.0
 class Solutions:
     """Joint positions that reach a pose within limits: `q` (m, n) [rad or m], nearest to the reference first.
 
-    There is one for each branch, on its nearest full turns; `full_turns` lists the others.
+    `q` has one row for each branch, on its full turns nearest to the reference; `full_turns` lists the
+    others.
     """
 
     q: Array
@@ -57,10 +60,10 @@ class Unreachable:
     """The reason why no joint position reaches a pose.
 
     kind "reach": the frame misses the pose by at least `miss` [m] with its orientation held; if the arm can't
-    hold the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`.
-    kind "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit
-    by `excess` [rad or m], positive above the upper one, negative below the lower one.
-    `q` (n,) is the joint position in question [rad or m].
+    hold the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`. kind
+    "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit by
+    `excess` [rad or m], positive above the upper limit, negative below the lower limit. `q` (n,) [rad or m]
+    is the joint position of the nearest miss, or of that solution; the reference if the miss isn't measured.
     """
 
     kind: Literal["reach", "limits"]
@@ -84,9 +87,9 @@ def nearest_solutions(
     """Find all solutions within limits, sorted by their sum of squared joint differences from `reference`.
 
     Solutions at equal distances are sorted by their joint values, the first joint first. If the wrist is
-    straight, q4 is the reference's and q6 makes up the sum; q4 moves only if joint 6 would exceed a limit. A
-    redundant arm has a continuum of solutions: the result has the nearest that a search from fixed starts
-    finds, clear of limits if possible.
+    straight, the pose determines only the combined turn of joints 4 and 6: q4 stays at the reference, unless
+    joint 6 would exceed a limit. A redundant arm has a continuum of solutions. For such an arm, the result
+    contains the nearest solutions that a search from fixed starts finds, clear of limits if possible.
 
     Args:
         chain: the arm, n joints.
@@ -95,7 +98,7 @@ def nearest_solutions(
         reference: (n,) [rad or m].
         measures: True to compute by how much a pose is out of reach.
         is_only: True if only the nearest solution is needed. For a redundant arm this takes half the time,
-            and others may be missing.
+            and other solutions may be missing.
 
     Returns:
         The solutions, or the reason why there is none.
@@ -118,7 +121,7 @@ def nearest_solutions(
         return Unreachable("limits", sealed(lifted[least]), joint=joint, excess=float(excess[least, joint]))
     q = np.clip(lifted[inside], limits.lower, limits.upper)
     cost = np.square(q - reference).sum(axis=1)
-    # rounded, so that the last bit doesn't decide between equals
+    # sort by rounded distances, so that the last bit doesn't decide between equal ones
     keys = [np.round(q[:, joint], 9) for joint in range(chain.size - 1, -1, -1)]
     q = q[np.lexsort((*keys, np.round(cost, 9)))]
     return Solutions(sealed(q[_distinct(chain, q)]))
@@ -127,8 +130,8 @@ def nearest_solutions(
 def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
     """Return a mask (N,) of the poses (N, 4, 4) for which `nearest_solutions` certainly finds a solution.
 
-    False means only that a closer look is needed: always for arms without a closed form, and where a
-    singularity leaves a joint free.
+    False means only that `nearest_solutions` has to be called to find out. This is so for all arms without a
+    closed form, and if a singularity leaves a joint free.
     """
     arm = form_of(chain)
     sure = np.zeros(len(base_from_flange), dtype=bool)
@@ -181,8 +184,8 @@ def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[A
 
 
 def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
-    """Return the branches (m, n) that reach the pose. At a straight wrist, joint 4 takes what joint 6 would
-    exceed its limit by.
+    """Return the branches (m, n) that reach the pose. At a straight wrist, joint 4 takes over the part by
+    which joint 6 would exceed its limit.
     """
     arm = form_of(chain)
     assert arm is not None
@@ -195,6 +198,7 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
         axes = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[1]
         # q4 and q6 turn about the same line, in the same sense or in opposite ones
         sense = np.sign(np.einsum("kn,kn->n", axes[3], axes[5]))
+        # move the excess of joint 6 to joint 4: the pose stays the same
         excess = np.where(straight, beyond(limits, lifted)[:, 5], 0.0)
         moved = lifted.copy()
         moved[:, 5] -= excess
@@ -226,7 +230,7 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_on
     q = np.vstack(
         [along, free[0][reached[0]], from_reference.q[from_reference.total < reached_within(chain)]]
     )
-    # a redundant arm that reaches the pose nowhere without limits doesn't reach it within them
+    # a redundant arm that misses the pose even without limits misses it within them, too
     if chain.size > 6 and not len(q):
         return q
     q = np.vstack([q, _found_within(chain, limits, pose, start)])
@@ -253,9 +257,9 @@ def _found_within(chain: Chain, limits: Limits, pose: Array, start: Array) -> Ar
 
 
 def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
-    """Return True if the nearest of `q` (m, 7), of an arm with one spare joint, leaves a second joint free.
+    """Return True if, at the nearest of `q` (m, 7), a second joint is free in addition to the spare one.
 
-    False if the nearest is the reference itself.
+    Return False if the nearest of `q` is the reference itself.
     """
     away = np.square(q - reference).sum(axis=1)
     nearest = q[int(np.argmin(away))]
@@ -266,9 +270,9 @@ def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
 
 
 def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start: Array) -> Array | None:
-    """Return all solutions (m, 6) of an arm of six turning joints, or None if others may exist.
+    """Return all solutions (m, 6) of an arm of six turning joints, or None if more may exist.
 
-    Others may exist if no solution is found, or if the ones found leave a joint free and are out of limits.
+    More may exist if no solution is found, or if the solutions found leave a joint free and exceed limits.
     """
     found, reached = branches(chain, pose[None])
     # the start itself, or a solution near it, may lie on a continuum
@@ -295,8 +299,9 @@ def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
 
 
 def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
-    """Return a mask (m,) of the joint positions (m, n) that reach their poses (m, 4, 4), or the one pose (1,
-    4, 4), by forward kinematics.
+    """Return a mask (m,) of the joint positions (m, n) that reach their poses, by forward kinematics.
+
+    The poses are (m, 4, 4), or (1, 4, 4) if all joint positions have the same pose.
     """
     columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
     position, angle = misses(columns, pose_columns(poses))
@@ -305,7 +310,7 @@ def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
 
 
 def _distinct(chain: Chain, q: Array) -> NDArray[np.bool_]:
-    """Return a mask (m,) of the rows of `q` (m, n) that differ from all earlier ones, except for full
+    """Return a mask (m,) of the rows of `q` (m, n) that differ from all earlier rows by more than full
     turns.
     """
     away = np.abs(wrapped(chain, q[:, None] - q[None])).max(axis=2)

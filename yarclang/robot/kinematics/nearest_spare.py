@@ -1,8 +1,8 @@
 """Find the solutions of one pose nearest to a reference, for an arm with one joint more than the pose needs.
 
-The spare joint is sampled over its range; the closed form gives every branch at each sample. Around each
-place at which a branch comes nearest, the samples are refined, and so they are around the vertex of the
-parabola through the three nearest samples.
+The spare joint is sampled over its range; the closed form gives every branch at each sample. Near each local
+minimum of a branch's distance from the reference, more samples are taken: first between the neighbouring
+samples, then around the vertex of the parabola through the three nearest samples.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yarclang.robot.kinematics.within import EDGE, clear_of_limits, nearest_turn
 from yarclang.robot.model import Array, Chain, Limits
 
 SAMPLES = 72
-"""Places of the spare joint at which all branches are computed first."""
+"""Number of samples of the spare joint over its range."""
 
 KEPT = 6
 """Number of local minima that are refined, the nearest first."""
@@ -33,25 +33,27 @@ SLID = 1
 """Number of the best results that are then slid along the self-motion."""
 
 SLIDES, LARGEST, SETTLED = 6, 0.2, 1e-4
-"""The largest number of such steps, the largest step, and the step at which sliding ends [rad or m]."""
+"""Number of steps of sliding along the self-motion, the largest step, and the step below which sliding ends
+[rad or m].
+"""
 
 EXACT, LESS = 1e-9, 1e-9
-"""The miss up to which a joint position counts as on the pose [m or rad], and the gain that makes another one
-nearer to the reference [squared joint differences].
+"""`EXACT` is the miss up to which a joint position counts as on the pose [m or rad]. `LESS` is the gain from
+which a joint position counts as nearer to the reference [squared joint differences].
 """
 
 STEPS = 3
-"""Newton steps from the reference towards the pose."""
+"""Number of Newton steps from the reference towards the pose."""
 
 NEARLY = 0.1
-"""A sample that exceeds limits by less [rad or m] may have a neighbour within them."""
+"""A sample that exceeds limits by less than this [rad or m] may have a neighbour within limits."""
 
 DAMPED = 1e-6
-"""Damping of these Newton steps."""
+"""Damping of the Newton steps."""
 
 UNCLEAR, OUTSIDE = 1e6, 1e9
-"""Extra costs of a joint position that isn't clear of limits, and of one that exceeds them [squared joint
-differences]; each is larger than any other cost.
+"""Extra cost of a joint position that isn't clear of limits, and of a joint position that exceeds them
+[squared joint differences]. Each is larger than any distance that a position can have.
 """
 
 
@@ -61,8 +63,8 @@ def nearest_along(
     """Return joint positions (m, 7) within limits that are locally nearest to a reference along their
     self-motions.
 
-    They are clear of limits as far as any is, and as far as the reference is. The result is empty if the
-    samples show none within limits.
+    If some of them are clear of limits, only those are returned; for this, the limits include the reference.
+    The result is empty if the samples show no solution within limits.
 
     Args:
         chain: the arm.
@@ -113,7 +115,7 @@ def nearest_along(
 
 
 class _Seen:
-    """The joint positions of one pose, and their costs."""
+    """Solver for the joint positions of one pose, and for their costs."""
 
     __slots__ = ("chain", "form", "high", "limits", "low", "pose", "reference")
 
@@ -125,17 +127,17 @@ class _Seen:
         self.low, self.high = clear_of_limits(limits, reference)
 
     def at(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return all branches (B, N, 7) at places of the spare joint (N,), and a mask (B, N) of those that
-        reach the pose.
+        """Return all branches (B, N, 7) at places of the spare joint (N,), and a mask (B, N) of the branches
+        that reach the pose.
         """
         return solutions_with(self.form, self.pose, values, self.reference)
 
     def costs(self, q: Array, valid: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
-        """Return joint positions (..., 7) on the full turns nearest to the reference, their costs (...), and
-        by how much they exceed limits (...).
+        """Return joint positions (..., 7) shifted to the full turns nearest to the reference, their costs
+        (...), and by how much they exceed limits (...).
 
         The cost is the squared difference from the reference. Positions that aren't clear of limits cost
-        more, positions beyond limits more still, and those that miss the pose cost infinity.
+        more, positions beyond limits more still, and positions that miss the pose cost infinity.
         """
         q = nearest_turn(self.chain, self.limits, q, self.reference)
         away = q - self.reference
@@ -148,17 +150,17 @@ class _Seen:
         return q, cost, over
 
     def slid(self, q: Array, cost: float) -> tuple[Array, float]:
-        """Slide a joint position (7,) along its self-motion to the place nearest to the reference, as far as
-        limits allow.
+        """Slide a joint position (7,) along its self-motion towards the place nearest to the reference,
+        within limits.
 
-        The steps are those of the secant method, each with one Newton step back to the pose.
+        The steps are those of the secant method, each followed by one Newton step back to the pose.
 
         Args:
             q: the joint position.
             cost: its cost, as returned by `costs`.
 
         Returns:
-            The position reached and its cost, or `q` and `cost` if none is nearer.
+            The position reached and its cost, or `q` and `cost` if no nearer position is found.
         """
         here = q
         low, high = (self.low, self.high) if cost < UNCLEAR else (self.limits.lower, self.limits.upper)
@@ -175,6 +177,7 @@ class _Seen:
                     q, cost = here, float(away @ away) + (UNCLEAR if cost >= UNCLEAR else 0.0)
             # the last right singular vector spans the null space: keep its sense from step to step
             way = right[6] if right[6] @ way >= 0.0 else -right[6]
+            # half of the derivative of the cost along the self-motion, and its change per step (the secant)
             slope = float(way @ away)
             if step != 0.0:
                 bend = min(max((slope - before) / step, 0.2), 20.0)
@@ -185,12 +188,13 @@ class _Seen:
             step = -math.copysign(max(min(abs(slope) / bend, LARGEST, float(room.min())), 0.0), slope)
             if abs(step) < SETTLED and (number == 0 or np.abs(error).max() < EXACT):
                 break
+            # Newton step to the pose by the pseudoinverse: V S⁻¹ Uᵀ e
             back = right[:6].T @ ((left.T @ error) / np.maximum(size, DAMPED))
             here = here + back + way * step
         return q, cost
 
     def next_to_reference(self) -> Array:
-        """Return where a few Newton steps lead from the reference towards the pose (7,)."""
+        """Return the joint position (7,) after a few Newton steps from the reference towards the pose."""
         q = self.reference
         for _ in range(STEPS):
             pose, one = pose_with_jacobian(self.chain, q)
@@ -215,6 +219,7 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
         [one[rows, inner + step] for step in (-1, 0, 1)] for one in (places, costs)
     )
     with np.errstate(invalid="ignore", divide="ignore"):
+        # successive parabolic interpolation (Brent, Algorithms for Minimization without Derivatives, ch. 5)
         down, up = (middle - left) * (here - after), (middle - right) * (here - before)
         at = middle - 0.5 * ((middle - left) * down - (middle - right) * up) / (down - up)
     result: Array = np.where((at > left) & (at < right), at, places[rows, lowest])
@@ -222,8 +227,9 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
 
 
 def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float, float]:
-    """Return the interval in which the spare joint is sampled [rad or m]: its range, but for a turning joint
-    at most one full turn about `near`.
+    """Return the interval in which the spare joint is sampled [rad or m].
+
+    It is the joint's range; for a turning joint, at most one full turn about `near`.
     """
     low, high = float(limits.lower[joint]), float(limits.upper[joint])
     half = math.pi
@@ -243,6 +249,6 @@ def _lowest(costs: Array) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
     """Return the branches and places of the local minima of costs (B, N)."""
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
     low = np.isfinite(costs) & (costs <= padded[:, :-2]) & (costs < padded[:, 2:])
-    # of a row of equal costs, the last is the minimum
+    # if several consecutive costs are equal, the last one counts as the minimum
     branch, place = np.nonzero(low)
     return branch, place

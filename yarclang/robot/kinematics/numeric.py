@@ -1,9 +1,9 @@
 """Solve inverse kinematics by damped least squares, for any serial arm and whole batches of poses.
 
-Levenberg-Marquardt with damping in proportion to the squared error (Sugihara, Solvability-Unconcerned Inverse
-Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011): it converges quadratically if the pose
-can be reached, and to the nearest miss if it can't. Every sample has its own damping factor, and a step that
-increases the error is taken back. The last index counts the samples.
+The method is Levenberg-Marquardt with damping in proportion to the squared error (Sugihara,
+Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011). It
+converges quadratically if the pose can be reached, and to the nearest miss if it can't. Every sample has its
+own damping factor, and a step that increases the error is rejected. The last index counts the samples.
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ STEP = 0.8
 """The largest change of a joint in one step [rad or m]."""
 
 EXACT = 2e-12
-"""The error at which a solution is done [m and rad]."""
+"""The miss at which a solution counts as exact, and its iteration ends [m and rad]."""
 
 FLOOR = 1e-13
-"""The least damping; it keeps joints at rest that don't matter at a singularity."""
+"""The least damping. At a singularity, it keeps joints at rest that have no effect."""
 
 FEW = 128
-"""Number of samples up to which LAPACK solves each by itself; more are solved by whole-array operations."""
+"""Largest number of samples that LAPACK solves one by one; more samples are solved by whole-array operations.
+"""
 
 BLOCK = 2048
 """Samples that are iterated together."""
@@ -66,11 +67,11 @@ def fit(
         lower: (n,) lower limits to which each step is clipped [rad or m]; None for no clipping.
         upper: (n,) upper limits, likewise.
         rounds: the largest number of steps.
-        angle_weight: weight of 1 rad against 1 m. If it is large, the orientation is held and the position
-            misses.
+        angle_weight: weight of 1 rad against 1 m. With a large weight, the orientation is held if a pose is
+            out of reach, and only the position misses.
 
     Returns:
-        The best joint positions found; not wrapped.
+        The best joint positions found; turning joints are not wrapped to (-pi, pi].
     """
     pieces = [slice(start, start + BLOCK) for start in range(0, len(seeds), BLOCK)]
     parts = [
@@ -86,7 +87,7 @@ def fit(
 
 
 def pose_error(columns: Array, target: Array) -> Array:
-    """Return the twists (6, N) that lead from frames to their targets: translation [m] above rotation [rad],
+    """Return the twists (6, N) from frames to their targets: translation [m] above rotation [rad], in the
     axes of {B}.
 
     The rotation is the rotation vector. After exactly half a turn its direction is undefined; x is used.
@@ -107,7 +108,7 @@ def pose_error(columns: Array, target: Array) -> Array:
         )
     cosine = 0.5 * ((columns[:3] * target[:3]).sum(axis=(0, 1)) - 1.0)
     sine = np.sqrt((turn * turn).sum(axis=0))
-    # close to the target sin(angle) stands for the angle: the iteration converges all the same
+    # close to the target use sin(angle) instead of the angle: the iteration converges all the same
     large = cosine < 0.999
     if large.any():
         stretch = np.arctan2(sine, cosine) / np.where(sine > 1e-9, sine, 1.0)
@@ -122,7 +123,7 @@ def pose_columns(poses: Array) -> Array:
 
 
 def misses(columns: Array, target: Array) -> tuple[Array, Array]:
-    """Return how far frames miss their targets, (N,) [m] and (N,) [rad], for columns (4, 3, N)."""
+    """Return the distances of frames from their targets, (N,) [m] and (N,) [rad], for columns (4, 3, N)."""
     apart = target - columns
     squares = (apart * apart).sum(axis=1)
     # the Frobenius norm of the difference of two rotations is 2 √2 sin(angle / 2); unlike acos this is
@@ -162,6 +163,7 @@ def _fit_block(
         if not len(active):
             break
         go_on()
+        # Sugihara's damping, in proportion to the squared error; the largest joint step is limited to STEP
         step = damped_step(jacobian, error, factor * now + FLOOR)
         largest = np.abs(step).max(axis=0)
         step *= np.minimum(1.0, STEP / np.maximum(largest, 1e-300))
@@ -172,7 +174,7 @@ def _fit_block(
         new_error = pose_error(columns, target[:, :, active]) * weight
         new = np.einsum("kn,kn->n", new_error, new_error)
         better = new < now
-        # a sample is done if it is exact, or after many steps without a gain
+        # a sample is done if it is exact, or if many steps have brought no gain
         idle = np.where(better & (new < now * (1.0 - 1e-7)), 0, idle + 1)
         factor = np.clip(np.where(better, factor * 0.2, factor * 6.0), 1e-6, 1e12)
         best[:, active[better]] = trial[:, better]
@@ -192,8 +194,10 @@ def _fit_block(
 
 
 def damped_step(jacobian: Array, error: Array, damping: Array) -> Array:
-    """Return (JᵀJ + damping)⁻¹ Jᵀ e (n, N), by the smaller of JᵀJ and JJᵀ; J (6, n, N), e (6, N), damping
-    (N,).
+    """Return the damped least squares step (JᵀJ + damping)⁻¹ Jᵀ e (n, N), for J (6, n, N), e (6, N) and
+    damping (N,).
+
+    The smaller of the matrices JᵀJ and JJᵀ is used.
     """
     rows, joints, count = jacobian.shape
     if count <= FEW:
@@ -238,15 +242,17 @@ def _step_of_few(jacobian: Array, error: Array, damping: Array) -> Array | None:
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    """Return matrix⁻¹ right for positive definite (m, m, N) and (m, N), by elimination; both arguments are
-    overwritten.
+    """Solve the systems matrix x = right for positive definite matrices (m, m, N) and right sides (m, N), by
+    elimination; both arguments are overwritten.
     """
     size = len(matrix)
     for k in range(size - 1):
+        # Gaussian elimination needs no pivoting: the matrices are positive definite
         factor = matrix[k + 1 :, k] / np.maximum(matrix[k, k], 1e-300)
         matrix[k + 1 :, k + 1 :] -= factor[:, None] * matrix[k, None, k + 1 :]
         right[k + 1 :] -= factor * right[k]
     for k in range(size - 1, -1, -1):
+        # back substitution
         right[k] /= np.maximum(matrix[k, k], 1e-300)
         right[:k] -= matrix[:k, k] * right[k]
     return right

@@ -1,9 +1,9 @@
 """Look up joint positions that nearly reach a pose: starts of the search for a redundant arm.
 
-The first and the last joint need no table. Read a pose as the line of the last axis: its position relative to
-the first axis doesn't depend on the first joint, and the last joint only turns about that line. The table
-therefore varies only the joints between, and records for each row where the last axis lies as seen from the
-first. The rows that come nearest to the pose determine the other two joints.
+The first and the last joint need no table. Consider a pose as the line of the last axis. Its position
+relative to the first axis doesn't depend on the first joint, and the last joint only turns about that line.
+The table therefore varies only the joints between, and records for each row the last axis as seen from the
+first axis. The rows that come nearest to the pose determine the first and the last joint.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ SEEDS = 48
 """Joint positions from which the search for one pose starts."""
 
 NEAREST = 192
-"""Rows nearest to a pose that are considered; of these, the nearest to the reference are used."""
+"""Number of rows nearest to a pose that are considered. Of these rows, those nearest to the reference are
+used.
+"""
 
 LONG = 3.0
 """A sliding joint is covered up to this distance to either side [sizes of the arm]."""
@@ -37,8 +39,8 @@ BEYOND = 10.0
 
 @frozen(eq=False)
 class Table:
-    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and where the last
-    axis then lies.
+    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and the last axis
+    at each of them.
 
     `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that don't depend
     on the first joint, lengths in units of `unit` [m]. `sizes` (ROWS,) are their squared norms. `bearings`
@@ -69,16 +71,17 @@ def seeds_near(
     reference: Array,
     count: int = SEEDS,
 ) -> Array:
-    """Return joint positions (count, n) [rad or m] from which to search for a pose, the reference first.
+    """Return joint positions (count, n) [rad or m] from which to search for a pose. The first one is the
+    reference.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
-        lower: (n,) the lower limits to keep to [rad or m].
-        upper: (n,) the upper limits, likewise.
+        lower: (n,) lower limits of the result [rad or m].
+        upper: (n,) upper limits of the result, likewise.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
-        count: how many to return, at most NEAREST + 1.
+        count: number of joint positions, at most NEAREST + 1.
     """
     table = _table_of(chain, limits.lower.tobytes(), limits.upper.tobytes())
     if table is None:
@@ -92,8 +95,8 @@ def seeds_near(
 def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
     """Return an arm's table, remembered by the identity of the chain and its limits.
 
-    None if the first joint is a screw, the last joint doesn't purely turn, or another joint slides so far
-    that a table would be too coarse.
+    Return None if the first joint is a screw, if the last joint doesn't purely turn, or if another joint
+    slides so far that a table would be too coarse.
     """
     links = links_of(chain)
     turns = bool(links.turn[0])
@@ -151,6 +154,7 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
     apart = table.sizes - table.places @ (2.0 * wanted[0])
     rows = np.argpartition(apart, NEAREST)[:NEAREST]
     q = table.q[rows].copy()
+    # the first joint brings the row's bearing to the pose's
     q[:, 0] = bearing[0] - table.bearings[rows]
     across = table.across[rows]
     if table.turns:
@@ -183,7 +187,8 @@ def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -
 def _seen(
     poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
 ) -> tuple[Array, Array]:
-    """Return the coordinates of the last axis that don't depend on the first joint, and that joint's share.
+    """Return the coordinates of the last axis that don't depend on the first joint, and the coordinate that
+    does: the bearing about the first axis, or the position along it.
 
     Args:
         poses: flange poses (N, 4, 4).
@@ -198,8 +203,10 @@ def _seen(
     """
     place = (poses[:, :3, :3] @ point + poses[:, :3, 3] - first[:3, 3]) @ first[:3, :3]
     way = (poses[:, :3, :3] @ axis) @ first[:3, :3]
+    # a sliding first joint changes only the coordinate along its axis
     if not turns:
         return np.column_stack((place[:, :2] / unit, way)), place[:, 2].copy()
+    # in cylinder coordinates about the first axis, a turning first joint changes only the bearing
     bearing = np.arctan2(place[:, 1], place[:, 0])
     sin, cos = np.sin(bearing), np.cos(bearing)
     radius = np.hypot(place[:, 0], place[:, 1])

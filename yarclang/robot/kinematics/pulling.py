@@ -1,10 +1,10 @@
 """Find the solutions of one pose nearest to a reference, for any redundant arm.
 
-Many joint positions move together towards the pose and, through their null spaces, towards the reference:
-each step leads to the point of the linearised self-motion that is nearest to the reference. The length of a
+Many joint positions move together towards the pose and, through their null spaces, towards the reference.
+Each step leads to the point of the linearised self-motion that is nearest to the reference. The length of a
 step along the self-motion follows from the curvature that the last two steps show (Barzilai and Borwein, IMA
-Journal of Numerical Analysis 8, 1988). A joint at its limit that would exceed it stays there, and the others
-make up for it.
+Journal of Numerical Analysis 8, 1988). A joint that would exceed its limit stays there, and the other joints
+compensate.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ TOWARDS, ALONG = 0.6, 0.4
 """The largest change of a joint in one step towards the pose, and along the self-motion [rad or m]."""
 
 EXACT = 2e-10
-"""The miss [m and rad together] at which a joint position has arrived, provided that it has settled."""
+"""The miss [m and rad together] below which a joint position has arrived, if it has also settled."""
 
 SETTLED = 1e-3
 """A joint position has settled if it would move by less than this along the self-motion [rad or m]."""
@@ -40,11 +40,11 @@ DAMPING = 1e-12
 FAR = 1e-2
 
 HOLDS = 3
-"""The largest number of times that joints are held at limits in one step."""
+"""Largest number of times in one step that joints at limits are held and the step is computed again."""
 
 SHORTEST, LONGEST = 0.05, 2.0
-"""The shortest and the longest step along the self-motion, as a share of the step that would be right if it
-were straight.
+"""The shortest and the longest step along the self-motion, as a share of the step that would be right on a
+straight self-motion.
 """
 
 HOPE = 2.0
@@ -54,27 +54,30 @@ LESS = 1e-4
 """The iteration ends if no joint position can gain more than this [squared joint differences]."""
 
 ALONE, FIRST = 0.7, 6
-"""The miss up to which the reference is tried alone first [m and rad together], and the steps that it
-gets.
+"""`ALONE` is the miss of the reference up to which it is first tried alone [m and rad together]; `FIRST` is
+the number of steps of this trial.
 """
 
 ROUGH = 1.0
-"""Largest distance by which a solution is assumed to be nearer to the reference than its seed [joint
+"""Largest gain that is assumed for a seed: its solution may be nearer to the reference by this much [joint
 difference].
 """
 
 CLOSE, TOGETHER, MANY = 2e-4, 0.02, 64
-"""A joint position that misses by less than `CLOSE` [m and rad together] will arrive. Two that differ by less
-than `TOGETHER` in every joint [rad or m] will arrive at the same place; they are compared only among up to
-`MANY`.
+"""A joint position that misses by less than `CLOSE` [m and rad together] will arrive. Two joint positions
+that differ by less than `TOGETHER` in every joint [rad or m] will arrive at the same place; this is only
+checked if there are at most `MANY`.
 """
 
 EARLY, KEPT = 4, 16
-"""If only the nearest is needed: after `EARLY` steps, the `KEPT` most promising joint positions are kept."""
+"""If only the nearest solution is needed: after `EARLY` steps, only the `KEPT` most promising joint positions
+are kept.
+"""
 
 LAST_SEEDS, LAST_STEPS, ENOUGH = 193, 30, 24
-"""The last search, for the pose only, if nothing else has arrived: `LAST_SEEDS` seeds from the table and as
-many others, at most `LAST_STEPS` steps, ended when `ENOUGH` have reached the pose.
+"""Limits of the last search, which is for the pose only and follows if no joint position has arrived. It has
+`LAST_SEEDS` seeds from the table and as many others, makes at most `LAST_STEPS` steps, and ends when `ENOUGH`
+joint positions have reached the pose.
 """
 
 AFTER, AWAY = 12, 0.1
@@ -90,7 +93,7 @@ the pose.
 """
 
 LOST: Array = np.array([math.inf] * 8 + [0.1] * 6 + [1e-3] * 40)
-"""For each step number, the miss above which a joint position is given up [m and rad together]."""
+"""The miss above which a joint position is given up, for each step number [m and rad together]."""
 
 
 def nearest_pulled(
@@ -99,7 +102,7 @@ def nearest_pulled(
     """Return joint positions (m, n) [rad or m] at a pose within limits, found from many seeds and pulled to a
     reference.
 
-    They are clear of limits if any such is found.
+    They are clear of limits if any such joint positions are found.
 
     Args:
         chain: an arm with more than six joints.
@@ -113,7 +116,7 @@ def nearest_pulled(
         seeds = seeds_near(chain, limits, lower, upper, base_from_flange, reference)
         solutions = np.empty((0, chain.size))
         if is_only:
-            # if the reference is near the pose, it arrives soon by itself
+            # if the reference is near the pose, it arrives in a few steps without other seeds
             is_near = pull.misses(seeds[:1])[0] < ALONE
             first = pull.arriving(seeds[:1], is_only=True, steps=FIRST) if is_near else solutions
             bound = np.square(first - reference).sum(axis=1).min(initial=np.inf)
@@ -124,7 +127,7 @@ def nearest_pulled(
             solutions = pull.arriving(seeds)
         if len(solutions):
             return solutions
-    # last: to the pose first, without regard to the reference
+    # last attempt: reach the pose first, without regard to the reference
     pull = Pull(chain, limits.lower, limits.upper, base_from_flange, reference)
     seeds = seeds_near(chain, limits, limits.lower, limits.upper, base_from_flange, reference, LAST_SEEDS)
     even = spread(chain, limits.lower, limits.upper, reference, LAST_SEEDS)
@@ -150,9 +153,9 @@ def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Arra
 class Pull:
     """Target to which joint positions (k, n) are pulled: a pose and a reference.
 
-    The pose is (4, 4), or (k, 4, 4) with one for each of them; the reference is (n,) or (k, n), within the
-    limits `lower` and `upper` (n,). Joint motions are counted in units of `scale` (n,) [rad or m], all alike
-    if it is None.
+    The pose is (4, 4) for all joint positions, or (k, 4, 4) with one for each. The reference is (n,) or (k,
+    n), within the limits `lower` and `upper` (n,). Joint motions are counted in units of `scale` (n,) [rad or
+    m]; None for equal units.
     """
 
     __slots__ = ("chain", "lower", "pose", "reference", "scale", "target", "upper")
@@ -177,7 +180,7 @@ class Pull:
         return result
 
     def reaching(self, seeds: Array) -> Array:
-        """Return joint positions (m, n) at the pose that seeds (k, n) lead to, without regard to the
+        """Return joint positions (m, n) at the pose, reached from seeds (k, n) without regard to the
         reference. The search ends when `ENOUGH` are found.
         """
         q, reached = np.clip(seeds, self.lower, self.upper), []
@@ -225,7 +228,7 @@ class Pull:
         Args:
             seeds: (k, n) [rad or m].
             is_only: True if only the nearest is needed, and only if it is nearer than `bound`.
-            bound: a squared joint difference.
+            bound: squared distance from the reference [squared joint differences].
             steps: the largest number of steps.
         """
         q = np.clip(seeds, self.lower, self.upper)
@@ -241,8 +244,8 @@ class Pull:
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
             wanted = self.reference - q
             towards, along = self._steps(q, jacobian, error, miss, wanted)
-            # Barzilai and Borwein: the step length |s|² / (s · y), with the last step s and the change y of
-            # the remaining way
+            # Barzilai and Borwein: the step length is |s|² / (s · y), where s is the last step and y is the
+            # change of the remaining motion
             bent = np.einsum("kn,kn->k", moved_before, wanted_before - along)
             length = np.einsum("kn,kn->k", moved_before, moved_before)
             usable = (bent > TINY) & (length > TINY)
@@ -254,7 +257,7 @@ class Pull:
             if there.any():
                 arrived.append(q[there])
                 nearest = min(nearest, float(away[there].min()))
-            # a lower bound on the distance that each may still reach
+            # a lower bound on the distance that each joint position may still reach
             hoped = away - HOPE * (share * np.einsum("kn,kn->k", along, along) + miss)
             going = ~there & (miss < LOST[number])
             if number == steps or not (hoped[going] < nearest - LESS).any():
@@ -279,8 +282,8 @@ class Pull:
         return np.concatenate(arrived) if arrived else np.empty((0, self.chain.size))
 
     def _hopeful(self, q: Array, away: Array, hoped: Array, miss: Array, nearest: float) -> NDArray[np.bool_]:
-        """Return a mask (k,) of the joint positions (k, n) that may still become the nearest; of those that
-        have come together, only the first.
+        """Return a mask (k,) of the joint positions (k, n) that may still become the nearest. Of joint
+        positions that have come together, only the first is kept.
         """
         close = miss < CLOSE
         if close.any():
@@ -292,7 +295,7 @@ class Pull:
         return hopeful
 
     def _exact(self, q: Array) -> Array:
-        """Return those of joint positions (k, n) near the pose that reach it in a few steps within limits."""
+        """Return the joint positions near the pose, of (k, n), that reach it in a few steps within limits."""
         for number in range(LAST + 1):
             jacobian, error = self._seen(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
@@ -352,6 +355,7 @@ class Pull:
                 break
             free[rows] &= ~leaving[rows]
             held = free[rows]
+            # without the columns of held joints, the other joints make the whole step
             towards[rows], along[rows] = _least(
                 jacobian[rows] * held[:, None], error[rows], miss[rows], wanted[rows] * held
             )
@@ -372,6 +376,7 @@ def _least(jacobian: Array, error: Array, miss: Array, wanted: Array) -> tuple[A
     """
     across = jacobian.transpose(0, 2, 1)
     square = jacobian @ across
+    # every seventh entry of a 6 by 6 matrix is on its diagonal
     square.reshape(len(square), -1)[:, ::7] += (DAMPING + FAR * np.minimum(miss * miss, 1.0))[:, None]
     right = np.empty((len(square), 6, 2))
     right[:, :, 0], right[:, :, 1] = error, (jacobian @ wanted[:, :, None])[:, :, 0]

@@ -26,11 +26,12 @@ LEAST = 1e-3
 def weights(chain: Chain, limits: Limits) -> Array:
     """Return the unit in which each joint's motion is counted (n,) [rad or m].
 
-    It is half of the joint's range, but at most half a turn, or for a sliding joint the arm's size.
+    The unit is half of the joint's range, but not more than half a turn, or than the arm's size for a sliding
+    joint.
     """
     half = 0.5 * (limits.upper - limits.lower)
     ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))
-    # a joint that limits lock counts as one that hardly moves
+    # a joint that limits lock gets a small weight: it hardly moves
     result: Array = np.maximum(ways, LEAST * ways.max())
     return result
 
@@ -39,8 +40,8 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
     """Sample joint positions within limits that reach the same pose, along motions that leave the flange at
     rest.
 
-    From each given position, steps go to both sides along each direction of the null space, as far as limits
-    allow.
+    Starting from each given position, steps are made in both senses of each direction of the null space, up
+    to the limits.
 
     Args:
         chain: an arm with more than six joints.
@@ -49,7 +50,7 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
         q: (k, n) [rad or m], joint positions that reach the pose within limits.
 
     Returns:
-        (m, n) [rad or m], without the given ones.
+        (m, n) [rad or m], without the given positions.
     """
     spare = chain.size - 6
     if spare < 1 or not len(q):
@@ -79,8 +80,9 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
 
 
 def null_spaces(chain: Chain, q: Array, scale: Array) -> Array:
-    """Return orthonormal directions (m, k, n) in which joint positions (m, n) leave the flange at rest, joint
-    motions counted in units of `scale` (n,) [rad or m].
+    """Return orthonormal directions (m, k, n) in which joint positions (m, n) leave the flange at rest.
+
+    Joint motions are counted in units of `scale` (n,) [rad or m].
     """
     # the right singular vectors after the six singular values span the null space
     directions: Array = np.linalg.svd(_scaled_jacobians(chain, q, scale))[2][:, 6:]

@@ -1,9 +1,9 @@
 """Find one joint position within limits for each of many poses, for any arm, without seed or reference.
 
-If there is a closed form, its branches are tried; for a calibrated arm, the solutions near its nominal ones
-are tried first. Otherwise damped least squares start from fixed joint positions within limits, of which there
-are some thousand: from those whose poses are nearest, first one for each pose, then more for the poses that
-are still unsolved.
+If there is a closed form, its branches are tried. For a calibrated arm, the solutions near its nominal
+solutions are tried first. Otherwise damped least squares start from some thousand fixed joint positions
+within limits. Each pose first tries the start whose own pose is nearest; poses that are still unsolved then
+try more starts.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ start.
 """
 
 STAGES = ((1, 14), (2, 20), (6, 30), (24, 40), (64, 60), (160, 80))
-"""Starts for each pose, and the largest number of steps of each: a start that hasn't converged by then seldom
-does.
+"""Number of starts for each pose, and the largest number of steps of each start, stage by stage. A start that
+hasn't converged by then seldom does.
 """
 
 BLOCK = 512
@@ -42,9 +42,9 @@ BLOCK = 512
 
 
 def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Find a joint position within limits for each pose, without preference among several.
+    """Find a joint position within limits for each pose. If there are several, any of them may be returned.
 
-    A search that finds none doesn't prove that there is none.
+    If none is found, this doesn't prove that none exists.
 
     Args:
         chain: the arm, n joints.
@@ -52,8 +52,8 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
         base_from_flange: (N, 4, 4).
 
     Returns:
-        q (N, n) [rad or m], and a mask (N,) of those that stand at their poses within 1e-9 m and rad, inside
-        the limits. The others are the last ones that were tried.
+        q (N, n) [rad or m], and a mask (N,) of the entries that reach their poses within 1e-9 m and rad,
+        inside the limits. The other entries are the last joint positions that were tried.
     """
     count = len(base_from_flange)
     if form_of(chain) is not None:
@@ -72,6 +72,7 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
         todo = np.flatnonzero(~solved)
         if not len(todo):
             break
+        # continue with the starts that come after those of the earlier stages
         nearest = _nearest_starts(chain, limits, base_from_flange[todo], begun + starts)[:, begun:]
         begun += starts
         poses = np.repeat(base_from_flange[todo], starts, axis=0)
@@ -104,7 +105,7 @@ def _next_to_meant(
         base_from_flange: (N, 4, 4).
 
     Returns:
-        q (N, 6) [rad], and a mask (N,) of those that stand at their poses within limits.
+        q (N, 6) [rad], and a mask (N,) of the entries that reach their poses within limits.
     """
     low, high = span(chain, limits)
     found = closed_form(meant, base_from_flange, 0.5 * (low + high)[:, None])
@@ -130,8 +131,8 @@ def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.b
 def span(chain: Chain, limits: Limits) -> tuple[Array, Array]:
     """Return the interval in which each joint is searched, (n,) each [rad or m].
 
-    It is the joint's range, but at most a full turn about its middle; without limits, half a turn to either
-    side of 0, or for a slide the arm's size.
+    It is the joint's range; for a turning joint, at most a full turn about its middle. For a joint without
+    limits, it is half a turn to either side of 0, or the arm's size for a slide.
     """
     half = np.where(chain.is_prismatic, extent(chain), math.pi)
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)

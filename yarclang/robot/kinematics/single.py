@@ -16,7 +16,7 @@ from yarclang.transforms import sealed
 
 def pose_with_jacobian(chain: Chain, q: Array) -> tuple[Array, Array]:
     """Return base_from_flange (4, 4) of a joint position (n,) [rad or m], and the Jacobian (6, n) at the
-    flange's origin, linear part above, axes of {B}.
+    flange's origin: linear part above angular part, in the axes of {B}.
     """
     links, (first, after) = links_of(chain), _constants(chain)
     turns = q if links.uniform else q * links.turn

@@ -1,4 +1,4 @@
-"""Measure the distance of joint positions from a singularity, and the motions that a singularity makes
+"""Measure the distance of joint positions from a singularity, and find the motions that a singularity makes
 expensive.
 
 A Jacobian mixes m and rad, so its singular values are meaningless until lengths and angles are weighted. Here
@@ -17,8 +17,8 @@ from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain
 
 _ROUNDING = 1e-9
-"""Margin that covers, many times over, the rounding of squared singular values, which are at most some
-tens.
+"""Margin for the rounding of squared singular values. It is many times larger than this rounding, since the
+squares are at most some tens.
 """
 
 
@@ -27,9 +27,9 @@ class Nearness:
     """The distance of joint positions from a singularity.
 
     `smallest` (N,) is the smallest singular value of the weighted Jacobian. `joints` (N, n) is the joint
-    motion of length 1 [rad, or L for a sliding joint] that moves the tool least: its large entries name the
-    joints that work against each other. `twist` (N, 6) is the tool motion of length 1 that is most expensive:
-    linear part [L] above angular part [rad], axes of {B}.
+    motion of length 1 [rad, or L for a sliding joint] that moves the tool least; its large entries belong to
+    the joints that cancel each other's motion. `twist` (N, 6) is the tool motion of length 1 that needs the
+    largest joint motion: linear part [L] above angular part [rad], in the axes of {B}.
     """
 
     smallest: Array
@@ -41,8 +41,8 @@ def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
     """Compute the smallest singular value at each joint position, and the motions that belong to it.
 
     An arm with fewer than six joints has as many singular values as joints: it is singular where it can move
-    in fewer directions than elsewhere. With more than six joints, the smallest of six counts; the null space
-    doesn't.
+    in fewer directions than elsewhere. An arm with more than six joints has six singular values; its null
+    space doesn't count.
 
     Args:
         chain: the arm, n joints.
@@ -64,7 +64,7 @@ def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float)
     """Return True if the smallest singular value is proved to be above a limit at every joint position.
 
     JJᵀ - limit² I is positive definite exactly if it has a Cholesky factor, which takes a fifth of the time
-    of the singular values. Very near the limit the answer is False.
+    of the singular values. If a value is above the limit by no more than rounding, the result is False.
 
     Args:
         chain: the arm, n joints.
@@ -74,6 +74,7 @@ def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float)
     """
     scaled = weighted_jacobians(chain, q, flange_from_tool)
     turned = scaled.transpose(0, 2, 1)
+    # the smaller of JJᵀ and JᵀJ: its eigenvalues are the squared singular values that count
     squares = scaled @ turned if chain.size >= 6 else turned @ scaled
     squares -= (limit * limit + _ROUNDING) * np.eye(squares.shape[1])
     try:

@@ -2,14 +2,17 @@
 
 With one joint held, two kinds of arms with seven joints have a closed form:
 
-- The held joint is the first or the last (a rail under an arm, a turn after its flange), and the other six
-  are an arm of `closed_form`.
-- All joints turn, the last three axes meet (the wrist centre), and two of the first four meet: the first two
-  with the third held (a spherical shoulder, as in LBR iiwa), or the second and third with the first held. The
-  distance of the wrist centre from the point where these two meet gives the fourth angle (subproblem 3), its
-  direction gives these two (subproblem 2), and the rotation that is left gives the wrist. An arm whose first
-  three axes meet (Panda, xArm 7) is one of these when it is read from its flange. The decomposition is that
-  of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two intersecting".
+- The held joint is the first or the last (a rail under an arm, or a turn after its flange), and the other six
+  joints are an arm of `closed_form`.
+- All joints turn, the last three axes meet (the wrist centre), and two of the first four meet. These are the
+  first two with the third held (a spherical shoulder, as in LBR iiwa), or the second and third with the first
+  held.
+
+In the second case, the distance of the wrist centre from the point where these two axes meet gives the fourth
+angle (subproblem 3), the direction of the wrist centre gives the angles of these two axes (subproblem 2), and
+the rotation that is left gives the wrist. An arm whose first three axes meet (Panda, xArm 7) is of this kind
+if it is read from its flange. The decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine
+Theory 209, 2025), "spherical wrist, two intersecting".
 """
 
 from __future__ import annotations
@@ -45,7 +48,7 @@ BRANCHES = 8
 
 @frozen(eq=False)
 class HeldAtEnd:
-    """An arm whose other six joints have the closed form `arm`, with joint `joint` (0 or 6) held.
+    """An arm in which joint `joint` (0 or 6) is held, and the other six joints have the closed form `arm`.
 
     `screw` (6,) is that of the held joint: in {B} if it is the first, in the flange if it is the last.
     """
@@ -60,10 +63,10 @@ class HeldWithin:
     """An arm of seven turning joints with a wrist, read from the base or from the flange (`is_reversed`).
 
     All fields describe the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the
-    joints' axes. `held` (0 or 2) is the held joint, `pair` the two whose axes meet in `meeting` (3,). Joint 3
-    bends; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles `angles`. `home` (4, 4) is
-    the tip at zero. `fourth` and `sixth` (3, 3) are the frames of the wrist's first and last axis. `crosses`
-    (7, 3, 3) are the cross product matrices of the axes.
+    joints' axes. `held` (0 or 2) is the held joint, `pair` are the two joints whose axes meet in `meeting`
+    (3,). Joint 3 bends the arm; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles
+    `angles`. `home` (4, 4) is the tip. `fourth` and `sixth` (3, 3) are the frames of the wrist's first and
+    last axis. `crosses` (7, 3, 3) are the cross product matrices of the axes.
     """
 
     is_reversed: bool
@@ -125,7 +128,9 @@ def solutions_with(
 
 
 def _at_end(chain: Chain) -> HeldAtEnd | None:
-    """Return the form with the first or last joint held, or None if the other six have no closed form."""
+    """Return the form with the first or the last joint held, or None if the other six joints have no
+    closed form.
+    """
     without_first = Chain(sealed(chain.screws[1:]), chain.base_from_flange)
     arm = form_of(without_first)
     if arm is not None:
@@ -217,7 +222,8 @@ def _solved_within(
         way = (target - form.meeting)[:, None] + np.zeros(count)
         middle = _turned(form.crosses[2], middle - start, -sin, cos) + start
     bend, bends = _bend(form, middle, way)
-    # the vector from where the two axes meet to the wrist centre, before they turn: (3, bend 2, N)
+    # the vector from the point where the two axes meet to the wrist centre, before the two turn: (3, bend 2,
+    # N)
     bend_sin, bend_cos = np.sin(bend), np.cos(bend)
     across = (form.centre - form.points[3])[:, None, None]
     reach = _turned(form.crosses[3], across, bend_sin, bend_cos) + form.points[3][:, None, None]
@@ -247,8 +253,8 @@ def _solved_within(
 
 
 def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Solve subproblem 3: the fourth angle at which the wrist centre is as far from `middle` as `way` is
-    long.
+    """Solve subproblem 3: the fourth angle that brings the wrist centre to a distance of |`way`| from
+    `middle`.
 
     Args:
         form: the arm.
@@ -260,6 +266,7 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
     """
     axis = form.axes[3]
     arm, seen = form.centre - form.points[3], middle - form.points[3][:, None]
+    # split both vectors into their components along the axis and across it
     along, height = float(axis @ arm), axis @ seen
     arm = arm - along * axis
     seen = seen - axis[:, None] * height
@@ -278,8 +285,8 @@ def _two_turns(
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Solve subproblem 2: the turns about the pair of axes that bring `reach` to `way`.
 
-    If `way` lies along the first axis, its turn is held at `hold[0]`; if `reach` lies along the other axis,
-    that one's turn is held at `hold[1]`.
+    If `way` lies along the first axis, the turn about the first axis is `hold[0]`. If `reach` lies along the
+    other axis, the turn about the other axis is `hold[1]`.
 
     Args:
         form: the arm.
@@ -296,7 +303,9 @@ def _two_turns(
     sine = float(normal @ normal)
     # the vector between the two turns lies on both cones: first · one + second · other ± aside · normal
     level, height = one @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
+    # solve for the components along the two axes: the turns change neither `level` nor `height`
     first, second = (level - cosine * height) / sine, (height - cosine * level) / sine
+    # the rest of the length is along the common normal
     square = (reach * reach).sum(axis=0) - first * (first + 2.0 * cosine * second) - second * second
     aside = np.sqrt(np.maximum(square, 0.0) / sine)
     between = one[:, None, None] * first + other[:, None, None] * second
@@ -307,6 +316,7 @@ def _two_turns(
     turn_one = _turn_between(_crossed(cross_one, between), end[:, None, None], way[:, None, None])
     start = _crossed(cross_other, reach)[:, None]
     turn_other = _turn_between(start, _crossed(cross_other, between), between)
+    # hold the turn of a vector that lies along its axis
     radius = np.sqrt((end * end).sum(axis=0))
     if radius.min(initial=1.0) < 10.0 * HOLD:
         turn_one = held(turn_one, hold[0], radius)

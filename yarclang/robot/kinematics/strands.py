@@ -1,14 +1,14 @@
 """Follow the branches of the closed form along a path.
 
-All branches of all samples are computed at once. From sample to sample the strand stays on its branch. Where
-that would need more than a small move, more samples are taken, down to a billionth of the path. If another
-branch continues smoothly there, the path passes exactly through a singularity, and the strand changes to that
-branch; if none does, a joint would have to jump.
+All branches of all samples are computed at once, and the strand (the sequence of joint positions) stays on
+its branch from sample to sample. If this would need a large move between two samples, more samples are added,
+down to a billionth of the path. If another branch then continues smoothly, the path passes exactly through a
+singularity, and the strand changes to that branch. If no branch does, a joint would have to jump.
 
-Inside a singularity the pose leaves one angle free, which is held. The closed form changes from the held
-angle to the determined one within a few 1e-10 rad, and a short path may have samples in between. The path
-itself doesn't require the free angle to turn on the way out; if it turns by much, the joint would have to
-jump.
+Inside a singularity the pose leaves one angle free, and this angle is held. The closed form changes from the
+held angle to the determined one within a few 1e-10 rad, and a short path may have samples in between. The
+path itself doesn't require the free angle to turn when it leaves the singularity; if the angle turns by much,
+the joint would have to jump.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ BEND = 0.02
 """Largest distance of a sample from the chord of its neighbours [rad]."""
 
 SHORT = 1e-5
-"""Length of a piece that isn't cut merely because of its bend, as a share of the path."""
+"""Length of a piece that isn't cut only because of its bend, as a share of the path."""
 
 SECTIONS = 16
-"""Number of pieces into which an interval is cut that hides a jump."""
+"""Largest number of pieces into which an interval with a possible jump is cut."""
 
 ROUNDS = 40
 """The largest number of refinements of a skeleton."""
@@ -49,8 +49,8 @@ End = Literal["whole", "jump", "nothing"]
 
 @frozen(eq=False)
 class Strand:
-    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, as far as they continue without a
-    jump.
+    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, up to the last place that is
+    reached without a jump.
 
     `end` is "whole" if they reach the path's end, "jump" if the nearest solution after them would be a jump
     (to `beyond` (n,)), and "nothing" if there is no solution after them.
@@ -64,8 +64,9 @@ class Strand:
 
 @dataclass(slots=True, eq=False)
 class _Samples:
-    """All branches at all places so far, the places first: `q` (M, 8, 6), `valid` and `singular` (M, 8),
-    `free` (M, 8, 2).
+    """All branches at all places that were computed so far.
+
+    The places are the first index: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M, 8, 2).
     """
 
     s: Array
@@ -80,8 +81,8 @@ class _Samples:
 class _Held:
     """A singularity that the strand has entered.
 
-    `before` is the last sample before it, with joints at `q` (6,); `joints` are the joints that the
-    singularity frees.
+    `before` is the index of the last sample before it, `q` (6,) are the joint positions there, and `joints`
+    are the joints that the singularity frees.
     """
 
     before: int
@@ -89,15 +90,15 @@ class _Held:
     joints: list[int]
 
     def turned(self, q: Array) -> Array:
-        """Return how far the free joints (K,) are at joint positions `q` (K, 6) from their held values
-        [rad].
+        """Return, for each joint position `q` (K, 6), the largest difference of a free joint from its held
+        value [rad].
         """
         away: Array = np.abs(q[:, self.joints] - self.q[self.joints]).max(axis=1)
         return away
 
 
 def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
-    """Follow a path from `q_start` (6,) [rad], which stands at pose_at(s[0]).
+    """Follow a path from `q_start` (6,) [rad], which reaches pose_at(s[0]).
 
     Args:
         arm: the closed form.
@@ -106,7 +107,7 @@ def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_st
         q_start: (6,) [rad].
 
     Returns:
-        The strand, up to the path's end or to where it can't be continued.
+        The strand, up to the path's end or to the place after which it can't be continued.
     """
     samples = _sampled(arm, pose_at(s), s, q_start)
     for _ in range(ROUNDS):
@@ -123,24 +124,24 @@ def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_st
 def plain_strands(
     arm: Form, poses: Array, s: Array, starts: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Follow many paths at once along one branch, as far as no decision is needed.
+    """Follow many paths at once along one branch; paths that need a decision are marked.
 
     Args:
         arm: the closed form.
         poses: base_from_flange (m * M, 4, 4) of m paths, at the same places of each.
         s: (M,) the places, from 0 to 1; M at least 3.
         starts: (m, 6) [rad], where each path begins.
-        branch: the branch on which all begin.
+        branch: the branch on which all paths begin.
 
     Returns:
         Joint positions (m, M, 6), and a mask (m,) of the paths that stay on the branch without refinement.
-        For these, `follow_branches` returns the same strand, whole.
+        For these paths, `follow_branches` returns the same strand, and it is whole.
     """
     q = np.empty((len(starts), len(s), 6))
     beyond = poses.reshape(*q.shape[:2], 4, 4)[:, 1:]
     branches = closed_form(arm, beyond[:, 0], starts[0][:, None])
     own, valid, singular = one_branch(arm, beyond.reshape(-1, 4, 4), branch)
-    if branches.singular.any() or singular.any():  # a held angle depends on where its path begins
+    if branches.singular.any() or singular.any():  # a held angle depends on the path's own start
         return q, np.zeros(len(starts), dtype=bool)
     here = own.T.reshape(len(starts), -1, 6)
     moves = here[:, 1:] - here[:, :-1]
@@ -160,7 +161,7 @@ def plain_strands(
 
 
 def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
-    """Follow the samples from `q_start` (6,).
+    """Follow the samples from `q_start` (6,) until a jump or the end.
 
     Args:
         arm: the closed form.
@@ -168,7 +169,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
         q_start: (6,) [rad].
 
     Returns:
-        The strand, and the places (K,) that need to be added.
+        The strand, and the places (K,) at which more samples are needed.
     """
     s, count = samples.s, len(samples.s)
     q = np.empty((count, 6))
@@ -205,6 +206,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
             end = "nothing"
             break
         move = float(np.abs(target - q[here]).max())
+        # refine while the move is large or the branch changes, until the interval is too short
         changes = branch >= 0 and choice != branch and not straight
         if (move > NEAR or changes) and width > FINEST:
             pieces = min(SECTIONS, int(np.ceil(width / FINEST)))
@@ -228,7 +230,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
             along = _held_run(arm, samples, here, here + run, choice, target)
             q[here : here + len(along)] = along
             here += len(along) - 1
-        # inside a singularity and on leaving it, a freed joint that turns by much would have to jump
+        # a freed joint that turns by much, inside a singularity or on leaving it, would have to jump
         if held is not None:
             turned = held.turned(q[first : here + 1]) > NEAR
             if turned.any():
@@ -252,7 +254,8 @@ def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, 
         q: (6,) [rad] at sample `first`; its free angle is held.
 
     Returns:
-        The joint positions from sample `first` on, as far as no joint moves too much from one to the next.
+        The joint positions from sample `first` on. They end before the first move of a joint that is too
+        large.
     """
     held = closed_form(arm, samples.poses[first:last], q[:, None]).q[:, branch].T
     moves = np.diff(held, axis=0)
@@ -266,7 +269,7 @@ def _bends(strand: Strand) -> Array:
     """Return places (K,) halfway to the neighbours of samples that lie off the chord between these
     neighbours.
 
-    Between such samples a short event, such as a stretch out of reach, would be missed.
+    Without these places, a short event between two samples, such as a stretch out of reach, would be missed.
     """
     s, q = strand.s, strand.q
     if len(s) < 3:
@@ -291,8 +294,8 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
         q: (6,) [rad].
 
     Returns:
-        The branch, or -1 if none reaches the pose; its joints (6,) on the turns nearest to `q`; and True if
-        it is singular there, with the free angle held at that of `q`.
+        The branch, or -1 if no branch reaches the pose; its joint values (6,) on the full turns nearest to
+        `q`; and True if it is singular at the sample, in which case its free angle is held at that of `q`.
     """
     found, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
     if not valid.any():
@@ -307,7 +310,7 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
 
 
 def _sections(start: float, end: float, pieces: int) -> Array:
-    """Return the inner ends (pieces - 1,) of equal pieces."""
+    """Return the places (pieces - 1,) that divide an interval into equal pieces."""
     result: Array = np.linspace(start, end, pieces + 1)[1:-1]
     return result
 
@@ -326,7 +329,7 @@ def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
 
 
 def _merged(samples: _Samples, extra: _Samples) -> _Samples:
-    """Merge both in the order of their places."""
+    """Merge two sets of samples in the order of their places."""
     s = np.concatenate([samples.s, extra.s])
     order = np.argsort(s, kind="stable")
     return _Samples(

@@ -1,8 +1,8 @@
 """Follow a path of flange poses by continuity, or report where and why it can't be followed.
 
-A skeleton of samples is laid over the path, dense enough that each joint moves little from one sample to the
-next. Where a joint moves more, the skeleton is refined until the move is small or the interval is so short
-that the joint would have to jump.
+A path is sampled at a skeleton of places, dense enough that each joint moves little from one sample to the
+next. If a joint moves more, the skeleton is refined until the move is small, or until the interval is so
+short that the joint would have to jump.
 """
 
 from __future__ import annotations
@@ -29,9 +29,10 @@ from yarclang.transforms import sealed
 
 BreakKind = Literal["reach", "limits", "singular", "configuration"]
 Reason = Literal["any", "kind", "measured"]
-"""Information wanted about a path within joint limits that can't be followed: nothing ("any": the reported
-kind is arbitrary), the kind of the break ("kind"), or also by how much the path is out of reach ("measured").
-The last two are searches of about 0.1 s.
+"""Information wanted about a path within joint limits that can't be followed.
+
+"any": nothing is needed, and the reported kind is arbitrary. "kind": the kind of the break. "measured": also
+by how much the path is out of reach. The last two are searches of about 0.1 s.
 """
 
 PathPoses = Callable[[Array], Array]
@@ -49,17 +50,19 @@ CLEAR = 1e-6
 """Distance after a singularity at which the jump over it is measured, as a share of the path."""
 
 CLEAR_WAY = 1e-7
-"""Least such distance [m and rad together]: nearer, the closed form changes from one angle to the other."""
+"""Smallest such distance [m and rad together]. Nearer to the singularity, the closed form is still changing
+from the held angle to the determined one.
+"""
 
 EDGE = 1e-8
-"""A joint that exceeds its limit by no more than this [rad or m] counts as on it."""
+"""A joint that exceeds its limit by no more than this [rad or m] counts as at the limit."""
 
 
 @frozen(eq=False)
 class Track:
     """Joint positions along a path.
 
-    `s` (M,) grows from 0 to 1. `q` (M, n) [rad or m] stand at the path's poses, each joint on continuous
+    `s` (M,) grows from 0 to 1. `q` (M, n) [rad or m] reach the path's poses, each joint without jumps by full
     turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that `at` returns seeds for
     `follow` on the same branch. `bend` (M, n) are the second derivatives of the natural cubic spline through
     `q`, for a redundant arm only: its seeds choose among a continuum of solutions and therefore have to be
@@ -89,20 +92,20 @@ class Track:
 
 @frozen(eq=False)
 class Broken:
-    """The place after which a path can't be followed.
+    """The place after which a path can't be followed, and the reason.
 
     `s` is the last place reached, `q` (n,) [rad or m] the joint position there.
 
-    kind "reach": the rest of the path is out of reach, at the worst place by `amount` [m] with the
+    kind "reach": the rest of the path is out of reach. At the worst place it misses by `amount` [m] with the
     orientation held; if the arm can't hold the orientation either, `angle` [rad] remains. Both are valid only
     if `is_measured`.
     kind "limits": `joint` (from 0) leaves its limits here. On the rest of the path it would exceed them by up
-    to `amount` [rad or m], positive above the upper limit, negative below the lower one, and some later pose
-    can't be reached within limits by any other configuration either.
+    to `amount` [rad or m], positive above the upper limit, negative below the lower one. Some later pose
+    can't be reached within limits by any configuration.
     kind "configuration": only another configuration (or another full turn of a joint) continues from here. If
     limits are the reason, `joint` and `amount` are as for "limits", and every sampled pose of the rest of the
     path can be reached within limits by some other configuration. If this configuration ends here, `joint` is
-    the one that differs most in the nearest other configuration and `amount` the difference, or `joint` is
+    the joint that differs most in the nearest other configuration and `amount` the difference, or `joint` is
     None.
     kind "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
     """
@@ -125,21 +128,21 @@ def track(
     samples: int = SAMPLES,
     reason: Reason = "measured",
 ) -> Track | Broken:
-    """Follow a path by continuity.
+    """Follow a path of flange poses from a given joint position, without jumps.
 
     Args:
         chain: the arm, n joints.
         limits: its limits; q_start is within them.
         pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
-        q_start: (n,) [rad or m], stands at pose_at(0) within 1e-6.
-        samples: number of places in the first skeleton, at equal distances.
+        q_start: (n,) [rad or m], reaches pose_at(0) within 1e-6.
+        samples: number of places at which the path is sampled first, at equal distances.
         reason: how much to find out if the path can't be followed.
 
     Returns:
-        The joint positions along the whole path, or where and why they end.
+        The joint positions along the whole path, or the place after which it can't be followed, and why.
 
     Raises:
-        ValueError: q_start doesn't stand at the path's start.
+        ValueError: q_start doesn't reach the path's start.
     """
     s = np.linspace(0.0, 1.0, max(samples, 3))
     start = q_start[None]
@@ -149,7 +152,7 @@ def track(
     if max(float(miss[0]), float(turn[0])) > ON_PATH or np.abs(start[0] - q_start).max() > START:
         raise ValueError("the start position doesn't stand at the path's start")
     if np.abs(beyond(limits, start[0])).max() <= ON_PATH:
-        # a start on a limit may exceed it within its own accuracy
+        # a start on a limit may exceed it by its own rounding
         limits = replace(
             limits, lower=np.minimum(limits.lower, start[0]), upper=np.maximum(limits.upper, start[0])
         )
@@ -160,7 +163,8 @@ def track(
     )
     outside = _leaving(chain, limits, pose_at, strand)
     if chain.size > 6 and (outside is not None or strand.end != "whole"):
-        # the least joint motion leaves the limits or ends early: try motions that keep clear of limits
+        # the path of least joint motion leaves the limits or ends early: try motions that keep clear of
+        # limits
         clear: Strand | None = march(chain, pose_at, start[0], bends, limits)
         if clear is not None and not _keeps(limits, clear):
             clear = None if bends else kept_within(chain, limits, [pose_at], start)[0]
@@ -177,8 +181,9 @@ def track(
 
 
 def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: Array) -> NDArray[np.bool_]:
-    """Return a mask (K,) of the paths that `track` follows to their ends, in a fraction of its time for an
-    arm without a closed form.
+    """Return a mask (K,) of the paths that `track` follows to their ends.
+
+    For an arm without a closed form this takes a fraction of the time of `track`.
 
     Args:
         chain: the arm, n joints.
@@ -208,7 +213,9 @@ def _keeps(limits: Limits, strand: Strand) -> bool:
 
 
 def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -> Broken | None:
-    """Return where the joints of a strand first leave their limits, or None if they don't."""
+    """Return the break at which the joints of a strand first leave their limits, or None if they stay
+    within them.
+    """
     excess = beyond(limits, strand.q)
     out = np.abs(excess) > EDGE
     if not out.any():
@@ -220,7 +227,7 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
     before, after = strand.s[first - 1], strand.s[first]
     ends = strand.q[first - 1 : first + 1]
     inside = ends[0]
-    # narrow the place down by sections; the skeleton's chord is a good seed
+    # narrow the place down by repeated division; points on the chord between two samples are good seeds
     for _ in range(6):
         s = np.linspace(before, after, 17)
         share = np.linspace(0.0, 1.0, 17)[:, None]
@@ -240,11 +247,11 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
 
 
 def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) -> Broken:
-    """Return why a strand ends before the path does."""
+    """Return the reason why a strand ends before the path does."""
     s, q = float(strand.s[-1]), sealed(strand.q[-1])
     if strand.end == "jump":
         return _jump(chain, pose_at, s, q, strand.beyond)
-    # sample densely just after the break, and the whole rest: a gap in reach may be short
+    # sample densely just after the break, and also the rest of the path: a gap in reach may be short
     rest = np.unique(
         np.concatenate([s + (1.0 - s) * np.geomspace(1e-8, 1.0, 25), np.linspace(s, 1.0, 33)[1:]])
     )
@@ -263,7 +270,9 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) 
 
 
 def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -> Broken:
-    """Return why a strand ends whose nearest continuation `beyond` (n,) is a jump away from `q` (n,)."""
+    """Return the reason why a strand ends if its nearest continuation `beyond` (n,) is a jump away from
+    `q` (n,).
+    """
     # measure the jump a little further on, where the joints are clear of the singularity
     ends = pose_columns(pose_at(np.array([s, 1.0])))
     way = sum(float(one[-1]) for one in misses(ends[:, :, :1], ends[:, :, 1:]))
@@ -272,11 +281,12 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
     if max(further[1][0], further[2][0]) < reached_within(chain):
         beyond = further[0][0]
     jump = beyond - q
-    # two axes that coincide jump by the same amount: take the first, since rounding differs between
-    # processors
+    # if two axes coincide, both joints jump by the same amount: take the first one, since rounding differs
+    # between processors
     size = np.abs(jump)
     joint = int(np.flatnonzero(size >= (1.0 - 1e-6) * size.max())[0])
-    # at a singularity the joints can move over with the flange at rest; otherwise the two are separate
+    # at a singularity the joints can move across the jump with the flange at rest; otherwise the two
+    # configurations are separate
     middle = 0.5 * (q + beyond)
     between = fit(chain, pose_at(np.array([s])), middle[None])
     joined = between.total[0] < 1e-6 and np.abs(between.q[0] - middle).max() < 0.3 * abs(jump[joint])

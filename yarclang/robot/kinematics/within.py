@@ -8,17 +8,17 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 
 EDGE = 1e-8
-"""A joint that exceeds its limit by no more than this [rad or m] is put on it."""
+"""A joint that exceeds its limit by no more than this [rad or m] is set to the limit."""
 
 CLEAR = 0.05
-"""Distance that a redundant arm keeps from its limits if it can [rad or m], at most a twentieth of the
-range.
+"""Distance that a redundant arm keeps from its limits if possible [rad or m], but at most a twentieth of the
+joint's range.
 """
 
 
 def nearest_turn(chain: Chain, limits: Limits, q: Array, reference: Array) -> Array:
-    """Shift `q` (..., n) by full turns: within limits and nearest to the reference, or else with least
-    excess.
+    """Shift `q` (..., n) by full turns: to the value within limits nearest to the reference, or else to the
+    value that exceeds limits least.
 
     Args:
         chain: the arm, n joints; prismatic joints aren't shifted.
@@ -44,7 +44,7 @@ def beyond(limits: Limits, q: Array) -> Array:
 
 
 def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
-    """Return lower and upper limits (n,) [rad or m] that keep clear of the real ones, but include the
+    """Return limits (n,) [rad or m] narrowed so that they keep clear of the real limits, but include the
     reference.
     """
     room = np.minimum(CLEAR, 0.05 * (limits.upper - limits.lower))

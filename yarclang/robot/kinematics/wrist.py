@@ -1,4 +1,4 @@
-"""Solve the three angles of a wrist whose axes meet, both solutions, for whole batches; angles that a
+"""Solve the three angles of a wrist whose axes meet, both solutions, for whole batches. Angles that a
 singularity leaves free are held.
 """
 
@@ -16,12 +16,12 @@ HOLD = 1e-10
 """Scale of the transition to a held angle: the sine of the wrist's angle, or the wrist centre's distance from
 axis 1 [m].
 
-Below it, the angle that the pose no longer determines changes smoothly to the held one. The change moves the
-pose by at most half of this, times the difference of the angles [rad].
+Below this scale, the angle that the pose no longer determines changes smoothly to the held one. The change
+moves the pose by at most half of the scale, times the difference of the angles [rad].
 """
 
 REACH_TOLERANCE = 1e-10
-"""Distance beyond a boundary up to which a pose counts as on it [m, or as a sine]."""
+"""Distance beyond a boundary up to which a pose counts as on the boundary [m, or as a sine]."""
 
 TURN = 2.0 * math.pi
 
@@ -31,18 +31,18 @@ def wrist_angles(
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """Solve the wrist's three angles for the rotation that is left for it.
 
-    rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), with t5 = q5 + bend. Its last column is axis 6; the angle
-    between axes 4 and 6 gives t5 (subproblem 4), and then its direction gives q4 (subproblem 1). q6 is
-    computed from q4, so that an uncertain q4 at a straight wrist doesn't falsify the pose.
+    rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), with t5 = q5 + bend. The last column of `rest` is axis 6.
+    The angle between axes 4 and 6 gives t5 (subproblem 4); then the direction of axis 6 gives q4 (subproblem
+    1). q6 is computed from q4, so that an uncertain q4 at a straight wrist doesn't falsify the pose.
 
     Args:
         arm: has the angles between the wrist's axes.
         rest: the rotation (3, 3, arm 4, N).
-        hold: q4 where the wrist is straight [rad].
+        hold: q4 for a straight wrist [rad].
 
     Returns:
         The angles (3, wrist 2, arm 4, N) [rad]; a mask (arm 4, N) of the rotations that the wrist can bend
-        to; and a mask (arm 4, N) of those at which it is straight.
+        to; and a mask (arm 4, N) of those at which the wrist is straight.
     """
     alpha, beta = arm.alpha, arm.beta
     sin_a, cos_a, sin_b, cos_b = math.sin(alpha), math.cos(alpha), math.sin(beta), math.cos(beta)

@@ -13,7 +13,7 @@ from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
 from yarclang.source import SourceFile
 
 FINGERS = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw", re.IGNORECASE)
-"""Names of joints that move a hand, not an arm."""
+"""Pattern of joint names that belong to a hand, not to an arm."""
 
 LONGEST_HAND = 4
 """If an arm splits and no branch has more joints than this, the branches are fingers."""
@@ -25,17 +25,17 @@ DEEPEST = 100
 """The largest number of joints, fixed ones included, from the root to a tip."""
 
 SHORTEST_ARM = 3
-"""The least number of joints of an arm before it may split into fingers."""
+"""The least number of joints that an arm has before its branches may count as fingers."""
 
 HANDS = re.compile(
     r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle|welder|eoat|camera|sensor|_sc$",
     re.IGNORECASE,
 )
-"""Names of links that are mounted on a flange, or are a second shape of the last link."""
+"""Pattern of names of links that are mounted on a flange, or are a second shape of the last link."""
 
 _FLANGE_NAMES = (r"(^|_)tool0$", r"(^|_)flange(_link|_frame)?$", r"flange", r"ee_link|link_ee|end_effector")
-"""Names of flanges, the best first. By REP 199, z of tool0 points out along the tool, as PICKPLACE and PALLET
-require; of flange it is x.
+"""Patterns of names of flanges, the best first. By REP 199, z of tool0 points out along the tool, as
+PICKPLACE and PALLET require; in flange, x does.
 """
 
 _TCP_NAMES = (r"tcp|grasp|tool_tip",)
@@ -43,7 +43,7 @@ _TCP_NAMES = (r"tcp|grasp|tool_tip",)
 
 @frozen
 class ArmChain:
-    """The chain that is proposed.
+    """The proposed chain.
 
     Attributes:
         base: the link that is {B}.
@@ -54,8 +54,8 @@ class ArmChain:
         flange_choices: other links that could be the flange, since they are fixed to it.
         other_tips: the tips of other chains of the same length.
         ignored: the moving joints that aren't in the chain.
-        fingers: those ignored joints that move a gripper on the tip.
-        followers: those ignored joints that follow another joint by <mimic>: rods, counterweights.
+        fingers: ignored joints that move a gripper on the tip.
+        followers: ignored joints that follow another joint by <mimic>: rods, counterweights.
         left_out: joints with motors of their own, outside the chain, that form a limb as large as an arm.
     """
 
@@ -86,11 +86,11 @@ class ArmChain:
 def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
     """Find the longest serial chain of a URDF, or the one between two links.
 
-    Left out are: joints after a link called tool0, which belong to a tool; joints whose names denote fingers;
-    joints that others on the tip mimic; and the branches into which an arm splits at its end. A joint that
-    mimics another is left out as well, but not the joint that it follows. If a mimicking joint carries the
-    rest of the arm, the chain is coupled, which is a finding. Of chains with equally many joints, the first
-    one of the file is taken.
+    The chain leaves out joints after a link called tool0, which belong to a tool; joints whose names denote
+    fingers; joints on the tip that others mimic; and the branches into which an arm splits at its end. It
+    also leaves out a joint that mimics another one, but not the joint that is mimicked. If a mimicking joint
+    carries the rest of the arm, the chain is coupled, which is reported as a finding. Of several chains with
+    equally many joints, the first one of the file is chosen.
 
     Args:
         urdf: a sound tree.
@@ -173,7 +173,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
 
 
 class _Tree:
-    """The links of a URDF, for walks downwards."""
+    """The links of a URDF with the joints above and below each of them."""
 
     def __init__(self, urdf: Urdf, fingers: re.Pattern[str] | None) -> None:
         self.fingers = fingers
@@ -189,15 +189,17 @@ class _Tree:
                 self.leaders[joint.name] = mimic.attributes.get("joint", "")
 
     def deeper_than(self, most: int) -> str:
-        """Return a link that is more than `most` joints below a root; empty if there is none."""
+        """Return a link that has more than `most` joints between a root and itself; empty if there is
+        none.
+        """
         row = [link for link in self.below if link not in self.above]
         for _ in range(most + 1):
             row = [joint.child for link in row for joint in self.below[link]]
         return next(iter(row), "")
 
     def starts(self) -> list[str]:
-        """Return the links at which an arm may begin: the roots, and the links below a joint that only a
-        vehicle has.
+        """Return the links at which an arm may begin: the roots, and links below a planar or floating joint,
+        as a vehicle has.
         """
         roots = [link for link in self.below if link not in self.above]
         return roots + [joint.child for joint in self.above.values() if joint.kind in UNARMED]
@@ -212,8 +214,7 @@ class _Tree:
     def moving(self, link: str) -> list[Joint]:
         """Return the joints that move a part of an arm relative to the body of `link`.
 
-        These are joints with a motor, and joints that follow one but carry a joint with a motor, or the
-        flange.
+        These are joints with a motor, and mimicking joints that carry a joint with a motor or the flange.
         """
         if link not in self._moving:
             found = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
@@ -226,14 +227,14 @@ class _Tree:
         return self._moving[link]
 
     def carries(self, joint: Joint) -> bool:
-        """Return True if the chain continues after a joint: to a joint with a motor, or to a link called
-        flange.
+        """Return True if the chain continues after a joint: to another moving joint, or to a link with a
+        flange's name.
         """
         return bool(_named(self.body(joint.child), _FLANGE_NAMES) or self.moving(joint.child))
 
     def grips(self, joint: Joint, beside: Sequence[Joint]) -> bool:
-        """Return True if a joint carries nothing but fingers: it is the last of its branch, and joints beside
-        or below follow it.
+        """Return True if a joint carries only fingers: it is the last of its branch, and joints beside it or
+        below it mimic it.
         """
         if joint.name not in self.leaders.values():
             return False
@@ -242,8 +243,8 @@ class _Tree:
         return follow and not self.carries(joint)
 
     def limbs(self, taken: Collection[str], size: int) -> tuple[str, ...]:
-        """Return the joints of limbs outside a chain of `size` joints that are as long as an arm, or as that
-        chain.
+        """Return the joints of limbs outside a chain of `size` joints that have at least as many joints as an
+        arm, or as that chain.
         """
         paths = [path for start in self.starts() for path in self.arms(start)]
         outside = [[joint.name for joint in path if joint.name not in taken] for path in paths]
@@ -251,8 +252,8 @@ class _Tree:
         return tuple(dict.fromkeys(name for names in long for name in names))
 
     def driven_above(self, link: str) -> tuple[str, ...]:
-        """Return the driven joints above a link: a planar or floating joint in the middle of an arm divides
-        it into two.
+        """Return the driven joints above a link. There are some if a planar or floating joint in the middle
+        of an arm divides the arm into two.
         """
         found = []
         while link in self.above:
@@ -276,10 +277,10 @@ class _Tree:
         return [arm for joint in ways for arm in self.arms(joint.child, (*path, joint))]
 
     def flange_of(self, link: str) -> tuple[str, tuple[str, ...]]:
-        """Return the flange after the last moving link, and other links that could be it.
+        """Return the flange after the last moving link, and other links that could be the flange.
 
-        It is chosen by name; otherwise it is the one link that is fixed to the last moving link, or that link
-        itself.
+        The flange is chosen by name. If no name fits, it is the only link that is fixed to the last moving
+        link, or else the last moving link itself.
         """
         body = self.body(link)
         named = _named(body, _FLANGE_NAMES)
@@ -289,7 +290,7 @@ class _Tree:
         return flange, tuple(name for name in body if name != flange)
 
     def holds(self, link: str) -> bool:
-        """Return True if a joint moves something on the link itself, as on the base of a gripper."""
+        """Return True if a moving joint begins at the link itself, as at the base of a gripper."""
         return any(joint.kind in MOVING for joint in self.below[link])
 
     def tcp_of(self, flange: str) -> str:
@@ -297,8 +298,9 @@ class _Tree:
         return _named(self.body(flange)[1:], _TCP_NAMES)
 
     def base_of(self, link: str) -> tuple[str, tuple[str, ...]]:
-        """Return the base above the first moving joint, and other links that could be it: chosen by name,
-        otherwise the joint's parent.
+        """Return the base above the first moving joint, and other links that could be the base.
+
+        The base is chosen by name; if no name fits, it is the joint's parent.
         """
         body = [link]
         while body[-1] in self.above and self.above[body[-1]].kind == "fixed":
@@ -324,7 +326,9 @@ class _Tree:
 
 
 def _named(links: Sequence[str], patterns: Sequence[str]) -> str:
-    """Return the first link that matches the first pattern that any link matches; empty if there is none."""
+    """Return the first link that matches a pattern; patterns come in the order of preference. Empty if no
+    link matches any of them.
+    """
     for pattern in patterns:
         for link in links:
             if re.search(pattern, link, re.IGNORECASE):

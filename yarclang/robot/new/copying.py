@@ -1,9 +1,9 @@
-"""Copy a URDF into a robot folder: its text, with its meshes beside it.
+"""Copy a URDF into a robot folder: its text, and the meshes that it names.
 
-Collision meshes are required: one that is missing (`lookup.py`), isn't a mesh, or isn't from the URDF's
-package (`meshes.py`) is an error. If the user allows missing ones, their <collision> is removed from the
-copy, so that the copy is truthful. Visual meshes are optional: one that can't be copied is left out, and
-pictures show the collision shapes of its link.
+Collision meshes are required. It is an error if one is missing (`lookup.py`), isn't a mesh, or isn't from the
+URDF's package (`meshes.py`). If the user allows missing meshes, their <collision> is removed from the copy,
+so that the copy doesn't name a file that isn't there. Visual meshes are optional: a mesh that can't be copied
+is left out, and pictures show the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class UrdfCopy:
         meshes: names in the folder and contents of its meshes.
         without: links that lost a collision mesh, with the names of these meshes.
         unseen: names of visual meshes that weren't copied, with the reasons.
-        hulls: large collision meshes of which only the convex hull was copied, which is all that is used.
+        hulls: large collision meshes that were replaced by their convex hull; only the hull is used anyway.
     """
 
     text: str
@@ -115,7 +115,7 @@ def _copy_visuals(
     collisions: tuple[dict[Path, bytes], dict[Path, str]],
     edits: list[tuple[int, int, str]],
 ) -> tuple[tuple[tuple[str, bytes], ...], tuple[tuple[str, str], ...]]:
-    """Copy the visual meshes, as far as possible.
+    """Copy the visual meshes that can be copied.
 
     Args:
         urdf: a sound tree.
@@ -170,14 +170,14 @@ def _visual(name: str, path: Path, surroundings: Surroundings) -> bytes | str:
 
 
 def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, before: int) -> bytes:
-    """Return a mesh's content; empty, with a finding, if the file must not be copied.
+    """Return a mesh's content. If the file must not be copied, report a finding and return an empty content.
 
     Args:
         urdf: the URDF, which collects findings.
         mesh: the element that names the file.
         path: the file.
         surroundings: the folders that it may come from.
-        before: size of the meshes copied before [bytes].
+        before: total size of the meshes copied so far [bytes].
     """
     name = mesh.attributes.get("filename", "")
     shown = shown_name(name)

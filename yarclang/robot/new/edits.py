@@ -35,7 +35,9 @@ class Edits:
             self._edits[after, after] = f' {attribute}="{value}"'
 
     def remove(self, element: Element) -> bool:
-        """Remove an element except for its line ends; return False if its end isn't found."""
+        """Remove an element, but keep the line ends in it, so that later lines keep their numbers. Return
+        False if the element's end isn't found.
+        """
         end = element.end
         if self._urdf.text[end - 2 : end] != "/>":
             closing = re.compile(rf"</{element.tag}\s*>").search(self._urdf.text, end)

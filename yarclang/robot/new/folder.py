@@ -26,7 +26,7 @@ from yarclang.toml.reading import read_text
 
 @frozen
 class Arm:
-    """A URDF with the chain that is the robot.
+    """A URDF, and the chain in it that is the arm.
 
     Attributes:
         path: the file.
@@ -71,7 +71,7 @@ class Question:
     Attributes:
         option: the option that answers it.
         text: the question.
-        rule: the value without an answer.
+        rule: the rule by which the value is chosen without an answer.
     """
 
     option: str
@@ -139,8 +139,8 @@ def proposed_name(urdf: Urdf) -> str:
 
 
 def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tuple[Question, ...]:
-    """Return questions about what isn't known, in the order of asking: first those on which the others
-    depend.
+    """Return questions about unknown values, in the order of asking: questions on which others depend come
+    first.
 
     Args:
         arm: the URDF and its chain.
@@ -182,7 +182,7 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
 
 
 def lost_meshes(arm: Arm, meshes: Iterable[Path], packages: Iterable[Path]) -> tuple[Diagnostic, ...]:
-    """Return the finding about missing collision meshes, before any question is asked.
+    """Return the finding about missing collision meshes. It is reported before any question is asked.
 
     Args:
         arm: the URDF and its chain.
@@ -209,10 +209,10 @@ def make(
 
     Args:
         arm: the URDF and its chain.
-        given: the values that are known; the others follow from rules.
+        given: the known values; all other values follow from rules.
         name: name of the robot.
-        title: one line about it.
-        said: True for base, and for tip, if the user chose it.
+        title: one line about the robot.
+        said: two flags: True if the user chose the base, and True if the user chose the tip.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
         partial: True to leave out missing collision meshes; otherwise they are an error.

@@ -24,15 +24,17 @@ INNER = 0.8
 """HOME stays within this share of each joint's range."""
 
 BENT = 0.6
-"""HOME's smallest singular value is at least this share of the arm's usual ones."""
+"""Least ratio of HOME's smallest singular value to a usual value of the arm (the upper quartile)."""
 
 
 def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
-    """Return positions that could be HOME, in deg and mm, the best first; a given one is the only one.
+    """Return positions that could be HOME, in deg and mm, the best first. A position given by the user is the
+    only one.
 
-    All joints at zero come first, if this position is well within limits and not near a singularity. Then
-    follow positions from a fixed list for which this is true, those nearest to zero first, in round numbers.
-    The caller checks them for collisions.
+    Candidates are the position with all joints at zero and positions from a fixed list, in round numbers. All
+    of them are well within limits, and those near a singularity are left out. They are sorted by their
+    distance from zero, so that all joints at zero come first if possible. The caller checks them for
+    collisions.
     """
     if given.home is not None:
         return (Said(given.home, "given"),)
@@ -59,11 +61,11 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
 
 
 STANDS = 0.9
-"""Largest share of each effort that holding HOME may take, if any position allows it."""
+"""Largest share of each joint's effort that holding HOME may need, if any position allows it."""
 
 
 def standing(robot: Robot, positions: Array) -> Array:
-    """Return the share (K, n) of its effort that each joint needs to hold positions (K, n) [rad or m]; 0 if
+    """Return the share of each joint's effort (K, n) that holding positions (K, n) [rad or m] needs; 0 if
     masses or efforts aren't known.
     """
     dynamics = robot.dynamics
@@ -74,7 +76,7 @@ def standing(robot: Robot, positions: Array) -> Array:
 
 
 def _limits(sketch: Sketch, units: Array) -> Limits:
-    """Return limits of which only the positions are meaningful."""
+    """Return limits with the position limits of a sketch; all other values are placeholders."""
     ends = [joint.position.value if joint.position else (-np.inf, np.inf) for joint in sketch.joints]
     lower, upper = (np.array([end[side] for end in ends]) * units for side in (0, 1))
     ones = np.ones(len(ends))

@@ -54,7 +54,7 @@ class Lookup:
         self._packages = packages
 
     def path(self, name: str) -> Path | None:
-        """Return the file that a mesh's name refers to, or None if there is none or it is empty."""
+        """Return the file to which a mesh's name refers, or None if the file is missing or empty."""
         try:
             named = self._packages.path(name)
             path = named if named is not None and named.is_file() else mesh_path(name, self._folder)

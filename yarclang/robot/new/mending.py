@@ -1,6 +1,7 @@
-"""Mend the text of a URDF from elsewhere before it is read: content that a robot's own URDF must not have.
+"""Mend the text of a URDF from elsewhere before it is read, so that it meets the rules for a robot's own
+URDF.
 
-Only changes that preserve the meaning are made, or that affect only pictures, and each change is reported.
+Each change preserves the meaning or affects only pictures, and is reported.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
 
 PLACEHOLDER = 1.0
-"""If all joints have the same effort, and none a greater one than this, it is a placeholder [N m or N]."""
+"""Largest effort that counts as a placeholder if all joints have the same effort [N m or N]."""
 
 LARGE = 1e9
 """Value that replaces an infinite limit [rad, m, or per s]."""
@@ -44,8 +45,8 @@ class Mended:
 
 
 def mend(source: SourceFile) -> Mended:
-    """Return a URDF with plain names and shapes; a text that isn't XML is returned unchanged, for its reader
-    to report.
+    """Return a URDF with plain names and shapes. A text that isn't XML is returned unchanged, and the reader
+    reports it.
     """
     text, stray = source.text, 0
     if "<xacro:" in text:
@@ -80,8 +81,8 @@ def mend(source: SourceFile) -> Mended:
 
 
 def _unwrapped(text: str) -> tuple[str, int]:
-    """Return a text with blanks in place of tabs and line ends in lists of numbers, as XML defines them, and
-    the number of lists changed.
+    """Return a text with blanks in place of tabs and line ends in lists of numbers, and the number of lists
+    changed. XML treats both as equal.
     """
     count = 0
 
@@ -129,8 +130,8 @@ def _rename(edits: Edits, place: Element, attribute: str, new: dict[str, str]) -
 
 
 def _limits(edits: Edits, root: Element) -> None:
-    """Replace limits that are infinite, or larger than any number of a URDF, by large numbers: both mean that
-    there is no limit.
+    """Replace limits that are infinite, or larger than any number of a URDF may be, by large numbers, and
+    such efforts by 0. All of these mean that there is no limit, or that it isn't known.
     """
     count = 0
     for joint in root.all("joint"):
@@ -144,7 +145,7 @@ def _limits(edits: Edits, root: Element) -> None:
 
 
 def _efforts(edits: Edits, root: Element) -> None:
-    """Replace efforts that are placeholders by 0, which means that none is known."""
+    """Replace placeholder efforts by 0, which means that the effort isn't known."""
     limits = [
         limit
         for joint in root.all("joint")

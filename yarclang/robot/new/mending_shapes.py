@@ -1,5 +1,5 @@
-"""Mend shapes and colours that URDFs from elsewhere contain and no reader accepts, without making a collision
-shape smaller.
+"""Mend shapes and colours of URDFs from elsewhere that no reader accepts. No collision shape becomes
+smaller.
 """
 
 from __future__ import annotations
@@ -9,7 +9,9 @@ from yarclang.robot.new.numbers import numbers
 from yarclang.robot.urdf_xml import Element
 
 THIN = 1e-3
-"""Length that replaces a side of 0 of a collision shape [m]: the shape never gets smaller."""
+"""Length that replaces a side of 0 of a collision shape [m]; the shape becomes larger by this, never
+smaller.
+"""
 
 _SIZES = {
     "box": ("size",),
@@ -20,8 +22,8 @@ _SIZES = {
 
 
 def mend_shapes(edits: Edits, root: Element) -> None:
-    """Remove pictures that show nothing; give flat collision shapes a thickness, and a URDF with capsules the
-    version that has them.
+    """Remove visual shapes that show nothing, and give flat collision shapes a thickness. A URDF with
+    capsules gets the version number of the format that has them.
     """
     bodies = [body for link in root.all("link") for body in (*link.all("visual"), *link.all("collision"))]
     gone = thick = broken = capsules = 0
@@ -62,7 +64,9 @@ def _shows_nothing(shape: Element | None) -> bool:
 
 
 def mend_materials(edits: Edits, root: Element) -> None:
-    """Remove materials that no reader accepts, and correct colours from 0 to 255; only pictures change."""
+    """Remove materials that no reader accepts, and convert colours from the range 0 to 255. Only pictures
+    change.
+    """
     gone = bright = 0
     known: set[str] = set()
     for material in root.all("material"):

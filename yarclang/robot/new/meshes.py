@@ -1,9 +1,8 @@
-"""Decide which files may be copied into a robot folder as meshes: those that are meshes, from the URDF's own
-package.
+"""Decide which files may be copied into a robot folder as meshes: only meshes from the URDF's own package.
 
-A URDF from elsewhere may name any file of this computer, and the robot folder made from it may be given away.
-A file therefore counts as a mesh only if its whole content shows it, and the bytes that were checked are the
-bytes that are copied.
+A URDF from elsewhere may name any file of this computer, and the robot folder that is created from it may be
+given away. A file therefore counts as a mesh only if its whole content shows it, and the bytes that were
+checked are the bytes that are copied.
 """
 
 from __future__ import annotations
@@ -62,8 +61,8 @@ def read_mesh(path: Path) -> bytes:
     """Return the content of a mesh file.
 
     Raises:
-        NoMeshError: if it isn't a mesh, isn't an ordinary file, or is too large.
-        OSError: if it can't be read.
+        NoMeshError: the file isn't a mesh, isn't an ordinary file, or is too large.
+        OSError: the file can't be read.
     """
     kind = path.suffix.lower()
     if kind not in MESHES:
@@ -88,7 +87,7 @@ def read_mesh(path: Path) -> bytes:
 
 
 def _damage(kind: str, content: bytes) -> str:
-    """Return the end of a sentence about the damage of a file; empty if its content doesn't show any."""
+    """Return the end of a sentence about the damage of a file; empty if its content shows no damage."""
     if not content:
         return ": it is empty"
     if content.startswith(_LFS):
@@ -114,8 +113,8 @@ def _damage(kind: str, content: bytes) -> str:
 class Surroundings:
     """The folders that meshes may come from.
 
-    They are the URDF's folder; the one above, if the first is called urdf or similar; the ROS package of the
-    URDF; ROS packages that `package://` names; and those that the user names.
+    These are the URDF's folder; the folder above it, if the URDF's folder is called urdf or similar; the ROS
+    package of the URDF; ROS packages that `package://` names; and folders that the user names.
 
     Args:
         urdf: the URDF's file. If it is a symbolic link, the package of its target counts as well.
@@ -136,7 +135,7 @@ class Surroundings:
 
         Args:
             name: the mesh's name in the URDF.
-            path: the file that the name was found to refer to.
+            path: the file to which the name refers.
         """
         there = path.resolve()
         if any(there.is_relative_to(root) for root in self._roots):

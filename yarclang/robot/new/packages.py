@@ -43,7 +43,9 @@ class Packages:
         return self._found.get(name)
 
     def path(self, filename: str) -> Path | None:
-        """Return the file that a `package://` name refers to by package.xml, or None if there is none."""
+        """Return the file to which a `package://` name refers by package.xml, or None if there is no such
+        file.
+        """
         name = package_of(filename)
         inside = PurePosixPath(unquote(urlparse(filename).path).lstrip("/"))
         if not urlparse(filename).netloc:
@@ -84,8 +86,8 @@ def package_name(folder: Path) -> str | None:
 
 
 def _below(top: Path) -> Iterator[Path]:
-    """Yield all packages below a folder, none inside another package, after at most `MOST_FOLDERS`
-    folders.
+    """Yield all packages below a folder. Packages inside other packages are left out, and the search ends
+    after `MOST_FOLDERS` folders.
     """
     for count, (here, folders, files) in enumerate(os.walk(top)):
         if count >= MOST_FOLDERS:

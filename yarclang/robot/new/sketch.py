@@ -1,5 +1,5 @@
-"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule, which makes a value a
-guess.
+"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule. A value by a rule is
+marked as a guess.
 
 All numbers here are in the units of robot.toml: deg and mm, per s, s^2, s^3; counts; ms.
 """
@@ -29,10 +29,12 @@ SLOW = {"deg": 60.0, "mm": 100.0}
 """Guessed velocity limits [deg/s, mm/s]."""
 
 FASTEST = {"deg": 50.0 / DEG, "mm": 10.0 / MM}
-"""Largest velocity that counts as a limit [deg/s, mm/s]. Files have larger ones if no limit is known."""
+"""Largest velocity that counts as a limit [deg/s, mm/s]. Files have larger values if the limit isn't
+known.
+"""
 
 WIDEST = {"deg": 100 * 360.0, "mm": 100_000.0}
-"""Position limit beyond which a value isn't a limit [deg, mm]."""
+"""Largest position that counts as a limit [deg, mm]."""
 
 TRAVEL = {"deg": (-180.0, 180.0), "mm": (0.0, 100.0)}
 """Guessed position limits [deg, mm]."""
@@ -48,7 +50,7 @@ class Said:
 
     Attributes:
         value: the value.
-        origin: its origin.
+        origin: where it comes from.
         note: its unit, or the reason for a guess.
     """
 
@@ -61,7 +63,8 @@ class Said:
 class Given:
     """The values that the user gives.
 
-    Tuples have one entry for each joint, or one for all of them. None stands for a value that isn't given.
+    A tuple has one entry for each joint, or one entry for all of them. A value that the user doesn't give is
+    None.
 
     Attributes:
         position: position limits [deg, mm], by the joints' names.
@@ -119,8 +122,8 @@ class Sketch:
         urdf: name of the URDF's copy.
         made_from: name of the original URDF.
         chain: the arm.
-        base_said: True if there is no doubt about the base.
-        tip_said: True if there is no doubt about the flange.
+        base_said: True if the user chose the base, or if there is no other choice.
+        tip_said: True if the user chose the flange, or if there is no other choice.
         joints: tables of the joints.
         tcp: the frame TCP on the flange.
         gear: encoder counts per deg or mm.
@@ -151,8 +154,9 @@ def sketch(
         urdf: a sound tree.
         chain: the arm in it.
         given: the values that the user gives; its tuples have one entry, or one for each joint.
-        names: the robot's name, its title, the name of the URDF's copy, and the file that it is made from.
-        said: True for base, and for tip, if the user chose it.
+        names: the robot's name, its title, the name of the URDF's copy, and the file from which it is
+            created.
+        said: two flags: True if the user chose the base, and True if the user chose the tip.
     """
     size = len(chain.joints)
     joints = tuple(_joint(joint, at, size, given) for at, joint in enumerate(chain.joints))
@@ -258,7 +262,9 @@ def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
 
 
 def _rounded_down(value: float) -> float:
-    """Round a limit down to a multiple of 1e-6, so that it never gets wider, apart from conversion errors."""
+    """Round a value down to a multiple of 1e-6, so that no upper limit gets wider. A value within 1e-9 of one
+    with four decimals is rounded to that value: its last digits are an error of the unit's conversion.
+    """
     near = round(value, 4)
     return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6
 

@@ -113,8 +113,8 @@ def _kind() -> Kind:
 
 
 def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
-    """Return the end of the file that allows pairs of bodies to touch, each with the reason; empty without
-    pairs.
+    """Return the table [collision] for the end of the file. It allows pairs of bodies to touch, each with the
+    reason; empty without pairs.
     """
     if not pairs:
         return ""
@@ -135,7 +135,9 @@ def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
 
 
 def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
-    """Return the marks that are left in a robot.toml: line number, line of the value, and the guess."""
+    """Return the guesses that are still marked in a robot.toml: line number, line of the value, and the
+    guess.
+    """
     found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
     return tuple((number, match[1].strip(), match[2].strip()) for number, match in found if match)
 
@@ -162,7 +164,7 @@ def _joint(joint: JointSketch) -> list[str]:
 
 
 def _ramps(joints: Sequence[JointSketch]) -> list[str]:
-    """Return the table [ramps] for joints that have no limits of their own; empty if all have them."""
+    """Return the table [ramps] for joints that have no limits of their own; empty if all joints have them."""
     lines = []
     if any(joint.acceleration is None for joint in joints):
         lines.append(

@@ -1,8 +1,8 @@
-"""The rules of FollowJointTrajectory as a state machine: its inputs are goals, positions and times, its
-outputs actions. No I/O, no threads, no clock.
+"""The rules of FollowJointTrajectory as a state machine. Its inputs are goals, positions and times, its
+outputs are actions. No I/O, no threads, no clock.
 
-One goal is active, and at most one more waits until the robot rests: a new goal preempts the active one. Each
-accepted goal ends exactly once.
+One goal is active, and at most one more waits until the robot rests: a new goal preempts the active goal.
+Each accepted goal ends exactly once.
 """
 
 from __future__ import annotations
@@ -54,19 +54,19 @@ __all__ = [
 SUCCEEDED, ABORTED, CANCELED = "succeeded", "aborted", "canceled"
 
 GOAL_TOLERANCE = {"deg": 0.01, "mm": 0.001}
-"""Default distance of a joint from the last point at the end [rad], [m]."""
+"""Default of the largest distance of a joint from the last point at the end [rad], [m]."""
 
 SETTLING = 2.0
-"""Default time for the joints to arrive after the end of the program [s]."""
+"""Default of the time in which the joints must arrive after the end of the program [s]."""
 
 STEP = 0.05
-"""Largest step of the program's time before two reports were received [s]: the time is reported in steps of
-its segments.
+"""Largest step of the program's reported time that is assumed until two reports have arrived [s]. The time is
+reported in steps of the segments.
 """
 
 BEHIND, AHEAD = 1.5, 2.5
-"""Steps by which the joints may be behind or ahead of the reported time, because the controller is asked for
-both one after the other.
+"""Number of steps by which the joints may be behind or ahead of the reported time, because the controller is
+asked for the joints and the time one after the other.
 """
 
 
@@ -75,9 +75,9 @@ class Feedback:
     """Progress of a goal, 50 times a second while it moves.
 
     Attributes:
-        joint_names: in the order of the goal.
-        desired: planned state at the program's time, which a slower override or a hold delays.
-        actual: state from the controller.
+        joint_names: names of the joints in the order of the goal.
+        desired: planned state at the program's time. An override below 100 % or a hold delays this time.
+        actual: state that the controller reports.
         error: desired - actual.
     """
 
@@ -92,9 +92,9 @@ class Ready:
     """A goal that was planned and proved.
 
     Attributes:
-        track: its path, with joints in the robot's order; None if the robot is at its end already.
-        lead: duration of the way to its first point [s].
-        course: (time of the program [s], positions [rad or m]) of that way.
+        track: its path, with joints in the robot's order; None if the robot is already at its end.
+        lead: duration of the motion to its first point [s].
+        course: pairs (time of the program [s], positions [rad or m]) of this motion.
     """
 
     track: Track | None
@@ -107,7 +107,7 @@ class Ready:
 
 @dataclass(frozen=True)
 class Accepted:
-    """Report to the client that its goal is being planned, or will be as soon as the robot rests."""
+    """Report to the client that its goal is being planned, or will be planned when the robot rests."""
 
     goal_id: str
 
@@ -160,18 +160,18 @@ class _UnderWay:
     """A goal from its acceptance to its end.
 
     Attributes:
-        number: of the goal.
-        goal_id: of its client.
-        goal: as it was received.
+        number: number of the goal.
+        goal_id: id of the goal at its client.
+        goal: goal as received.
         begins: planned start by the caller's clock [s].
         phase: planning, ready, moving or settling.
         ready: the planned goal; None before planning has finished.
-        due: time of its next timeout [s]; None without one.
-        ending: outcome and result for when the robot rests, whatever happens to the motion; None to decide
-            then.
-        done: program time that was reached [s].
-        step: smallest step of that time so far [s].
-        late: delay of its start against its stamp [s].
+        due: time of its next timeout [s]; None if there is none.
+        ending: outcome and result that the goal gets when the robot rests; None if they depend on the
+            motion's end.
+        done: program time reached so far [s].
+        step: smallest step between reported program times so far [s].
+        late: delay of its start relative to its stamp [s].
     """
 
     number: int
@@ -189,7 +189,7 @@ class _UnderWay:
 
 @dataclass(frozen=True)
 class _Tolerances:
-    """Tolerances in the robot's order; infinite for none."""
+    """Tolerances in the robot's order; infinity means no tolerance."""
 
     path: Values
     goal: Values
@@ -200,11 +200,11 @@ class TrajectoryAction:
     """The action of one robot.
 
     Args:
-        joints: of the robot.
+        joints: joints of the robot.
         hold_on_cancel: True to hold a cancelled goal on its path; False to finish a goal that moves.
 
     Attributes:
-        joints: of the robot; may be replaced while the action is idle.
+        joints: joints of the robot; may be replaced while the action is idle.
     """
 
     joints: Sequence[Joint]
@@ -220,16 +220,16 @@ class TrajectoryAction:
 
     @property
     def moves(self) -> bool:
-        """True if the robot moves for a goal, or may do so."""
+        """True if the robot moves for a goal, or may begin to do so."""
         return self._current is not None and self._current.phase == "moving"
 
     @property
     def due(self) -> float | None:
-        """Time at which `passed` has to be called next [s]; None if nothing is pending."""
+        """Time at which `passed` must be called next [s]; None if nothing is pending."""
         return None if self._current is None else self._current.due
 
     def plans(self, number: int) -> bool:
-        """Return True if the goal of a number is being planned and hasn't ended meanwhile."""
+        """Return True if the goal with this number is being planned and hasn't ended meanwhile."""
         current = self._current
         return current is not None and current.number == number and current.phase == "planning"
 
@@ -239,12 +239,12 @@ class TrajectoryAction:
         """Handle a new goal.
 
         Args:
-            goal_id: of the client.
-            goal: as it was received.
+            goal_id: id of the goal at the client.
+            goal: goal as received.
             now: the time of any monotonic clock [s].
 
         Returns:
-            Why the goal is rejected, or None if it is accepted; and the resulting actions.
+            The reason why the goal is rejected, None if it is accepted; and the resulting actions.
         """
         fault = fault_of(goal, self.joints)
         if fault is None and goal_id in (one.goal_id for one in (self._current, self._next) if one):
@@ -264,7 +264,7 @@ class TrajectoryAction:
         return None, actions + self._stop(preempted)
 
     def cancel(self, goal_id: str | None = None) -> list[Action]:
-        """Cancel a goal, or all (None). A goal that moves ends when the robot rests."""
+        """Cancel a goal, or all goals (None). A goal that moves the robot ends when the robot rests."""
         canceled = CANCELED, Result(SUCCESSFUL, "canceled")
         actions: list[Action] = []
         if self._next is not None and goal_id in (None, self._next.goal_id):
@@ -297,8 +297,8 @@ class TrajectoryAction:
         """Handle the end of a motion that `Move` has begun, with the robot at rest.
 
         Args:
-            number: of the goal.
-            failed: why the robot isn't at the goal's end; None if it is.
+            number: number of the goal.
+            failed: reason why the robot isn't at the goal's end; None if it is.
             now: the time [s].
         """
         current = self._current
@@ -315,7 +315,7 @@ class TrajectoryAction:
         return self._end_next(aborted) + (self._end(aborted) if self._current is not None else [])
 
     def stopped(self, reason: str) -> list[Action]:
-        """Handle a stop that somebody has ordered: a goal that doesn't move yet doesn't begin."""
+        """Handle a stop that somebody has ordered. A goal that doesn't move yet won't begin."""
         aborted = ABORTED, Result(INVALID_GOAL, reason)
         actions = self._end_next(aborted)
         current = self._current
@@ -324,7 +324,7 @@ class TrajectoryAction:
         return actions
 
     def leave(self, reason: str) -> list[Action]:
-        """End all goals. A goal that moves is first held on its path."""
+        """End all goals. If a goal moves the robot, the robot is first held on its path."""
         aborted = ABORTED, Result(INVALID_GOAL, reason)
         return self.stopped(reason) + (self._stop(aborted) if self.moves else self._end_settling(aborted))
 
@@ -334,8 +334,9 @@ class TrajectoryAction:
         """Handle a report of the joints.
 
         Args:
-            actual: in the robot's order.
-            done: program time of the moving goal [s]; None if its motion isn't reported yet, or has ended.
+            actual: state of the joints in the robot's order.
+            done: program time of the goal that moves [s]; None if its motion isn't reported yet, or has
+                ended.
             now: the time [s].
         """
         current = self._current
@@ -351,7 +352,7 @@ class TrajectoryAction:
         return self._watched(current, current.ready, actual)
 
     def passed(self, now: float) -> list[Action]:
-        """Handle the passage of time: a goal has to begin, or hasn't reached its end in time."""
+        """Handle the passage of time: a goal may have to begin, or may not have reached its end in time."""
         current = self._current
         if current is None or current.due is None or now < current.due:
             return []
@@ -396,8 +397,8 @@ class TrajectoryAction:
         return SETTLING if given == 0.0 else math.inf if given < 0.0 else given
 
     def _stop(self, ending: tuple[str, Result]) -> list[Action]:
-        """Hold the goal that moves. It ends as given when the robot rests, unless another ending was set
-        before.
+        """Hold the goal that moves. When the robot rests, the goal ends with the given outcome, unless
+        another outcome was set before.
         """
         current = self._current
         assert current is not None
@@ -421,7 +422,7 @@ class TrajectoryAction:
     # tolerances
 
     def _watched(self, current: _UnderWay, ready: Ready, actual: Moment) -> list[Action]:
-        """Return the feedback of a goal that moves, and a stop if it violates its path tolerance."""
+        """Return the feedback of the goal that moves, and a stop if it violates its path tolerance."""
         assert ready.track is not None
         time = current.done - ready.lead
         if time < 0.0:

@@ -2,7 +2,7 @@
 
     PYTHONPATH=lib /usr/bin/python3 -m yarclang.ros.node.description [ROBOT]
 
-writes the URDF to standard output. It waits up to a minute until the robot is served.
+The URDF is written to standard output. The program waits up to a minute until the robot is served.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ PATIENCE = 60.0
 
 
 def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
-    """Return the answer of the order `model`.
+    """Return the reply to the order `model`.
 
     Args:
-        robot: as for `yarclang.client.Robot`: the path of a socket, or the name of a process or of its robot;
-            None or empty for the only one.
-        patience: longest wait until it is served [s].
+        robot: path of a socket, or name of a process or of its robot, as for `yarclang.client.Robot`; None or
+            empty for the only one.
+        patience: longest wait until the robot is served [s].
 
     Raises:
-        ValueError: the robot isn't served, doesn't answer, or can't be described; the text names the remedy.
+        ValueError: the robot isn't served, doesn't reply, or can't be described; the text names the remedy.
     """
     ends = time.monotonic() + patience
     told = False
@@ -46,7 +46,7 @@ def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
 
 
 def main() -> int:
-    """Write the URDF of the robot on the command line to standard output, and return the exit status."""
+    """Write the URDF of the robot that the command line names to standard output. Return the exit status."""
     if {"-h", "--help"} & set(sys.argv[1:]) or len(sys.argv) > 2:
         sys.stdout.write(__doc__ or "")
         return 0 if len(sys.argv) == 2 else 2

@@ -1,9 +1,10 @@
-"""Connection of the action to a robot that `yarc serve` owns: orders, events, and reconnection after the
-robot is served again. The threads are here.
+"""Connection of the action to a robot that `yarc serve` owns: orders, events, and reconnection when the robot
+is served again. All threads are here.
 
-There are three connections. One gives orders for goals, and owns the robot while there are any. One receives
-events. One asks for the motors' state each second, so that a process that hangs is noticed. Stops use the
-connection of the goals, so that they never overtake the start that they are to end.
+There are three connections. The first gives the orders for goals, and owns the robot while there are any. The
+second receives events. The third asks for the motors' state each second, so that a hanging process is
+noticed. Stops use the connection of the goals, so that they can't overtake the start that they are meant to
+end.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ _EACH = 1.0
 """Time between two requests for the motors' state, and longest time between two status messages [s]."""
 
 _HANGS = 10.0
-"""Time without an answer after which a process, or its computer, counts as hanging [s]."""
+"""Time without a reply after which a process, or its computer, counts as hanging [s]."""
 
 _PREPARES = 60.0
 """Longest duration of an order that needs the controller but no motion [s]."""
@@ -56,15 +57,17 @@ _RESTS = 5.0
 """Longest wait of `close` for the robot to rest [s]."""
 
 _MOST_WAITING = 256
-"""Most calls that wait for a shell that blocks. Further positions are left out."""
+"""Most calls that wait for a shell that blocks. Further positions are dropped."""
 
 _STANDS = {"deg": 0.002, "mm": 0.0005}
-"""Speed below which a joint counts as at rest [rad/s, m/s], so that a position that flickers between two
-counts isn't a motion.
+"""Speed below which a joint counts as resting [rad/s, m/s]. A position that flickers between two counts isn't
+a motion.
 """
 
 _COURSE, _LEAD_COURSE = 200, 2000
-"""Samples of the planned course for feedback, and of one with a way to the first point."""
+"""Number of samples of the planned course for feedback, and of a course that includes a motion to the
+first point.
+"""
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
 _MANUAL, _AUTOMATIC = 1, 2
@@ -79,9 +82,9 @@ class JointState:
     """State of the joints, in the robot's order.
 
     Attributes:
-        names: of the joints.
-        positions: [rad or m].
-        velocities: [rad/s or m/s].
+        names: names of the joints.
+        positions: positions [rad or m].
+        velocities: velocities [rad/s or m/s].
     """
 
     names: tuple[str, ...]
@@ -100,7 +103,7 @@ class Status:
         motion_possible: 1 if a goal may move the robot now.
         in_motion: 1 while a program is run or joints move.
         in_error: 1 in a fault, without a controller, or after a goal that failed.
-        error_code: number of the finding (1612 of Y1612); 0 for none.
+        error_code: number of the finding (1612 for Y1612); 0 for none.
         why: the reason, in words.
     """
 
@@ -115,10 +118,10 @@ class Status:
 
 
 class Shell(Protocol):
-    """Interface of the ROS side. One thread of the driver calls it, in order; it must not block."""
+    """Interface of the ROS side. One thread of the driver makes all calls, in order. They must not block."""
 
     def accepted(self, goal_id: str) -> None:
-        """Handle that a goal is being planned, or will be as soon as the robot rests."""
+        """Handle that a goal is being planned, or will be planned when the robot rests."""
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
         """Publish the progress of a goal."""
@@ -135,25 +138,25 @@ class Shell(Protocol):
         """Publish the robot's status: at each change, and once a second."""
 
     def changed(self) -> None:
-        """Handle a change of the robot, its cell or its plan: call `model`, `scene` and `ghost` again, from
-        another thread.
+        """Handle a change of the robot, its cell or its plan. Call `model`, `scene` and `ghost` again,
+        from another thread.
         """
 
     def say(self, level: str, text: str) -> None:
-        """Print a line for people: `level` is "info", "warn" or "error"."""
+        """Print a line for the user: `level` is "info", "warn" or "error"."""
 
 
 class _Link:
     """The connections to one process.
 
     Args:
-        which: as for `Driver`.
-        name: as for `Driver`.
+        which: path of the socket, or name of the process or of the robot, as for `Driver`.
+        name: name of the driver that other clients see.
 
     Raises:
         Gone: the robot isn't served.
         Refused: the connection was denied.
-        TimeoutError: the process doesn't answer.
+        TimeoutError: the process doesn't reply.
     """
 
     def __init__(self, which: str | int | None, name: str) -> None:
@@ -206,14 +209,14 @@ class Driver:
     """A FollowJointTrajectory action for a robot that `yarc serve` owns.
 
     Args:
-        which: as for `yarclang.client.Robot`: path of the socket, or name of the process or of the robot;
+        which: path of the socket, or name of the process or of the robot, as for `yarclang.client.Robot`;
             None for the only one.
         shell: the ROS side.
-        name: of the driver for other clients.
+        name: name of the driver that other clients see.
         hold_on_cancel: True to hold a cancelled goal on its path at once; False to finish a goal that moves.
 
     Attributes:
-        joint_names: of the robot, in its order; empty before `start`.
+        joint_names: joint names of the robot, in its order; empty before `start`.
     """
 
     def __init__(
@@ -253,7 +256,7 @@ class Driver:
         Raises:
             yarclang.client.Gone: the robot isn't served.
             yarclang.client.Refused: the connection was denied.
-            TimeoutError: the process doesn't answer.
+            TimeoutError: the process doesn't reply.
         """
         try:
             link = _Link(self._which, self._name)
@@ -264,7 +267,9 @@ class Driver:
             self._begin(work)
 
     def check(self, goal: Goal) -> Result | None:
-        """Return why `goal` would reject a goal now, without other effects; None if it would be accepted."""
+        """Return the reason why `goal` would reject a goal now, without other effects; None if it would be
+        accepted.
+        """
         with self._lock:
             if self._link is None or self._closing:
                 return Result(INVALID_GOAL, f"no robot is there: {self._lost}")
@@ -272,8 +277,8 @@ class Driver:
         return fault_of(goal, joints)
 
     def goal(self, goal_id: str, goal: Goal) -> Result | None:
-        """Take a goal, without waiting, from any thread. Return None if it is accepted (planning follows),
-        otherwise why it is rejected.
+        """Accept or reject a goal, without waiting, from any thread. Return None if it is accepted (planning
+        follows), otherwise the reason why it is rejected.
         """
         with self._lock:
             if self._link is None or self._closing:
@@ -283,22 +288,24 @@ class Driver:
             return rejected
 
     def cancel(self, goal_id: str | None = None) -> None:
-        """Cancel a goal, or any (None). It ends as "canceled" when the robot rests."""
+        """Cancel a goal, or any goal (None). It ends as "canceled" when the robot rests."""
         with self._lock:
             self._do(self._action.cancel(goal_id))
 
     def hold(self) -> tuple[bool, str]:
-        """Hold the robot on its path, ready to resume. Return True if the order was accepted, and the
-        answer.
+        """Hold the robot on its path, ready to continue. Return True if the order was accepted, and the
+        text of the reply.
         """
         return self._ordered("hold")
 
     def resume(self) -> tuple[bool, str]:
-        """Resume after a hold; returns as `hold`."""
+        """Continue after a hold. Return True if the order was accepted, and the text of the reply."""
         return self._ordered("resume")
 
     def stop(self) -> tuple[bool, str]:
-        """Come to rest on the path and end the running program; returns as `hold`."""
+        """Bring the robot to rest on its path, and end the running program. Return True if the order was
+        accepted, and the text of the reply.
+        """
         with self._lock:
             self._do(self._action.stopped("a stop was ordered"))
             if self._action.moves:
@@ -306,8 +313,8 @@ class Driver:
         return self._ordered("stop")
 
     def override(self, percent: float) -> tuple[bool, str]:
-        """Set the override, 1 to 100 %; returns as `hold`. While the robot has no owner, it applies to the
-        next goal.
+        """Set the override, 1 to 100 %. Return True if the order was accepted, and the text of the reply.
+        While the robot has no owner, the override applies to the next goal.
         """
         if not 1.0 <= percent <= 100.0:
             return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
@@ -318,28 +325,28 @@ class Driver:
         return self._ordered("override", percent=percent)
 
     def model(self) -> dict[str, Any]:
-        """Return the answer of the order `model`.
+        """Return the reply to the order `model`.
 
         Raises:
             yarclang.client.Gone: the robot isn't served.
             yarclang.client.Refused: the order was denied.
-            TimeoutError: the process doesn't answer.
+            TimeoutError: the process doesn't reply.
         """
         return self._asked("model")
 
     def scene(self) -> dict[str, Any]:
-        """Return the answer of the order `scene`; raises as `model`."""
+        """Return the reply to the order `scene`. Raises the same errors as `model`."""
         return self._asked("scene")
 
     def ghost(self) -> list[tuple[float, Values]]:
-        """Return (time [s], positions [rad or m] in the order of `joint_names`) of the running plan, thinned;
+        """Return samples (time [s], positions [rad or m] in the order of `joint_names`) of the running plan;
         empty without a plan.
         """
         with self._lock:
             return list(self._ghost)
 
     def close(self) -> None:
-        """Disconnect. If a goal of this driver moves, the robot first comes to rest on its path."""
+        """Disconnect. If a goal of this driver moves the robot, the robot first comes to rest on its path."""
         with self._lock:
             if self._closing:
                 return
@@ -354,8 +361,8 @@ class Driver:
                 thread.join(_RESTS)
 
     def _ordered(self, order: str, **fields: Any) -> tuple[bool, str]:
-        """Give an order that every client may give, on a connection of its own, so that it waits for
-        nothing.
+        """Give an order that every client may give. It uses a connection of its own, so that it doesn't
+        wait for other orders.
         """
         try:
             with Robot(self._path(), name=None) as robot:
@@ -406,7 +413,7 @@ class Driver:
         self._tell_status()
 
     def _send_own(self, plan: Plan) -> None:
-        """Own the robot from now on, so that a stop during planning also ends the motion of the goal."""
+        """Own the robot from now on. A stop during planning then also ends the motion of the goal."""
         if self._link is None:
             return
         try:
@@ -452,7 +459,7 @@ class Driver:
         self._call(partial(self._shell.say, level, text))
 
     def _tell(self) -> None:
-        """Call the shell until the driver is closed and all calls were made."""
+        """Call the shell until the driver is closed and all calls are made."""
         while True:
             with self._lock:
                 self._news.wait_for(lambda: self._outbox or self._is_told_out)
@@ -508,7 +515,7 @@ class Driver:
         link.close()
 
     def _supervise(self) -> None:
-        """Ask for the state each second, and reconnect if there is no answer."""
+        """Ask for the state each second, and reconnect if there is no reply."""
         while True:
             with self._lock:
                 link = self._link
@@ -526,7 +533,7 @@ class Driver:
 
     @contextlib.contextmanager
     def _losing(self, link: _Link) -> Iterator[None]:
-        """Close a connection if its process has ended, hangs, or sends an unknown answer."""
+        """Close a connection if its process has ended, hangs, or sends an unknown reply."""
         try:
             yield
         except (Gone, TimeoutError) as error:
@@ -552,7 +559,7 @@ class Driver:
             return
 
     def _anew(self) -> str | int | None:
-        """Return the socket of the process that serves the same robot now, in the same folder."""
+        """Return the socket of the process that serves the same robot in the same folder now."""
         folder, robot = os.path.dirname(self._last), _robot_of(self._last)  # noqa: PTH120
         there = [one.path for one in find(folder) if one.robot == robot]
         return there[0] if len(there) == 1 else self._which
@@ -637,7 +644,7 @@ class Driver:
         Raises:
             Refused: another client owns the robot, or is moving it.
             Gone: the process has ended.
-            TimeoutError: the process doesn't answer.
+            TimeoutError: the process doesn't reply.
         """
         robot = link.orders
         with self._lock:
@@ -697,7 +704,9 @@ class Driver:
                 link.orders.answer(stop, _PREPARES)
 
     def _send_release(self, link: _Link) -> int:
-        """Release the robot. Sent under the lock, so that the next goal's `own` comes after it."""
+        """Release the robot. The order is sent while the lock is held, so that the next goal's `own` comes
+        after it.
+        """
         self._owns = False
         return link.orders.order("release")
 

@@ -1,9 +1,9 @@
 """ROS 1's messages of FollowJointTrajectory and ROS-Industrial, for systems without control_msgs and
 industrial_msgs.
 
-ROS 1 identifies a type by its name and the md5 sum of its fields. Both follow from field names and types
-alone, so that these classes can talk to nodes that were built with the packages. Debian has ROS 1 without the
-packages; Noetic's own repository has both, and then they are used.
+ROS 1 identifies a type by its name and the md5 sum of its fields. Both depend only on field names and types,
+so nodes with these classes can talk to nodes that were built with the packages. Debian has ROS 1 without the
+packages. Noetic's own repository has both; there the packages are used.
 
 Written for Python 3.8 and later.
 """
@@ -85,7 +85,7 @@ class Interfaces(NamedTuple):
 
 
 def interfaces() -> Interfaces:
-    """Return the classes of the installed packages, or our own with the same names and md5 sums."""
+    """Return the classes of the installed packages, otherwise classes with the same names and md5 sums."""
     found = [
         _installed("control_msgs.msg"),
         _installed("industrial_msgs.msg"),
@@ -114,7 +114,7 @@ def _installed(module: str) -> Any:
 
 
 class _Made:
-    """The classes made from `_TEXTS`, each an attribute named without its package."""
+    """The classes made from `_TEXTS`, each as an attribute whose name has no package."""
 
     def __init__(self) -> None:
         dynamic = importlib.import_module("genpy.dynamic")
@@ -132,7 +132,7 @@ class _Made:
 
 
 def _md5_texts() -> Dict[str, str]:
-    """Return the text for the md5 sum of each message, by the message's name."""
+    """Return the text of each message from which its md5 sum is computed, by the name of the message."""
     genmsg = importlib.import_module("genmsg")
     loader, tools = importlib.import_module("genmsg.msg_loader"), importlib.import_module("genmsg.gentools")
     context = genmsg.MsgContext.create_default()
@@ -143,7 +143,9 @@ def _md5_texts() -> Dict[str, str]:
 
 
 def _service(name: str, classes: Dict[str, Any], sums: Dict[str, str]) -> Any:
-    """Return the class of a service. Its md5 sum is that of the request's text followed by the response's."""
+    """Return the class of a service. Its md5 sum is that of the text of the request, followed by that of
+    the response.
+    """
     text = sums[f"{name}Request"] + sums[f"{name}Response"]
     content = {
         "_type": name,

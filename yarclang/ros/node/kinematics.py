@@ -43,8 +43,8 @@ class Body:
     Attributes:
         link: name of the link.
         shape: the shape.
-        link_from_shape: its pose.
-        colour: None if the URDF gives none.
+        link_from_shape: pose of the shape.
+        colour: color of the shape; None if the URDF gives none.
     """
 
     link: str
@@ -67,15 +67,15 @@ class Kinematics:
     """The links of a URDF.
 
     Args:
-        urdf: its text, from the order `model`.
-        base: the link that poses are relative to.
+        urdf: text of the URDF, from the order `model`.
+        base: link to which poses are relative.
 
     Attributes:
-        base: the same link.
+        base: link to which poses are relative.
         bodies: visual shapes of the links, or the collision shapes of links without visual ones.
 
     Raises:
-        ValueError: the text is no URDF whose links and joints form one tree, or has no such link.
+        ValueError: the text isn't a URDF whose links and joints form a tree, or it has no link `base`.
     """
 
     def __init__(self, urdf: str, base: str) -> None:
@@ -97,7 +97,7 @@ class Kinematics:
         """Return base_from_link of each link.
 
         Args:
-            positions: of joints by name [rad or m]; other joints are at zero.
+            positions: positions of joints by name [rad or m]; other joints are at zero.
         """
         poses_by_link: Dict[str, Pose] = {}
         children = {joint.child for joint in self._joints}
@@ -132,7 +132,7 @@ def origin_of(pose: Pose) -> Vector:
 
 
 def placed(xyz: Vector, rpy: Vector = (0.0, 0.0, 0.0)) -> Pose:
-    """Return the pose of an <origin>: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Return the pose of an <origin> element: R = Rz(yaw) Ry(pitch) Rx(roll)."""
     (cr, cp, cy), (sr, sp, sy) = [math.cos(one) for one in rpy], [math.sin(one) for one in rpy]
     return (
         (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr, xyz[0]),
@@ -143,8 +143,8 @@ def placed(xyz: Vector, rpy: Vector = (0.0, 0.0, 0.0)) -> Pose:
 
 
 def quaternion(pose: Pose) -> Tuple[float, float, float, float]:
-    """Return the rotation of a pose as a unit quaternion x y z w (Shepperd's method: the largest component
-    first).
+    """Return the rotation of a pose as a unit quaternion x y z w, by Shepperd's method (the largest component
+    is computed first).
     """
     (a, b, c, _), (d, e, f, _), (g, h, i, _) = pose[:3]
     squares = (1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i, 1.0 + a + e + i)
@@ -161,7 +161,7 @@ def quaternion(pose: Pose) -> Tuple[float, float, float, float]:
 
 
 def _in_turn(links: list[str], joints: list[_Joint]) -> Tuple[_Joint, ...]:
-    """Return the joints, parents before children."""
+    """Return the joints in an order in which parents come before children."""
     below: Dict[str, list[_Joint]] = {}
     for joint in joints:
         below.setdefault(joint.parent, []).append(joint)
@@ -189,7 +189,7 @@ def _joint(one: ET.Element) -> _Joint:
 
 
 def _moved(joint: _Joint, value: float) -> Pose:
-    """Return the pose of a joint's position: a rotation by Rodrigues' formula, or a translation."""
+    """Return the pose for a joint's position: a rotation by Rodrigues' formula, or a translation."""
     x, y, z = joint.axis
     if joint.kind in _SLIDES:
         return placed((x * value, y * value, z * value))
@@ -211,7 +211,7 @@ def _bodies(link: ET.Element, colours: Mapping[str, Colour | None]) -> Tuple[Bod
 
 
 def _body(link: str, one: ET.Element, colours: Mapping[str, Colour | None]) -> Body | None:
-    """Return the body of a <visual> or <collision>; None if its shape isn't one of version 1.0."""
+    """Return the body of a <visual> or <collision> element; None if its shape isn't in URDF version 1.0."""
     geometry, material = one.find("geometry"), one.find("material")
     shape = None if geometry is None else _shape(geometry)
     if shape is None:

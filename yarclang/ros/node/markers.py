@@ -1,13 +1,13 @@
-"""Markers for RViz of a robot's surroundings and of its plan, as values that each shell turns into
+"""Markers for RViz of a robot's surroundings and of its plan, as values that each shell converts to
 visualization_msgs/Marker.
 
     kinematics = Kinematics(model["urdf"], model["base"])
     for marker in scene_markers(driver.scene()):
         array.markers.append(fill(Marker(), marker, Point))
 
-Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own (`~scene` and `~ghost`,
-visualization_msgs/MarkerArray in the node's name space, latched): the first marker deletes what was drawn
-there before.
+`scene_markers` and `ghost_markers` each return the complete content of one topic (`~scene` and `~ghost`,
+visualization_msgs/MarkerArray in the node's name space, latched). The first marker deletes the previous
+drawing.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ ADD, DELETE_ALL = 0, 3
 MOST_POINTS = 500
 """Most points of the tool's drawn path."""
 MOST_NAMES = 200
-"""Most names that are drawn. More would cover the picture."""
+"""Most names that are drawn. More names would cover the picture."""
 
 BODY: Colour = (150 / 255, 160 / 255, 150 / 255, 1.0)
 CARRIED: Colour = (92 / 255, 110 / 255, 140 / 255, 1.0)
@@ -55,13 +55,13 @@ _RULES = {"allowed": "stay inside", "forbidden": "stay outside", "slow": "slow",
 _UNSURE = 0.45
 """Opacity of a part whose position is uncertain."""
 _PLANE, _THIN = 2.4, 0.002
-"""Edge and thickness of the drawn piece of a half space's border [m]."""
+"""Edge length and thickness of the piece that is drawn of a half space's border [m]."""
 _LETTERS = 0.06
 """Height of the drawn names [m]."""
 _WIDTH = 0.008
 """Width of the tool's path [m]."""
 _SEEN = 1e-4
-"""Difference below which poses are drawn as equal [m, or rad]."""
+"""Largest difference of poses that are drawn as equal [m, or rad]."""
 _SHAFT: Vector = (0.25, 0.015, 0.03)
 """Length and widths of the arrow that points to the allowed side of a half space [m]."""
 
@@ -71,8 +71,8 @@ class Marker:
     """A marker, with the fields of visualization_msgs/Marker.
 
     Attributes:
-        pose: frame_from_marker.
-        scale: [m]; factors of a mesh.
+        pose: frame_from_marker, lengths in m.
+        scale: size [m]; scale factors of a mesh.
     """
 
     namespace: str = ""
@@ -89,12 +89,12 @@ class Marker:
 
 
 def fill(message: Any, marker: Marker, point: Callable[..., Any]) -> Any:
-    """Write a marker into a message of ROS 1 or ROS 2, and return it. The header's stamp stays zero, which
-    means the newest transform.
+    """Write a marker into a message of ROS 1 or ROS 2, and return the message. The header's stamp stays zero,
+    which means the newest transform.
 
     Args:
         message: a new visualization_msgs/Marker.
-        marker: to write.
+        marker: marker to write.
         point: the class geometry_msgs/Point.
     """
     message.header.frame_id = marker.frame_id
@@ -107,7 +107,7 @@ def fill(message: Any, marker: Marker, point: Callable[..., Any]) -> Any:
     message.color.r, message.color.g, message.color.b, message.color.a = marker.colour
     message.points = [point(x=x, y=y, z=z) for x, y, z in marker.points]
     message.text, message.mesh_resource = marker.text, marker.mesh
-    # carried bodies move with the robot
+    # Locked to its frame, a carried body moves with the robot.
     message.frame_locked = True
     return message
 
@@ -116,7 +116,7 @@ def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return the markers of a robot's surroundings: bodies and parts, transparent zones, and their names.
 
     Args:
-        scene: the answer of the order `scene`.
+        scene: the reply to the order `scene`.
     """
     made = [Marker(action=DELETE_ALL)]
     named = 0
@@ -130,17 +130,17 @@ def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def ghost_markers(
     kinematics: Kinematics, tool: str, joints: Sequence[str], course: Sequence[Sequence[float]]
 ) -> Tuple[Marker, ...]:
-    """Return the markers of the running plan: the path of a link's origin as a line, and, transparent, the
-    links whose pose at the end differs.
+    """Return the markers of the running plan: the path of a link's origin as a line, and the transparent
+    links in their poses at the end, if these differ.
 
     Args:
-        kinematics: of the robot.
+        kinematics: kinematics of the robot.
         tool: the link whose path is drawn.
-        joints: names, in the order of positions.
+        joints: names of the joints, in the order of positions.
         course: joint positions [rad or m] of the plan; empty to draw nothing.
 
     Raises:
-        ValueError: there is no such link, or a row has another length than `joints`.
+        ValueError: there is no such link, or the length of a row isn't that of `joints`.
     """
     markers = [Marker(action=DELETE_ALL)]
     if not course:
@@ -154,7 +154,7 @@ def ghost_markers(
         if tool not in poses:
             raise ValueError(f"the robot's description has no link {tool!r}")
         points.append(origin_of(poses[tool]))
-    # RViz draws no line with only one point
+    # RViz draws no line with only one point.
     points = points * 2 if len(points) == 1 else points
     width = (_WIDTH, 0.0, 0.0)
     markers.append(Marker("path", 1, LINE_STRIP, kinematics.base, IDENTITY, width, PATH, tuple(points)))
@@ -168,12 +168,14 @@ def ghost_markers(
 
 
 def _differ(one: Pose, other: Pose) -> bool:
-    """Return True if the poses of a link differ visibly. Equal ones would be drawn inside each other."""
+    """Return True if the poses of a link differ visibly. Otherwise it would be drawn twice in the same
+    place.
+    """
     return any(abs(a - b) > _SEEN for pair in zip(one, other) for a, b in zip(*pair))
 
 
 def thinned(rows: Sequence[Any], most: int) -> Tuple[Any, ...]:
-    """Return at most `most` rows, evenly chosen, including the first and the last."""
+    """Return at most `most` rows, evenly selected, including the first and the last."""
     if len(rows) <= most:
         return tuple(rows)
     return tuple(rows[round(at * (len(rows) - 1) / (most - 1))] for at in range(most))
@@ -214,8 +216,8 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
 
 
 def _corner(pose: Pose) -> Pose:
-    """Return a place on a plane away from the robot, which often stands at the plane's origin: its upper
-    corner.
+    """Return a place on a half space's border away from the robot, which often stands at the plane's origin:
+    the upper corner of the drawn piece.
     """
     half = 0.45 * _PLANE
     corners = [times(pose, placed((x, y, 0.0))) for x in (-half, half) for y in (-half, half)]
@@ -238,8 +240,8 @@ def _text(item: Mapping[str, Any]) -> str:
 
 
 def _told(shape: Mapping[str, Any]) -> Iterable[Tuple[Shape, Pose]]:
-    """Yield a shape of the scene as shapes of RViz, with their poses: a capsule is a cylinder with two
-    spheres.
+    """Yield a shape of the scene as shapes that RViz knows, with their poses: a capsule becomes a cylinder
+    and two spheres.
     """
     kind = shape["type"]
     if kind == "mesh":
@@ -259,15 +261,15 @@ def _told(shape: Mapping[str, Any]) -> Iterable[Tuple[Shape, Pose]]:
 
 
 def _shape(namespace: str, frame: str, shape: Shape, pose: Pose, colour: Colour) -> Iterator[Marker]:
-    """Yield the marker of a shape; none for a shape without extent, for which RViz logs errors."""
+    """Yield the marker of a shape. A shape without extent gives no marker, because RViz would log errors."""
     if all(shape.size):
         kind = {"box": CUBE, "sphere": SPHERE, "cylinder": CYLINDER, "mesh": MESH}[shape.type]
         yield Marker(namespace, 0, kind, frame, pose, shape.size, colour, mesh=shape.mesh)
 
 
 def _height(shape: Shape, pose: Pose) -> float:
-    """Return the height of a shape above the origin of its pose [m]; 0 for a mesh, whose extent is unknown
-    here.
+    """Return the height of a shape above the origin of its pose [m]; 0 for a mesh, because its extent
+    isn't known here.
     """
     if shape.type == "mesh":
         return 0.0

@@ -1,8 +1,8 @@
-"""The ROS 1 master: its registrations of this node, repeated after a master is restarted.
+"""The ROS 1 master: registrations of this node, which are repeated after a restart of the master.
 
-rospy registers only once. A master that was restarted doesn't know the node: connected topics continue, but
-new subscribers don't find them. Therefore the master is asked regularly if it knows this node, and gets all
-registrations again if it doesn't.
+rospy registers only once. A restarted master doesn't know the node: connected topics continue, but new
+subscribers don't find them. Therefore the master is asked regularly if it knows this node. If it doesn't, all
+registrations are sent again.
 
 Written for Python 3.8 and later.
 """
@@ -14,7 +14,7 @@ import xmlrpc.client
 from typing import Any, List, NamedTuple, Tuple
 
 PATIENCE = 2.0
-"""Time after which a master that doesn't answer counts as hanging [s]."""
+"""Time after which a master that doesn't reply counts as hanging [s]."""
 
 LOST = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 """Exceptions of a call if there is no master, or another program at its address."""
@@ -35,10 +35,10 @@ class Registered(NamedTuple):
 
 
 class Master:
-    """The master, as one node uses it. Each call raises one of `LOST` if the master can't be reached.
+    """The master for one node. Each call raises one of `LOST` if the master can't be reached.
 
     Args:
-        address: its URI.
+        address: URI of the master.
         node: name of the node, resolved.
     """
 
@@ -47,21 +47,21 @@ class Master:
         self._node = node
 
     def answers(self) -> bool:
-        """Return True if the master answers."""
+        """Return True if the master replies."""
         try:
             return bool(_call(self.address, "getPid", self._node)[0] == 1)
         except LOST:
             return False
 
     def knows_node(self) -> bool:
-        """Return True if a node of this name is registered: this one, or one that has replaced it and must
-        not be evicted.
+        """Return True if a node of this name is registered: this node, or another one that has replaced it
+        and must not be replaced in turn.
         """
         return bool(_call(self.address, "lookupNode", self._node, self._node)[0] == 1)
 
     def register(self, node_address: str, registered: Registered) -> None:
-        """Register everything of a node at the master, and pass the publishers of subscribed topics to the
-        node.
+        """Register everything of a node at the master, and pass the publishers of its subscribed topics to
+        the node.
         """
         for topic, kind in registered.published:
             _call(self.address, "registerPublisher", self._node, topic, kind, node_address)
@@ -73,7 +73,7 @@ class Master:
 
 
 def _call(address: str, name: str, *values: Any) -> Any:
-    """Call a method of the master; return (code, message, value)."""
+    """Call a method of the master. Return (code, message, value)."""
     with xmlrpc.client.ServerProxy(address, transport=_Patient()) as server:
         answer = getattr(server, name)(*values)
     if not isinstance(answer, list) or len(answer) != 3:

@@ -1,5 +1,5 @@
-"""Conversion between ROS 1's messages and the values of the driver. Uses field names, and gets the classes as
-arguments: no ROS is imported here.
+"""Conversion between ROS 1's messages and the values of the driver. It uses only field names, and gets the
+classes as arguments, so it doesn't import ROS.
 
 Written for Python 3.8 and later.
 """
@@ -32,8 +32,8 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def path_of(trajectory: Any, now: Any) -> Goal:
-    """Return the goal of a trajectory_msgs/JointTrajectory alone, with the default tolerances; `now` as for
-    `goal_of`.
+    """Return the goal of a trajectory_msgs/JointTrajectory without tolerances; the default tolerances apply.
+    `now` is the ROS time, from which the header's stamp is subtracted.
     """
     return Goal(tuple(trajectory.joint_names), _points_of(trajectory), _starts_in(trajectory, now))
 
@@ -54,8 +54,8 @@ def feedback_message(kind: Any, feedback: Feedback, stamp: Any) -> Any:
 
 
 def standing_message(kind: Any, state: JointState, stamp: Any) -> Any:
-    """Return the joints' state as feedback (class `kind` as for `feedback_message`) while there is no goal:
-    `desired` and `error` are empty.
+    """Return the joints' state as feedback while there is no goal: `desired` and `error` are empty. `kind` is
+    the class control_msgs/FollowJointTrajectoryFeedback.
     """
     message = kind(joint_names=list(state.names))
     message.header.stamp = stamp
@@ -102,7 +102,7 @@ def _tolerances_of(tolerances: Any) -> Tuple[Tolerance, ...]:
 
 
 def _fill(point: Any, moment: Moment) -> None:
-    """Write a moment into a trajectory_msgs/JointTrajectoryPoint."""
+    """Write the state of the joints at one time into a trajectory_msgs/JointTrajectoryPoint."""
     point.positions, point.velocities = list(moment.positions), list(moment.velocities)
     point.accelerations = list(moment.accelerations)
     point.time_from_start = type(point.time_from_start).from_sec(moment.time)

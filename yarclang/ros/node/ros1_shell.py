@@ -1,9 +1,9 @@
 """The rospy side of the driver: action, topics, services and parameters of the ROS 1 node.
 
 Messages of the driver go through a queue and are published by one thread. Therefore the driver never waits
-for ROS, and actionlib's lock, which is held while a goal arrives, never waits for the driver. Lines for
-people have a thread of their own, because rospy calls the master for each line: with a master that hangs,
-positions and results continue.
+for ROS, and actionlib's lock, which is held while a goal arrives, never waits for the driver. Lines for the
+user have a thread of their own, because rospy calls the master for each line. So positions and results
+continue if the master hangs.
 
 Written for Python 3.8 and later.
 """
@@ -50,10 +50,12 @@ from yarclang.ros.node.messages import (
 from yarclang.ros.node.trajectory import Goal
 
 ACTION = "joint_trajectory_action"
-"""The action of ROS-Industrial's drivers, which is also in the files of `yarc export --moveit`."""
+"""Name of the action in ROS-Industrial's drivers. The files of `yarc export --moveit` contain it as well."""
 
 _BACKLOG = 500
-"""Most messages that wait for ROS. Further positions and feedback are dropped; ends of goals never are."""
+"""Most messages that wait for ROS. Further positions and feedback are dropped; ends of goals are never
+dropped.
+"""
 
 _ASKED_EACH = 1.0
 """Time between two requests to the master for this node's registration [s]."""
@@ -62,7 +64,7 @@ _LAST_WORDS = 0.3
 """Time for the last messages to reach their subscribers before the node closes its connections [s]."""
 
 _UNREGISTERS = 2.0
-"""Longest wait until rospy has unregistered from the master [s], because rospy has no time limit."""
+"""Longest wait until rospy has unregistered from the master [s]. rospy itself has no time limit."""
 
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
@@ -72,14 +74,14 @@ _FAILED = (Gone, Refused, TimeoutError)
 
 @dataclass(frozen=True)
 class Settings:
-    """The node's private parameters; see `yarclang.ros.node.ros1`.
+    """Private parameters of the node. See `yarclang.ros.node.ros1`.
 
     Attributes:
-        robot: which robot; None for the only one.
+        robot: name of the robot or of its process; None for the only one.
         action: name of the action.
         hold_on_cancel: True to hold a cancelled goal at once.
-        override: override at the start [%]; None to leave it.
-        set_description: True to replace a different robot_description.
+        override: override at the start [%]; None to leave it unchanged.
+        set_description: True to replace a robot_description that differs.
     """
 
     robot: str | None
@@ -157,10 +159,10 @@ class Node:
     # life
 
     def connect(self, ended: threading.Event) -> bool:
-        """Connect to the robot as soon as it is served. Return False if the node was ended before.
+        """Connect to the robot as soon as it is served. Return False if the node has been ended before.
 
         Raises:
-            yarclang.client.Refused: the connection was denied, and would be again.
+            yarclang.client.Refused: the connection was denied, and would be denied again.
         """
         reported = ""
         self.status(_UNHEARD)
@@ -188,7 +190,7 @@ class Node:
         return False
 
     def offer(self) -> None:
-        """Begin to take goals, paths and orders, after `connect`."""
+        """Begin to accept goals, paths and orders, after `connect`."""
         driver = self._connected()
         if self._settings.override is not None:
             self._override(self._settings.override)
@@ -211,8 +213,8 @@ class Node:
         )
 
     def close(self) -> bool:
-        """End the node: the robot comes to rest on its path if a goal of this node moves it, and all goals
-        are ended. Return False if rospy still waits for a master that hangs.
+        """End the node. If a goal of this node moves the robot, the robot comes to rest on its path; all
+        goals are ended. Return False if rospy still waits for a master that hangs.
         """
         self._closing.set()
         self._changed.set()
@@ -242,11 +244,11 @@ class Node:
         self._stream(lambda: self._feed(goal_id, feedback_message(self._kinds.feedback, feedback, stamp)))
 
     def ended(self, goal_id: str, outcome: str, result: Result) -> None:
-        """End a goal: "succeeded", "aborted" or "canceled"."""
+        """End a goal with the outcome "succeeded", "aborted" or "canceled"."""
         self._work.put(lambda: self._end(goal_id, outcome, result))
 
     def joint_state(self, state: JointState) -> None:
-        """Publish the joints' state, on joint_states, and between goals on feedback_states."""
+        """Publish the joints' state on joint_states and, between goals, on feedback_states."""
         stamp = rospy.Time.now()
         self._stream(lambda: self._stand(state, stamp))
 
@@ -259,11 +261,12 @@ class Node:
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
-        """Print a line for people, on the terminal and on rosout."""
+        """Print a line for the user, on the terminal and on rosout."""
         log = {"info": rospy.loginfo, "warn": rospy.logwarn}.get(level, rospy.logerr)
 
         def tell() -> None:
-            # rospy calls the master for each line, which would shut down a node that has replaced this one
+            # rospy calls the master for each line. After the end, this call would shut down a node that has
+            # replaced this one.
             if rospy.is_shutdown():
                 sys.stderr.write(f"{text}\n")
             else:
@@ -315,7 +318,7 @@ class Node:
         return self._driver
 
     def _goal(self, handle: Any) -> None:
-        """Accept or reject a goal of the action. actionlib holds its lock meanwhile."""
+        """Accept or reject a goal of the action. actionlib holds its lock during this call."""
         goal_id = handle.get_goal_id().id
         self._handles[goal_id] = handle
         refused = self._connected().goal(goal_id, goal_of(handle.get_goal(), rospy.Time.now()))
@@ -330,7 +333,7 @@ class Node:
         self._connected().cancel(handle.get_goal_id().id)
 
     def _path(self, trajectory: Any) -> None:
-        """Take a path of joint_path_command. A path without points is a stop, as for the drivers of
+        """Accept a path of joint_path_command. A path without points is a stop, as in the drivers of
         ROS-Industrial.
         """
         if trajectory.points:
@@ -347,7 +350,7 @@ class Node:
         return refused is None
 
     def _blame(self, code: int) -> None:
-        """Show a refused path in robot_status until the next goal, because a topic has no answer."""
+        """Show in robot_status until the next goal that a path was refused, because a topic has no reply."""
         self._refused = code
         self._tell(self._status)
 
@@ -391,8 +394,8 @@ class Node:
     # the master, parameters, and drawings of RViz
 
     def _attend(self) -> None:
-        """Call the master regularly, and the driver after changes, in a thread of its own, because either may
-        be slow.
+        """Call the master regularly, and the driver after changes. This runs in a thread of its own, because
+        both calls may be slow.
         """
         while not self._closing.is_set():
             has_changed = self._changed.wait(_ASKED_EACH)
@@ -427,13 +430,13 @@ class Node:
                 return
 
     def _tell_once(self, what: str, text: str) -> None:
-        """Warn of a problem only when it begins."""
+        """Warn of a problem only once, when it begins."""
         if text and self._told.get(what) != text:
             self.say("warn", text)
         self._told[what] = text
 
     def _describe(self) -> None:
-        """Set robot_description and controller_joint_names, unless another node has."""
+        """Set robot_description and controller_joint_names, unless another node has set them."""
         driver = self._connected()
         model = driver.model()
         urdf = str(model["urdf"])
@@ -472,13 +475,13 @@ class Node:
 
 
 def said(error: Exception) -> str:
-    """Return the reason of a refused order, and the remedy."""
+    """Return the reason for which an order was refused, and the remedy."""
     to_do = getattr(error, "help", "")
     return f"{error} ({to_do})" if to_do else str(error)
 
 
 def _worker(work: queue.SimpleQueue[Callable[[], None] | None]) -> threading.Thread:
-    """Return a thread that runs the functions of a queue until None comes."""
+    """Return a thread that runs the functions of a queue until it gets None."""
 
     def carry_out() -> None:
         for one in iter(work.get, None):
@@ -496,7 +499,7 @@ def _registered() -> Registered:
 
 
 def _trigger(order: Callable[[], Tuple[bool, str]]) -> Callable[[Any], Any]:
-    """Return a service's handler, which gives an order and returns the answer."""
+    """Return the handler of a service, which gives an order and returns the reply."""
 
     def handle(_request: Any) -> Any:
         done, text = order()

@@ -63,7 +63,7 @@ def main(arguments: List[str] | None = None) -> int:
         sys.stderr.write(what_is_missing(missing, os.environ.get("ROS_DISTRO")))
         return 2
     try:
-        # rclpy's own handlers would end the context before the robot rests
+        # rclpy's own handlers would end the context before the robot rests.
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node(NAME)
     except Exception as error:  # rcl's exceptions for invalid arguments have no common class
@@ -104,15 +104,15 @@ def _served(shell: Any, executor: Any, over: threading.Event, log: Any) -> int:
     finally:
         shell.close(END_TIME)
         executor.shutdown(timeout_sec=END_TIME)
-        # a thread that is inside rclpy when Python ends would abort the process
+        # A thread that is inside rclpy when Python ends would abort the process.
         spinning.join(END_TIME)
     return int(failed.is_set())
 
 
 def _ender(over: threading.Event) -> Any:
     def end(_number: int, _frame: Any) -> None:
-        # Ignore further signals: launch and a terminal may both send one, and one that comes during `set`
-        # would wait for its lock for ever. The end of the node has time limits of its own.
+        # Ignore further signals: launch and a terminal may both send one, and a signal that comes during
+        # `set` would wait for its lock forever. The end of the node has time limits of its own.
         for one in (signal.SIGINT, signal.SIGTERM):
             signal.signal(one, signal.SIG_IGN)
         over.set()
@@ -121,11 +121,12 @@ def _ender(over: threading.Event) -> Any:
 
 
 def what_is_missing(error: ImportError, distribution: str | None) -> str:
-    """Return a line that names the package that can't be imported, and how to get it.
+    """Return a line that names the package that can't be imported, and how to install it.
 
     Args:
-        error: of the import.
-        distribution: of ROS, as `jazzy`; None if no setup.bash of a distribution was sourced.
+        error: error of the import.
+        distribution: name of the ROS distribution, such as `jazzy`; None if no setup.bash of a distribution
+            was sourced.
     """
     package = (error.name or "rclpy").partition(".")[0]
     if distribution is None:

@@ -1,7 +1,7 @@
-"""Conversion between ROS 2's messages and the values of the driver. Uses field names, and gets the classes as
-arguments: no ROS is imported here.
+"""Conversion between ROS 2's messages and the values of the driver. It uses only field names, and gets the
+classes as arguments, so it doesn't import ROS.
 
-Fields that only some distributions have are read if they exist, and never set. Written for Python 3.8 and
+Fields that only some distributions have are read if they exist, and are never set. Written for Python 3.8 and
 later.
 """
 
@@ -15,7 +15,7 @@ from yarclang.ros.node.driver import JointState, Status
 from yarclang.ros.node.trajectory import Goal, Moment, Point, Result, Tolerance
 
 LONGEST = float(2**31 - 1)
-"""Longest time of builtin_interfaces/Duration [s]. Longer ones are set to it."""
+"""Longest time of builtin_interfaces/Duration [s]. Longer times are set to this value."""
 
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 """Levels of diagnostic_msgs/DiagnosticStatus."""
@@ -54,7 +54,7 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def multi_dof_joints(goal: Any) -> Tuple[str, ...]:
-    """Return the names of the planar and floating joints of a goal, which no robot here has. Older
+    """Return the names of the planar and floating joints of a goal, which none of these robots has. Older
     distributions have no field for them.
     """
     trajectory = getattr(goal, "multi_dof_trajectory", None)
@@ -90,8 +90,8 @@ def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: St
         array: the class diagnostic_msgs/msg/DiagnosticArray.
         entry: the class diagnostic_msgs/msg/DiagnosticStatus.
         pair: the class diagnostic_msgs/msg/KeyValue.
-        name: of the robot.
-        status: of the robot.
+        name: name of the robot.
+        status: status of the robot.
         stamp: builtin_interfaces/Time.
     """
     values = [pair(key=key, value=value) for key, value in shown(status).items()]
@@ -111,7 +111,7 @@ def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: St
 
 
 def level_of(status: Status) -> bytes:
-    """Return the level of diagnostics: an error, a warning while goals can't be taken, otherwise OK."""
+    """Return the level of diagnostics: an error, a warning while goals can't be accepted, otherwise OK."""
     if status.in_error == 1:
         return ERROR
     return OK if status.motion_possible == 1 or status.in_motion == 1 else WARN
@@ -148,7 +148,7 @@ def _tolerances_of(tolerances: Any) -> Tuple[Tolerance, ...]:
 
 
 def _fill_point(point: Any, moment: Moment) -> None:
-    """Write a moment into a trajectory_msgs/JointTrajectoryPoint."""
+    """Write the state of the joints at one time into a trajectory_msgs/JointTrajectoryPoint."""
     point.positions, point.velocities = list(moment.positions), list(moment.velocities)
     point.accelerations = list(moment.accelerations)
     fill_duration(point.time_from_start, moment.time)

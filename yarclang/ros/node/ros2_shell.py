@@ -1,7 +1,7 @@
 """The rclpy side of the driver: action, topics, services and parameters of the ROS 2 node.
 
-One executor with one thread runs all callbacks, and none of them waits: a goal's coroutine awaits a future
-that the driver's thread sets; orders to `yarc serve`, and requests after changes, have threads of their own.
+One executor with one thread runs all callbacks, and no callback blocks. A goal's coroutine awaits a future
+that the driver's thread sets. Orders to `yarc serve`, and requests after changes, have threads of their own.
 
 Written for Python 3.8 and later, and for Humble, Jazzy and Kilted.
 """
@@ -36,12 +36,14 @@ from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
 from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
-"""The action of ros2_control's trajectory controller, which is also in the files of `yarc export
---moveit`.
+"""Name of the action in ros2_control's trajectory controller. The files of `yarc export --moveit` contain
+it as well.
 """
 
 _KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Quality of service of topics that are published only at changes: late subscribers get the last message."""
+"""Quality of service for topics that are published only after changes: late subscribers get the last
+message.
+"""
 
 _LAST_WORDS = 0.2
 """Time for the last messages to reach their receivers before the node is destroyed [s]."""
@@ -62,7 +64,7 @@ class _UnderWay:
     """An accepted goal.
 
     Attributes:
-        handle: of rclpy.
+        handle: handle of rclpy.
         ending: future of (outcome, result).
     """
 
@@ -74,8 +76,8 @@ class Node:
     """The node: a `Shell` of the driver.
 
     Args:
-        node: of rclpy.
-        executor: runs its callbacks, in one thread.
+        node: node of rclpy.
+        executor: executor that runs its callbacks in one thread.
 
     Raises:
         ValueError: a parameter has a value of the wrong type.
@@ -116,10 +118,10 @@ class Node:
     # life
 
     def connect(self, over: threading.Event) -> bool:
-        """Connect to the robot as soon as it is served. Return False if `over` was set before.
+        """Connect to the robot as soon as it is served. Return False if `over` has been set before.
 
         Raises:
-            yarclang.client.Refused: the connection was denied, and would be again.
+            yarclang.client.Refused: the connection was denied, and would be denied again.
         """
         reported = ""
         self.status(_UNHEARD)
@@ -143,7 +145,7 @@ class Node:
         return False
 
     def offer(self) -> None:
-        """Begin to take goals and orders, after `connect`.
+        """Begin to accept goals and orders, after `connect`.
 
         Raises:
             ValueError: the name of the action is invalid.
@@ -178,8 +180,8 @@ class Node:
         self.say("info", f"goals are taken on {self._action}, for joints {names}")
 
     def close(self, patience: float) -> None:
-        """End the node: the robot comes to rest on its path if a goal of this node moves it, and all goals
-        are ended.
+        """End the node. If a goal of this node moves the robot, the robot comes to rest on its path; all
+        goals are ended.
 
         Args:
             patience: longest wait until the results are sent [s].
@@ -204,7 +206,7 @@ class Node:
     # called by the driver
 
     def accepted(self, goal_id: str) -> None:
-        """Log that a goal is being planned, or will be as soon as the robot rests."""
+        """Log that a goal is being planned, or will be planned when the robot rests."""
         self._log.info(f"goal {goal_id} is accepted")
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
@@ -215,7 +217,7 @@ class Node:
             goal.handle.publish_feedback(messages.feedback_message(kind, feedback, self._now()))
 
     def ended(self, goal_id: str, outcome: str, result: Result) -> None:
-        """End a goal. Only the first of two ends counts."""
+        """End a goal. If it is ended twice, only the first time counts."""
         goal = self._goals.get(goal_id)
         if goal is not None and not goal.ending.done():
             goal.ending.set_result((outcome, result))
@@ -236,8 +238,9 @@ class Node:
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
-        """Print a line for people, on the terminal and on rosout."""
-        # one call for each level: a logger identifies a call by its line, whose level must not change
+        """Print a line for the user, on the terminal and on rosout."""
+        # There is one call for each level: a logger identifies a call by its source line, whose level must
+        # not change.
         if level == "error":
             self._log.error(text)
         elif level == "warn":
@@ -251,7 +254,9 @@ class Node:
     # the action
 
     def _judge(self, request: Any) -> Any:
-        """Accept or reject a goal by its form. The driver gets it in `_begin`, where its id is known."""
+        """Accept or reject a goal by its form. `_begin` passes the goal to the driver, because its id
+        isn't known before.
+        """
         others = messages.multi_dof_joints(request)
         if others:
             why: Result | None = Result(
@@ -261,7 +266,7 @@ class Node:
             why = self._connected().check(self._goal_of(request))
         if why is None:
             return GoalResponse.ACCEPT
-        # a rejection has no text in ROS 2
+        # In ROS 2, a rejection has no text, so the reason is logged.
         self.say("error", f"a goal was rejected ({why.error_code}): {why.error_string}")
         return GoalResponse.REJECT
 
@@ -282,11 +287,12 @@ class Node:
         return CancelResponse.ACCEPT
 
     async def _execute(self, handle: Any) -> Any:
-        """Wait for the end of a goal, and end it for its client."""
+        """Wait for the end of a goal, then report its outcome to its client."""
         goal_id = _id_of(handle)
         outcome, result = await self._goals[goal_id].ending
         if outcome == CANCELED and not handle.is_cancel_requested:
-            # in ROS 2 only cancelled goals can end as canceled, and an error_code of 0 would mean success
+            # In ROS 2, only goals whose cancellation was requested can end as canceled, and an error_code of
+            # 0 would mean success.
             outcome = ABORTED
             result = replace(result, error_code=result.error_code or INVALID_GOAL)
         if outcome == SUCCEEDED:
@@ -307,7 +313,7 @@ class Node:
         return response
 
     def _override(self, message: Any) -> None:
-        """Set the override. A topic has no answer, so that a refusal is logged."""
+        """Set the override. A refusal is logged, because a topic has no reply."""
         percent = float(message.data)
 
         def order() -> _Answer:
@@ -319,7 +325,7 @@ class Node:
         self._apart(order)
 
     def _apart(self, order: Callable[[], _Answer]) -> Any:
-        """Give an order in a thread; return rclpy's future of its answer."""
+        """Give an order in a thread. Return rclpy's future of the reply."""
         future = Future(executor=self._executor)
 
         def carried_out() -> None:
@@ -336,7 +342,7 @@ class Node:
     # drawings
 
     def _attend(self) -> None:
-        """Call the driver after changes, in a thread of its own, because it may be slow."""
+        """Call the driver after changes, in a thread of its own, because the call may be slow."""
         reported: Dict[str, str] = {}
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         while self._changed.wait() and not self._closing.is_set():
@@ -377,8 +383,8 @@ class Node:
 
 
 class _Diagnostics:
-    """Publisher of diagnostics, because ROS 2 has no release of industrial_msgs, whose RobotStatus ROS 1
-    uses.
+    """Publisher of diagnostics. There is no release of industrial_msgs for ROS 2, whose RobotStatus is
+    used in ROS 1.
     """
 
     def __init__(self, node: Any) -> None:
@@ -392,14 +398,14 @@ class _Diagnostics:
 
 
 def said(error: Exception) -> str:
-    """Return the reason of a refused order, and the remedy."""
+    """Return the reason for which an order was refused, and the remedy."""
     to_do = getattr(error, "help", "")
     return f"{error} ({to_do})" if to_do else str(error)
 
 
 class _Markers:
-    """Publisher of the drawings for RViz: the scene and the running plan. Unchanged drawings aren't published
-    again.
+    """Publisher of the drawings for RViz: the scene and the running plan. Unchanged drawings are not
+    published again.
     """
 
     def __init__(self, node: Any) -> None:
@@ -430,7 +436,7 @@ def _id_of(handle: Any) -> str:
 
 
 def _text(name: str, value: Any) -> str:
-    """Return a name as text. A number is that of a process."""
+    """Return a name as text. A number is the number of a process."""
     if isinstance(value, bool) or not isinstance(value, (str, int)):
         raise ValueError(f"the parameter {name} is {value!r}: it must be a text")
     return str(value)

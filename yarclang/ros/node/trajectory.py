@@ -24,33 +24,33 @@ MOST_POINTS = 20_000
 """Most way-points of one goal."""
 
 MOST_TEXT = (1 << 22) - 4096
-"""Longest text of a program [bytes], as JSON. The coordinator reads lines of up to 4 MiB."""
+"""Longest text of a program as JSON [bytes]. The coordinator reads lines of up to 4 MiB."""
 
 MOST_VALUE = 1e6
 """Largest position, velocity, acceleration or time that is accepted [rad, m, s]."""
 
 LEAST_STEP = 1e-6
-"""Least time between two points [s]. The program's text has nanoseconds."""
+"""Shortest time between two points [s]. Times in the program's text have nanoseconds."""
 
 LATE = 1.0
 """Age of a goal's stamp above which the goal is refused [s]."""
 
 START_WITHIN = 0.01
-"""Distance from the robot within which a first way-point at time 0 counts as the start itself [rad or m], as
-in MoveIt's check.
+"""Largest distance from the robot at which a first way-point at time 0 counts as the start itself [rad or m],
+as in MoveIt's check.
 """
 
 _SAME = 1e-6
-"""Distance from the robot within which a way-point needs no motion [rad or m]."""
+"""Largest distance from the robot at which a way-point needs no motion [rad or m]."""
 
 _RESTS = 1e-6
-"""Velocities up to this count as zero [rad/s or m/s]."""
+"""Largest velocity that counts as zero [rad/s or m/s]."""
 
 _PER_UNIT = {"deg": 180.0 / math.pi, "mm": 1000.0}
-"""Units of the language per rad or m."""
+"""Number of the language's units per rad or m."""
 
 _NEXT = ";\n"
-"""Separator of way-points. Each has a line of its own, because lines have a largest length."""
+"""Separator of way-points. Each way-point is on a line of its own, because the length of lines is limited."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,8 @@ class Joint:
     """A joint of the robot.
 
     Attributes:
-        name: from robot.toml and the URDF.
-        unit: "deg" or "mm": unit of its positions at the coordinator.
+        name: name of the joint in robot.toml and the URDF.
+        unit: unit of its positions at the coordinator, "deg" or "mm".
     """
 
     name: str
@@ -67,7 +67,7 @@ class Joint:
 
     @property
     def scale(self) -> float:
-        """Units of the coordinator per rad or m."""
+        """Number of the coordinator's units per rad or m."""
         return _PER_UNIT[self.unit]
 
 
@@ -76,10 +76,10 @@ class Point:
     """A way-point, in the order of the goal's joint names.
 
     Attributes:
-        positions: [rad or m].
-        time_from_start: [s].
-        velocities: [rad/s or m/s]; empty if none are given.
-        accelerations: [rad/s² or m/s²]; empty if none are given.
+        positions: positions [rad or m].
+        time_from_start: time since the start of the goal [s].
+        velocities: velocities [rad/s or m/s]; empty if none are given.
+        accelerations: accelerations [rad/s² or m/s²]; empty if none are given.
     """
 
     positions: Values
@@ -90,14 +90,14 @@ class Point:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A tolerance of one joint, as in control_msgs/JointTolerance: 0 means the default, a negative value
-    none.
+    """Tolerances of one joint, as in control_msgs/JointTolerance: 0 means the default, a negative value means
+    no tolerance.
 
     Attributes:
-        name: of the joint.
-        position: [rad or m].
-        velocity: [rad/s or m/s].
-        acceleration: [rad/s² or m/s²].
+        name: name of the joint.
+        position: tolerance of the position [rad or m].
+        velocity: tolerance of the velocity [rad/s or m/s].
+        acceleration: tolerance of the acceleration [rad/s² or m/s²].
     """
 
     name: str
@@ -108,17 +108,17 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Goal:
-    """A goal as it is received.
+    """A goal as received.
 
     Attributes:
-        joint_names: all joints of the robot, in any order.
+        joint_names: names of all joints of the robot, in any order.
         points: the way-points.
         starts_in: time until the goal begins, by the stamp of its header [s]; 0 to begin at once (also
             without a stamp).
-        path_tolerance: of the joints along the path.
-        goal_tolerance: of the joints at the last point.
-        goal_time_tolerance: time for the joints to arrive after the end of the program [s]; 0 for the
-            default, negative for any time.
+        path_tolerance: tolerance of the joints along the path.
+        goal_tolerance: tolerance of the joints at the last point.
+        goal_time_tolerance: time in which the joints must arrive after the end of the program [s]; 0 for the
+            default, negative for no limit.
     """
 
     joint_names: tuple[str, ...]
@@ -147,10 +147,10 @@ class Moment:
     """State of the joints at one time.
 
     Attributes:
-        positions: [rad or m].
-        velocities: [rad/s or m/s].
-        accelerations: [rad/s² or m/s²]; empty if unknown.
-        time: of the trajectory, since the goal's start [s]; negative on the way to its first point.
+        positions: positions [rad or m].
+        velocities: velocities [rad/s or m/s].
+        accelerations: accelerations [rad/s² or m/s²]; empty if unknown.
+        time: time since the goal's start [s]; negative on the way to the goal's first point.
     """
 
     positions: Values
@@ -163,11 +163,12 @@ class Moment:
 
 
 def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
-    """Return why a goal is rejected; None if it can be planned. The planner checks the limits.
+    """Return the reason why a goal is rejected; None if it can be planned. Limits are checked by the planner,
+    not here.
 
     Args:
-        goal: as it was received.
-        joints: of the robot.
+        goal: goal as received.
+        joints: joints of the robot.
     """
     wrong = _wrong_names(goal.joint_names, [one.name for one in joints])
     if wrong is not None:
@@ -281,11 +282,11 @@ class Track:
     """A path over time, with joints in the robot's order.
 
     Attributes:
-        times: (k,) [s], increasing, from 0.
-        positions: (k, n) [rad or m].
-        velocities: (k, n) [rad/s or m/s].
-        accelerations: (k, n) [rad/s² or m/s²]; if empty, the path between two points is a cubic polynomial,
-            otherwise a quintic one.
+        times: (k,) times [s], increasing, from 0.
+        positions: (k, n) positions [rad or m].
+        velocities: (k, n) velocities [rad/s or m/s].
+        accelerations: (k, n) accelerations [rad/s² or m/s²]. If empty, the path between two points is a cubic
+            polynomial, otherwise a quintic one.
     """
 
     times: Values
@@ -299,7 +300,9 @@ class Track:
         return self.times[-1]
 
     def at(self, time: float) -> Moment:
-        """Return the joints at a time [s]. Before the start and after the end the robot rests."""
+        """Return the state of the joints at a time [s]. Before the start and after the end the robot
+        rests.
+        """
         last = len(self.times) - 1
         if time <= 0.0 or time >= self.times[last]:
             end = 0 if time <= 0.0 else last
@@ -319,8 +322,8 @@ class Track:
         )
 
     def nearest(self, positions: Values, first: float, last: float) -> Moment:
-        """Return the joints at the time between `first` and `last` [s] at which the path is nearest to
-        positions (n,) [rad or m].
+        """Return the state of the joints at the time between `first` and `last` [s] at which the path is
+        nearest to positions (n,) [rad or m].
         """
         first, last = max(0.0, first), min(self.duration, last)
         best = self.at(first)
@@ -342,7 +345,9 @@ class Track:
         if not self.accelerations:
             return (q0, v0, (3.0 * rise - 2.0 * v0 - v1) / width, (v0 + v1 - 2.0 * rise) / width**2)
         a0, a1 = self.accelerations[piece][joint], self.accelerations[piece + 1][joint]
-        # remainder for the powers 3 to 5 after position, velocity and acceleration of the first point
+        # The powers 0 to 2 follow from position, velocity and acceleration of the first point. The powers 3
+        # to 5 make up the difference to the second point: `off` of the position, `slower` of the velocity,
+        # `bend` of the acceleration.
         off = (rise - v0 - a0 * width / 2.0) / width**2
         slower = (v1 - v0 - a0 * width) / width**2
         bend = (a1 - a0) / width
@@ -353,7 +358,9 @@ class Track:
 
 
 _ROUNDS, _TRIED = 4, 6
-"""Rounds of the search for the nearest time, and samples of each: they reduce a width of 100 ms to 0.6 ms."""
+"""Rounds of the search for the nearest time, and samples in each round: together they reduce an interval of
+100 ms to 0.6 ms.
+"""
 
 
 def _values(coefficients: Values, since: float) -> tuple[float, float, float]:
@@ -370,8 +377,8 @@ def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
     """Return the path of a checked goal, as MOVEJ_TIMED defines it.
 
     Args:
-        goal: with its joints in any order.
-        joints: of the robot.
+        goal: goal with its joints in any order.
+        joints: joints of the robot.
         stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first point at time
             0.
     """
@@ -407,8 +414,8 @@ def in_robots_order(goal: Goal, joints: Sequence[Joint]) -> tuple[Point, ...]:
 
 
 def _clamped(times: Values, positions: tuple[Values, ...]) -> tuple[Values, ...]:
-    """Return the velocities (k, n) of the cubic spline with continuous acceleration that begins and ends at
-    rest, from a tridiagonal system for each joint.
+    """Return the velocities (k, n) at the points of the cubic spline with continuous acceleration that begins
+    and ends at rest, by solving a tridiagonal system for each joint.
     """
     count, size = len(times), len(positions[0])
     if count <= 2:
@@ -419,8 +426,14 @@ def _clamped(times: Values, positions: tuple[Values, ...]) -> tuple[Values, ...]
 
 
 def _solved(inverse: list[float], q: list[float]) -> list[float]:
-    """Solve 1/h_i-1 v_i-1 + 2 (1/h_i-1 + 1/h_i) v_i + 1/h_i v_i+1 = 3 (rise_i-1/h_i-1 + rise_i/h_i) for the
-    inner v. The outer ones are 0.
+    """Solve the tridiagonal system for the inner velocities v of a cubic spline, by the Thomas algorithm:
+
+    v_{i-1} / h_{i-1} + 2 (1 / h_{i-1} + 1 / h_i) v_i + v_{i+1} / h_i = 3 (d_{i-1} / h_{i-1} + d_i / h_i),
+    where h_i is the duration of piece i and d_i the mean velocity on it. The outer velocities are 0.
+
+    Args:
+        inverse: 1 / h_i of each piece [1/s].
+        q: positions at the points.
     """
     last = len(q) - 1
     pull = [3.0 * (q[at + 1] - q[at]) * inverse[at] ** 2 for at in range(last)]
@@ -443,9 +456,9 @@ class Planned:
     """A goal as a program.
 
     Attributes:
-        text: of the program; empty if the robot is at its end and there is nothing to do.
+        text: text of the program; empty if the robot is at its end and there is nothing to do.
         track: the path, from the robot's position at time 0 of the goal.
-        has_lead: True if the program's first command moves to the goal's first point.
+        has_lead: True if the first command of the program moves to the goal's first point.
     """
 
     text: str
@@ -456,13 +469,13 @@ class Planned:
 def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
     """Return the program of a checked goal.
 
-    A first point at time 0 is the start if the robot is within `START_WITHIN` of it. Otherwise a MOVEJ with
-    half of all limits moves there first. A later first point is reached at its time, from the robot's
-    position.
+    If the first point has time 0 and the robot is within `START_WITHIN` of it, the point is the start. If the
+    robot is farther away, a MOVEJ with half of all limits moves there first. If the first point has a later
+    time, the robot reaches it at this time, beginning at its present position.
 
     Args:
-        goal: with its joints in any order.
-        joints: of the robot.
+        goal: goal with its joints in any order.
+        joints: joints of the robot.
         stands: (n,) commanded position of the robot, in the robot's order [rad or m].
     """
     points = in_robots_order(goal, joints)
@@ -487,7 +500,7 @@ def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
 
 
 def too_long(planned: Planned) -> str | None:
-    """Return why the program of a goal can't be sent; None if it can."""
+    """Return the reason why the program of a goal can't be sent; None if it can."""
     length = len(planned.text) + planned.text.count("\n")  # JSON writes a line break as two characters
     if length <= MOST_TEXT:
         return None

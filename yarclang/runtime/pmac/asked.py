@@ -1,5 +1,5 @@
-"""Questions to the controller at a barrier: inputs, each once, and groups until they are stable; and the
-values that are computed from them. No I/O.
+"""Questions to the controller at a barrier, and the values that are computed from the answers. Each input is
+read once; groups are read until they are stable. No I/O.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ LOOK = 0.02
 """Time between two reads of an input [s]."""
 
 _UNSTEADY = 1.0
-"""Longest time for which a group may change from read to read [s]."""
+"""Longest time for which the bits of a group may differ from one read to the next [s]."""
 
 
 def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
-    """Read the inputs of a value, each once, and groups until they are stable.
+    """Read the inputs of a value once each, and groups until they are stable.
 
     Args:
         operation: the run.
@@ -50,9 +50,9 @@ def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[
 def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[float]:
     """Read the bits of a group as one number.
 
-    All bits are asked for in one question, but a PLC may change them in between, or may not change all of
-    them in the same cycle. So a number counts only if a second read, `LOOK` later, finds the same number.
-    Orders stay in their queue meanwhile: a HOLD is for the motion that follows.
+    All bits are asked for in one question, but a PLC may change some of them while the controller answers, or
+    change them in different cycles. A number therefore counts only if a second read, `LOOK` later, returns
+    the same number. Orders stay in their queue meanwhile: a HOLD then applies to the motion that follows.
     """
     bits, since = bits_of(group), operation.now
     before: tuple[float, ...] | None = None
@@ -98,12 +98,12 @@ def value_of(barrier: Barrier, value: Value, held: Held) -> float:
     """Compute a value from the values that were read last.
 
     Args:
-        barrier: the barrier that the value belongs to.
+        barrier: the barrier to which the value belongs.
         value: the value.
         held: registers and inputs of the run.
 
     Raises:
-        Trouble: there is no such number.
+        Trouble: the value can't be computed.
     """
     try:
         return evaluated(value, held.registers, held.inputs)

@@ -17,7 +17,7 @@ from yarclang.runtime.signals import OutputSet
 
 
 def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Assign the value to a register or an output, or end the run if the value is out of range.
+    """Assign the value to a register or an output. End the run if the value is out of range.
 
     Args:
         operation: the run.
@@ -25,7 +25,7 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
         barrier: the `set` to carry out.
         held: registers and inputs of the run.
     """
-    assert barrier.decided is not None  # as above
+    assert barrier.decided is not None  # a SET without a value was refused when the text was read
     if barrier.output:
         yield from _set_output(operation, barrier, barrier.decided, held)
         return
@@ -46,9 +46,9 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
 
 
 def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
-    """Keep the value of a KEPT register.
+    """Store the value of a KEPT register for later runs.
 
-    The robot stands until the value is on the disk: the assignment has not happened before.
+    The robot stands still until the value is on the disk; only then does the assignment count.
 
     Args:
         barrier: the `set` that is carried out.

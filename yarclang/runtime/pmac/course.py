@@ -1,10 +1,10 @@
 """The path of the controller's lines, and the distance of the motors' commanded positions from it. No I/O.
 
-Lines can't be read back from a rotary buffer. So the positions that the controller derives from its lines are
-compared with the points that it was sent: the commanded positions are the actual positions plus the following
-errors. A spline of `SPLINE1` deviates from the straight lines between the points by at most a sixth of the
-points' second difference (exactly that at the knots, TUM 290). A changed digit, lines of another client or
-another axis definition all lead off this path.
+Lines can't be read back from a rotary buffer. The positions that the controller computes from its lines are
+therefore compared with the points that were sent: the commanded positions are the actual positions plus the
+following errors. A spline of `SPLINE1` deviates from the straight lines between the points by at most a sixth
+of the points' second difference (exactly that at the knots, TUM 290). A changed digit, lines of another
+client, or another axis definition all make the motors leave this path.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from yarclang.runtime.pmac.feedback import groups_of
 from yarclang.runtime.sample import Sample
 
 _AROUND = 4
-"""Number of points before and after those that may be executed that are compared as well."""
+"""Number of additional points that are compared, before and after the points that may be executed now."""
 _KEPT = 512
-"""Minimum number of points behind the robot that are kept."""
+"""Minimum number of points that are kept after the robot has passed them."""
 _ALLOWED = 8.0
 """Allowed deviation of a motor [counts], in addition to the spline's own."""
 _NUMBER = re.compile(r"-?\d+\.?\d*")
@@ -62,13 +62,13 @@ class Course:
         self._sent += len(lines)
 
     def forget(self, executed: int) -> None:
-        """Drop points that can't be asked for any more, when `executed` lines have been executed."""
+        """Drop points that no later comparison can need, once `executed` lines have been executed."""
         behind = int(np.searchsorted(self._lines, executed)) - _KEPT
         if behind > _KEPT:
             self._points, self._lines = self._points[behind:], self._lines[behind:]
 
     def off(self, found: Sample, executed: tuple[int, int], spent: float) -> tuple[float, int]:
-        """Return how far the motors are commanded off the path.
+        """Return the distance of the motors' commanded positions from the path.
 
         Positions and following errors are asked for in sequence. If they belong to two different instants,
         the commanded positions may be wrong by the following error, or by its change since the last question.
@@ -85,12 +85,13 @@ class Course:
         first = max(int(np.searchsorted(self._lines, executed[0])) - _AROUND, 0)
         last = int(np.searchsorted(self._lines, executed[1])) + _AROUND
         points = self._points[first:last]
-        # A spline's distance from its points' connecting lines is at most a sixth of their second difference.
+        # A spline's distance from the straight lines between its points is at most a sixth of their second
+        # difference.
         bends = np.abs(np.diff(points, 2, axis=0)).max(axis=0, initial=0.0)
         errors = np.abs(np.array((found.following, found.following - self._following)))
         allowed = _ALLOWED + bends / 6.0 + errors.max(axis=0)
         self._following = found.following
-        if self._groups > 1:  # asked in sequence
+        if self._groups > 1:  # the groups are asked in sequence
             allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
             allowed += self._slack
@@ -98,7 +99,7 @@ class Course:
         place = found.commanded / allowed
         off = np.abs(place - _nearest(points / allowed, place))
         # If at some point of the path all n motors are within their tolerance, which is 1 in these units,
-        # then its squared distance is at most n, and the nearest point's is no larger.
+        # then the squared distance of this point is at most n, and that of the nearest point is no larger.
         if (off**2).sum() <= len(off):
             return 0.0, 0
         row = int(np.argmax(off))

@@ -1,4 +1,4 @@
-"""The order of lines into the rotary buffer, so that it neither overflows nor runs empty. No I/O: time is an
+"""The transfer of lines into the rotary buffer, which must neither overflow nor run empty. No I/O: time is an
 argument.
 """
 
@@ -19,25 +19,25 @@ AHEAD = 2
 """Number of moves that are calculated before they are executed (TUM 339)."""
 
 AROUND = ("OPEN ROT", "CLOSE")
-"""Lines around those of a packet. The rotary is open only for them, so that variables can be asked for at any
-other time (facts 3).
+"""Lines before and after the lines of a packet. The rotary is open only for these lines, so that variables
+can be asked for at any other time (facts 3).
 """
 
 FASTEST = 2.5
-"""Upper bound of the speed at which a controller executes a program, relative to the programmed speed: its
-largest override is less (TSRM 276).
+"""Upper bound of the speed at which a controller executes a program, relative to the programmed speed. The
+controller's largest override is less (TSRM 276).
 """
 
 _LATE = 0.1
-"""Allowance for a late host before the guard PLC holds [s]."""
+"""Time by which the host may be late before the guard PLC holds [s]."""
 
 
 class Feed:
     """The transfer of a job's lines into the rotary buffer.
 
     The number of lines in the buffer is known only from `PR`, and only for the moment of the reply. Between
-    two replies there are two bounds: at most the lines then plus the lines sent since; and at least that,
-    minus the lines that may have been executed since, at 100 %.
+    two replies there are two bounds. The upper bound is that number plus the lines sent since. The lower
+    bound is the upper bound minus the lines that may have been executed since, at 100 %.
 
     Attributes:
         sent: lines that the controller has taken.
@@ -56,9 +56,11 @@ class Feed:
             loading_of(job).low + margin,
             max(loading_of(job).low + 1, (loading_of(job).low + loading_of(job).full) // 2),
         )
-        """With fewer lines ahead the motion is held, earlier than by the guard PLC."""
+        """If fewer lines are ahead, the motion is held. This happens earlier than the hold by the guard
+        PLC.
+        """
         self.plenty = (loading_of(job).full + job.capacity) // 2
-        """With fewer lines ahead, sending more comes before anything else."""
+        """If fewer lines are ahead, sending more lines takes precedence over everything else."""
 
     @property
     def left(self) -> int:
@@ -72,19 +74,21 @@ class Feed:
 
     @property
     def at_most(self) -> int:
-        """Return the lines ahead if nothing was executed since `PR`."""
+        """Return the number of lines ahead if nothing was executed since the last `PR`."""
         return self._ahead + self.sent - self._sent_then
 
     def at_least(self, now: float) -> int:
-        """Return the lines ahead if the controller executed as much as possible since `PR`.
+        """Return the number of lines ahead if the controller executed as much as possible since the last
+        `PR`.
 
-        Each segment consumes one move; two more moves may have been taken at once. Statements between moves
-        take no time.
+        Each segment consumes one move, and two more moves may have been taken at once. Statements between
+        moves take no time.
         """
         if now <= self._asked_then and self.sent == self._sent_then:
             return self._ahead
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
-        # Moves before the first line that was ahead then, plus those that may have been taken since.
+        # Count the moves before the first line that was ahead then, plus the moves that may have been taken
+        # since.
         behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
         if behind > len(self._moves):
             return 0
@@ -92,18 +96,18 @@ class Feed:
 
     @property
     def heard_at(self) -> float:
-        """Return when `PR` was answered last [s]."""
+        """Return the time at which `PR` was answered last [s]."""
         return self._then
 
     @property
     def round_trip(self) -> float:
-        """Return how long the last answer to `PR` took [s]."""
+        """Return the duration of the last question `PR` [s]."""
         return self._then - self._asked_then
 
     @property
     def executed(self) -> int:
-        """Return the lines that were executed when `PR` was answered last, without the two that are
-        calculated ahead.
+        """Return the number of lines that had been executed when `PR` was answered last, without the two that
+        are calculated ahead.
         """
         return max(0, self._sent_then - self._ahead - AHEAD)
 
@@ -129,9 +133,7 @@ class Feed:
         self._asked_then, self._then = asked, now
 
     def packet(self) -> tuple[str, ...]:
-        """Return the lines that fit into the buffer and into a packet, from the first that the controller
-        hasn't received.
-        """
+        """Return the next lines for the controller, as many as fit into the buffer and into a packet."""
         most = min(self.room, self.left)
         if most <= 0:
             return ()
@@ -143,8 +145,8 @@ class Feed:
         self.sent += count
 
     def worthwhile(self, now: float) -> bool:
-        """Return True if a packet should be sent now: a full packet fits, or the rest of the program does, or
-        few lines are ahead.
+        """Return True if a packet should be sent now: if a full packet fits, if the rest of the program fits,
+        or if few lines are ahead.
         """
         packet = self.packet()
         if not packet:
@@ -157,15 +159,15 @@ class Feed:
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
-        """Return True if too few lines are ahead of a program that has begun and has more to come."""
+        """Return True if too few lines are ahead of a program that has begun and has unsent lines."""
         return self.left > 0 and self.at_least(now) < self.low
 
 
 def _moves(job: Job) -> IntArray:
     """Return the rows of the lines that move.
 
-    These are the last of the lines that wait for the same instant, except those before the first motion, and
-    dwells.
+    Of consecutive lines with the same time, only the last one moves. Dwells, and lines before the first
+    motion, don't move.
     """
     lasts = np.diff(np.append(job.times, job.duration)) > 0.0
     lasts[[row for row, _ in job.dwells]] = False

@@ -39,8 +39,8 @@ class MotorStatus:
 
     @property
     def at_rest(self) -> bool:
-        """Return True if the motor has no desired velocity and no move of its own. An open loop has no
-        desired velocity.
+        """Return True if the motor has no desired velocity and no move of its own. This is also true for an
+        open loop, which has no desired velocity.
         """
         still = self.has("desired velocity zero") or self.has("open loop")
         return still and not self.has("abort deceleration") and not self.has("home search in progress")
@@ -62,14 +62,14 @@ class MotorStatus:
 
     @property
     def faulted(self) -> bool:
-        """Return True if the motor itself has failed, or has met a limit."""
+        """Return True if the motor has a fault of its own, or has reached a limit."""
         return any(
             self.has(name) for name in ("amplifier fault", "fatal following error", "stopped on limit")
         )
 
     @property
     def trouble(self) -> str:
-        """Return what keeps the motor from moving, in words; empty if nothing does."""
+        """Return the reason why the motor can't move, in words; empty if it can."""
         if self.has("amplifier fault"):
             return "its amplifier reports a fault"
         if self.has("fatal following error"):
@@ -139,7 +139,7 @@ def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, Motor
         motors: motors that are wanted; those outside of the group are left out.
 
     Raises:
-        ReportError: they aren't 12 hexadecimal digits each.
+        ReportError: the status words aren't 12 hexadecimal digits each.
     """
     words = _items(text, group, motors)
     return {motor: motor_status(words[motor - group]) for motor in motors if group <= motor < group + GROUP}

@@ -1,7 +1,7 @@
 """Registers that other programs fill while the robot stands at a WAIT or a HOLD. No I/O.
 
-Nothing else happens in the script's process between two of its questions, so a decision and the end of taking
-values are atomic.
+The script's process does nothing else between two of the script's questions. A decision and the end of
+accepting values are therefore atomic.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ def needed_for(condition: Value, held: Held) -> tuple[str, ...]:
 
 
 def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
-    """Clear the registers that are waited for: values that were filled for an earlier wait don't count for
+    """Clear the registers that are waited for: values that were sent for an earlier wait don't count for
     this one.
     """
     for name in needed:
@@ -28,9 +28,9 @@ def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
 
 
 def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
-    """Take values from outside from now on.
+    """Accept values from outside from now on.
 
-    A remark is sent once, however often someone answers before something has moved.
+    A remark is sent once; it is not repeated for further answers until something has moved.
 
     Args:
         operation: the run.
@@ -50,7 +50,7 @@ def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tupl
 
 
 def is_given(operation: Operation) -> bool:
-    """Return True if values have come that weren't handled yet."""
+    """Return True if values have come that aren't handled yet."""
     return any(isinstance(order, Fill) for order in operation.orders)
 
 
@@ -68,7 +68,7 @@ def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> Non
 
 
 def close(operation: Operation, barrier: Barrier, held: Held) -> None:
-    """Take no more values; those that were already taken still get into their registers."""
+    """Accept no more values. Values that were already accepted are still put into their registers."""
     operation.want(None)
     for order in [one for one in operation.orders if isinstance(one, Fill)]:
         operation.orders.remove(order)

@@ -1,4 +1,4 @@
-"""State of a run with barriers besides the controller's, and the titles of barriers. No I/O."""
+"""State of a run with barriers that the controller doesn't hold, and the titles of barriers. No I/O."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from yarclang.decisions import Register
 from yarclang.runtime.job import Barrier, Job
 
 COUNTED = ("REPEAT", "LOOP")
-"""Words whose decisions and registers are a loop's count."""
+"""Words of barriers whose condition and register count the passes of a loop."""
 
 
 @dataclass(slots=True)
 class Passes:
     """A loop in progress.
 
-    `number` is the number of the current pass; `ways` and `barriers` are how many WHENs and barriers were
-    passed before the first pass; `moved` is True once something was sent in the current pass.
+    `number` is the number of the current pass. `ways` and `barriers` are the numbers of WHENs and barriers
+    that were passed before the first pass. `moved` is True once something was sent in the current pass.
     """
 
     ways: int
@@ -27,8 +27,8 @@ class Passes:
 
 @dataclass(slots=True)
 class Held:
-    """State of a run besides the controller's: its registers, the inputs that the last decision has read, and
-    its loops.
+    """State of a run that the controller doesn't hold: registers, the inputs that the last decision has read,
+    and loops.
     """
 
     registers: dict[str, int]
@@ -36,9 +36,9 @@ class Held:
     loops: dict[int, Passes] = field(default_factory=dict)
     """Loops, by the number of the leg before them."""
     flags: frozenset[str] = frozenset()
-    """Registers of searches and OFFSETs, which no line names."""
+    """Registers that mark the results of searches and OFFSETs; no line of the program names them."""
     said: dict[str, str] = field(default_factory=dict)
-    """The last remark for each place since something has moved."""
+    """The last remark of each place since the last motion."""
     outside: dict[str, Register] = field(default_factory=dict)
     """Registers that other programs fill, by their names."""
 
@@ -57,7 +57,7 @@ class Held:
         return tuple(self.registers.items())
 
     def in_words(self) -> str:
-        """Return the registers as the log prints them; empty if the program names none."""
+        """Return the registers as the log prints them; empty if the program names no registers."""
         told = [f"{name} is {value}" for name, value in self.registers.items() if name not in self.flags]
         return f"registers: {', '.join(told)}" if told else ""
 

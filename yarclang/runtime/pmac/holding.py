@@ -26,8 +26,9 @@ class Holding:
     """The holds of one job.
 
     Attributes:
-        refilling: whether the job is held only until its rotary is full again.
-        way_out: the way on which the robot leaves when a person resumes; empty: the motion goes on.
+        refilling: True if the job is held only until its rotary is full again.
+        way_out: name of the way out by which the robot leaves when a person resumes; empty if the motion
+            continues.
     """
 
     def __init__(self, operation: Operation, job: Job, rotary: Rotary) -> None:
@@ -71,7 +72,7 @@ class Holding:
     def for_low_water(self) -> Script[None]:
         """Hold because few lines are ahead; the next step refills the buffer and resumes.
 
-        A hold by the guard PLC, if it was faster, is handled in the same way.
+        If the guard PLC was faster and has held the motion, its hold is handled in the same way.
         """
         operation, feed = self.operation, self._rotary.feed
         ahead = feed.at_least(operation.now)
@@ -80,13 +81,15 @@ class Holding:
         self.refilling = True
 
     def look_at(self, rests: bool) -> Script[None]:
-        """Check, long after a hold, that nobody else moves the robot.
+        """Check, some time after a hold, that no other client moves the robot. The first motion is answered
+        by another hold.
 
         Args:
-            rests: whether no motor has a desired velocity.
+            rests: True if no motor has a desired velocity.
 
         Raises:
-            Trouble: it moves on though it was held again, as a jog does: it was aborted.
+            Trouble: the robot still moves after the second hold, for example because of a jog. It was
+                aborted.
         """
         operation = self.operation
         if rests:
@@ -110,8 +113,8 @@ class Holding:
         )
 
     def for_others(self, told: str) -> Script[None]:
-        """Hold because another client has changed what was proved, until the change is undone and a person
-        resumes.
+        """Hold because another client has changed a value that the proof depends on. The hold lasts until the
+        change is undone and a person resumes.
 
         Raises:
             Trouble: the run is unattended, so nobody can resume it.
@@ -138,7 +141,7 @@ class Holding:
     def by_guard(self, flow: Flow) -> Script[None]:
         """Refill the buffer and resume after the controller's own guard has held on the path."""
         operation, controller = self.operation, turbo_pmac(self._job.robot)
-        # whoever has set the flag, this holds
+        # hold in any case: another client may have set the flag
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         if flow.watched == HELD:
             silence = (
@@ -154,12 +157,13 @@ class Holding:
         self.refilling = True
 
     def for_input(self, told: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
-        """Hold the motion for a watched input, or don't begin it, until the input allows it and a person
-        resumes.
+        """Hold the motion for a watched input, or don't begin it. The hold lasts until the input allows
+        motion and a person resumes.
 
         Args:
             told: the input and its state, in words.
-            way_out: the way on which the robot leaves instead of going on; empty: none.
+            way_out: name of the way out by which the robot leaves instead of continuing; empty if there is
+                none.
             moves: True if the program has begun.
 
         Raises:
@@ -180,7 +184,7 @@ class Holding:
         self.operation.remark(f"{told}; when that is over, Enter or `yarc resume` {goes_on}", warning=True)
 
     def by_nobody(self) -> None:
-        """Report that nothing moves although lines are ahead; a person has to resume.
+        """Report that nothing moves although lines are ahead, so that a person has to resume.
 
         Raises:
             Trouble: nobody is there.
@@ -206,7 +210,7 @@ class Holding:
             Left: an input has held the motion, and the robot leaves instead.
         """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
-        # An order that came while an input holds the motion stays refused, even if the input changes
+        # A resume that came while an input holds the motion stays refused, even if the input changes
         # meanwhile.
         if self._job.watches and self._stays_held((yield from self._rotary.ask())):
             return
@@ -235,7 +239,7 @@ class Holding:
             yield from operation.ask(wanted)
         yield from self._outputs.restore(operation, feed.sent - feed.at_most)
         if operation.slept:
-            return  # on the way here
+            return  # this process was suspended meanwhile
         if self._told:
             yield from operation.ask(f"%{100.0 * operation.override:g}")
         yield from supervision.begin()
@@ -246,7 +250,7 @@ class Holding:
         operation.go(Event.RESUME)
 
     def _stays_held(self, flow: Flow) -> bool:
-        """Return True, and report it, if a watched input holds the motion."""
+        """Return True if a watched input still holds the motion, and report this."""
         told = self._supervision.held_by(flow)
         if told:
             self.refilling = False
@@ -254,7 +258,7 @@ class Holding:
         return bool(told)
 
     def _stay_held(self, told: str) -> Script[None]:
-        """Stay held because a change isn't undone, and report it again."""
+        """Stay held because a change was not undone, and report the change again."""
         self.refilling = False
         self._told.clear()
         yield from self.for_others(told)

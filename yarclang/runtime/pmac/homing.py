@@ -1,9 +1,9 @@
 """The controller's own home search (HM) of one motor, watched from this computer and from inside the
 controller. No I/O.
 
-A search isn't proved. It continues in the controller even if this computer fails, and no hold stops
-it. So a PLC stops the search when it has received nothing for the watchdog time of a run. The PLC is tested
-before each search.
+A search isn't proved. It continues in the controller even if this computer fails, and no hold stops it. A PLC
+therefore stops the search if it has received nothing for the watchdog time of a run. The PLC is tested before
+each search.
 """
 
 from __future__ import annotations
@@ -35,13 +35,15 @@ _RESERVE, _MORE = 1.5, 5.0
 _TRIAL, _BITES = 0.06, 0.5
 _EACH = 0.02
 _BEGINS = 0.1
-"""Time after which a motor that isn't searching has ended its search [s]."""
+"""Time after the start from which a motor that isn't searching has ended its search [s]."""
 
 _RESTS = 5.0
 
 
 def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...]]:
-    """Ask what home searches of a robot's motors would do. Nothing moves."""
+    """Ask for the speeds of home searches, and return what the search of each motor would do. Nothing
+    moves.
+    """
     motors = robot.controller.motors
     rates = yield from operation.numbers("".join(motor_variable(one, 23) for one in motors), len(motors))
     words = yield from motor_statuses(operation, robot)
@@ -99,7 +101,7 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
 
 
 def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Let a motor search its home, until the home is found or someone orders the end.
+    """Let a motor search its home, until the home is found or a person orders the end.
 
     Args:
         operation: the run.
@@ -107,7 +109,7 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
         motor: number of the motor.
 
     Raises:
-        Trouble: the search isn't started, or has ended without the home; the motor is at rest then.
+        Trouble: the search was not started, or has ended without finding the home. The motor is at rest.
         Lost: the connection is no longer usable; the controller's PLC ends the search.
     """
     yield from check_rest(operation, robot)
@@ -136,13 +138,13 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
 
 
 def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
-    """Return the statements of the PLC that stops a search when this computer falls silent."""
+    """Return the statements of the PLC that stops a search if this computer falls silent."""
     timer = watchdog(turbo_pmac(robot).coordinate_system)
     return (f"IF({HOMING}=1)", f"IF({timer}<0)", f"{HOMING}=2", f'CMD"#{motor}J/"', "ENDIF", "ENDIF")
 
 
 def _check_free(operation: Operation) -> Script[None]:
-    """Check that the number of the PLC that stops a search is free, or used by one that a failed computer has
+    """Check that the PLC number for stopping a search is free, or has a PLC that a failed computer has
     left there.
     """
     try:
@@ -156,7 +158,7 @@ def _check_free(operation: Operation) -> Script[None]:
 
 
 def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Load the PLC that stops a search, and test it: it must act when the timer has run down. The motor is at
+    """Load the PLC that stops a search, and test that it acts when the timer has run down. The motor is at
     rest, so nothing is stopped.
     """
     for line in (
@@ -255,6 +257,8 @@ def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
 
 
 def end_search(operation: Operation) -> Script[None]:
-    """End a search on a new connection: its PLC has ended it, unless the connection was back at once."""
+    """End a search on a new connection. Its PLC has already ended it, unless the connection was back at
+    once.
+    """
     yield from operation.abort()
     operation.searches = False

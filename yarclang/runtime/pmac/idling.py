@@ -16,9 +16,9 @@ STATUS_EACH = 0.1
 
 
 def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Script[None]:
-    """Report where the robot is, until something is wanted; a new order wakes the session.
+    """Report where the robot is, until something is wanted. A new order wakes the session.
 
-    A motor that can't move is a fault, which is reported once; afterwards the motors are only watched. Orders
+    A motor that can't move is a fault. It is reported once; afterwards the motors are only watched. Orders
     have no effect here, and are discarded.
 
     Args:

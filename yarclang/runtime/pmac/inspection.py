@@ -1,5 +1,5 @@
-"""Inspection of a controller before anything moves: questions, found and required values, and the remedy if
-these differ.
+"""Inspection of a controller before anything moves: questions, found and required values, and the remedy for
+each difference.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _EARLIEST = 0.9
 """Share of `_TRIAL` during which the PLC must not hold."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
-"""Relative tolerance of the counts per unit: over a whole turn it is less than a count."""
+"""Relative tolerance of the counts per unit; over a whole turn, it amounts to less than a count."""
 
 _BIT = re.compile(r"(?<=,\d\d),1$|(?<=,\d),1$")
 _NUMBER = re.compile(r"\$[0-9A-F]+|\d+\.?\d*|\.\d+")
@@ -50,7 +50,7 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
     """
     operation.slowest = 0.0
     with contextlib.suppress(Refused):
-        # A buffer that someone left open on this port would store the questions.
+        # If another client left a buffer open on this port, the buffer would store the questions.
         yield from operation.ask("CLOSE")
     checked = [(yield from _kind(operation))]
     running = yield from _idle(operation, robot)
@@ -72,7 +72,7 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
 
 def _kind(operation: Operation) -> Script[Checked]:
-    """Ask for CID, and for TYPE if the CID is unknown."""
+    """Ask for CID, and also for TYPE if the CID is unknown."""
     try:
         identity = yield from operation.one("CID")
         name = yield from operation.one("TYPE")
@@ -86,7 +86,7 @@ def _kind(operation: Operation) -> Script[Checked]:
 
 
 def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
-    """Check that no program runs in the coordinate system or was left in the middle."""
+    """Check that no program runs in the coordinate system, and that none was interrupted in the middle."""
     status = yield from system_words(operation, robot)
     motors = yield from motor_statuses(operation, robot)
     subject = f"coordinate system {turbo_pmac(robot).coordinate_system}"
@@ -103,7 +103,7 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Group items into lines: only numbers can be asked for together."""
+    """Group items into lines. Only questions with a number as answer can share a line."""
     line: list[Item] = []
     for item in items:
         together = item.kind in ("number", "bits")
@@ -179,7 +179,7 @@ def _same_text(found: str, wanted: str) -> bool:
 
 
 def _same_definition(found: str, wanted: str) -> bool:
-    """Return True if two axis definitions agree, with the terms in any order, and an omitted factor as 1."""
+    """Return True if two axis definitions agree. Terms may be in any order, and a missing factor is 1."""
     one, other = _terms(found), _terms(wanted)
     return one.keys() == other.keys() and all(
         abs(one[axis] - other[axis]) <= _EXACT * max(1.0, abs(other[axis])) for axis in one
@@ -187,8 +187,8 @@ def _same_definition(found: str, wanted: str) -> bool:
 
 
 def _terms(text: str) -> dict[str, float]:
-    """Return the counts by axis, with the offset at ''. Text that isn't a term gets a key of its own, so that
-    it equals nothing else.
+    """Return the counts by axis, with the offset under ''. Text that isn't a term gets a key of its own, so
+    that it equals no other term.
     """
     terms: dict[str, float] = {}
     text = re.sub(r"\s", "", text.upper())
@@ -254,10 +254,10 @@ def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
 
 
 def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
-    """Arm the guard PLC while the rotary is empty: the PLC must hold at once.
+    """Arm the guard PLC while the rotary is empty, and check that the PLC holds at once.
 
-    The abort afterwards lifts the hold; motors that are closed-loop and at rest don't notice. Leftover lines
-    of a program that no one runs any more are deleted.
+    The abort afterwards lifts the hold; motors that are closed-loop and at rest aren't affected by it.
+    Leftover lines of a program that is no longer run are deleted.
     """
     system = turbo_pmac(robot).coordinate_system
     subject = f"guard PLC {GUARD_PLC}"
@@ -286,11 +286,11 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
-    """Let the guard PLC watch this computer.
+    """Let the guard PLC watch this computer, and check that it holds.
 
-    It must hold when the timer has run down, and not before, and its heartbeat must be seen by PLC 0. Then
-    the longest silence of this computer is chosen from the slowest reply of the inspection, unless a person
-    has set it.
+    It must hold when the timer has run down, and not before, and PLC 0 must see its heartbeat. Then the
+    longest silence of this computer is chosen from the slowest reply of the inspection, unless a person has
+    set it.
     """
     controller = turbo_pmac(robot)
     remedy = f"download `yarc settings {robot.name}` and SAVE"
@@ -300,7 +300,7 @@ def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]
     yield from operation.ask(f"{wound} {WATCHED}=1")
     yield Wait(operation.now + _TRIAL / 2.0)
     again = operation.now
-    # As for each question of a run, the timer restarts, unless this computer is late.
+    # Restart the timer, as each question of a run does, unless this computer is late.
     (flag,) = yield from operation.numbers(f"{wound} {WATCHED}", 1)
     since = again if flag == 1.0 else since
     while flag == 1.0 and operation.now - since < _GUARD_TIME:

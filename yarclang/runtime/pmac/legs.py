@@ -1,4 +1,4 @@
-"""Stream the legs of a program with barriers; at a barrier the robot stands until it may go on. No I/O."""
+"""Stream the legs of a program with barriers. At a barrier the robot stands until it may continue. No I/O."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ Perform = Callable[[Operation, Job], Script[Ended]]
 
 @frozen(eq=False)
 class _Standing:
-    """The robot standing at a barrier.
+    """The position of a robot that stands at a barrier.
 
     Attributes:
         barrier: the barrier.
         joints: (n,) joint positions [rad or m].
-        done: program time, with the branches of a WHEN one after the other [s].
-        clock: program time, with both branches of a WHEN at once [s].
+        done: program time, with the branches of a WHEN in sequence [s].
+        clock: program time, with both branches of a WHEN in parallel [s].
     """
 
     barrier: Barrier
@@ -60,12 +60,12 @@ class _Standing:
 
 
 def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[Ended]:
-    """Stream the legs of a job; at a barrier wait, or choose a branch.
+    """Stream the legs of a job; at each barrier, wait or choose a branch.
 
     Args:
         operation: the run.
-        job: with legs.
-        perform: runs a job without any.
+        job: a job with legs.
+        perform: runs a job without legs.
     """
     place: int | None = 0
     held = Held.of(job)
@@ -129,8 +129,8 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
                 case "loop":
                     held.loops[before] = Passes(len(ways), barriers)
                 case "next":
-                    # all is as in front of the pass that has ended: what was done in it needn't be known any
-                    # more
+                    # restore the counts from before the loop: nothing from the pass that has ended is needed
+                    # any more
                     loop = held.loops[place - 1]
                     ways, barriers = ways[: loop.ways], loop.barriers
             continue
@@ -144,7 +144,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
 
 
 def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
-    """Report the registers of a run that ends early, since they aren't kept."""
+    """Report the registers of a run that ends early, since only KEPT registers keep their values."""
     if held.in_words():
         kept = [one.name for one in job.registers if one.kept]
         but = f", but for {', '.join(kept)}" if kept else ""
@@ -156,8 +156,16 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
 def _pass(
     operation: Operation, job: Job, place: int, barrier: Barrier, held: Held, stands: Array
 ) -> Script[int]:
-    """Pass a barrier at which the robot stands (n,) [rad or m]: wait, decide, begin another pass of a loop,
-    teach, or change a register.
+    """Pass a barrier at which the robot stands: wait, decide, begin another pass of a loop, teach, or change
+    a register.
+
+    Args:
+        operation: the run.
+        job: the job with its legs.
+        place: number of the leg that ends at the barrier.
+        barrier: the barrier.
+        held: registers, inputs and loops of the run.
+        stands: (n,) the robot's joint positions [rad or m].
 
     Returns:
         The number of the next leg.
@@ -205,8 +213,8 @@ def _pass(
 
 
 def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Script[int]:
-    """Go back to the first leg of a loop, and carry out orders. A pass without motion takes some time as
-    well.
+    """Go back to the first leg of a loop, and carry out orders. A pass without motion waits for `LOOK`, so
+    that an empty loop doesn't keep this process busy.
     """
     holds = any(isinstance(order, Hold) for order in operation.orders)
     if not (yield from obey(operation)) and holds:
@@ -218,7 +226,7 @@ def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Scrip
     loop = held.loops[head]
     if loop.moved:
         label = job.legs[head].barrier
-        assert label is not None  # a loop begins at one
+        assert label is not None  # a loop begins at a barrier
         operation.remark(f"{title(label)}: pass {loop.number} is done", begins_pass=True)
         loop.number, loop.moved = loop.number + 1, False
     else:
@@ -227,7 +235,7 @@ def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Scrip
 
 
 def _in_front(legs: tuple[Leg, ...], place: int) -> int:
-    """Return the leg before the innermost loop around a barrier."""
+    """Return the number of the leg before the innermost loop around a barrier."""
     depth = 0
     for number in range(place - 1, -1, -1):
         barrier = legs[number].barrier
@@ -239,8 +247,8 @@ def _in_front(legs: tuple[Leg, ...], place: int) -> int:
 
 
 def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
-    """Decide a WHEN. Each input is read once; all branches of a CASE are decided by the values read at the
-    first.
+    """Decide a WHEN. Each input is read once; all branches of a CASE are decided by the values read for the
+    first branch.
     """
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
     if barrier.timeout is not None:
@@ -256,7 +264,7 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
     taken = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
     if held.flags.intersection(registers_of(barrier.decided)):
-        return holds  # what was found was told
+        return holds  # the search or OFFSET has reported this already
     if barrier.word in COUNTED:
         (counted,) = registers_of(barrier.decided)
         left = max(held.registers[counted], 0)
@@ -274,7 +282,9 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
 
 
 def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
-    """Report a decision; in a loop only if it has changed or something has moved since the last pass."""
+    """Report a decision. In a loop, it is reported only if it has changed or something has moved since the
+    last pass.
+    """
     place = f"{barrier.label} {barrier.source_line}"
     if held.said.get(place) != text:
         operation.remark(f"{title(barrier)}: {text}")
@@ -282,13 +292,14 @@ def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
 
 
 def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
-    """Return the leg after the next barrier of the same block that has one of some kinds.
+    """Return the number of the leg after the next barrier of the same block that is of one of the given
+    kinds.
 
     Args:
-        legs: of the job.
-        place: of the leg whose barrier begins the block.
+        legs: the legs of the job.
+        place: number of the leg whose barrier begins the block.
         opens: kind of barrier that begins such a block.
-        kinds: kinds that are looked for; the last one ends the block.
+        kinds: kinds of barriers to look for; the last one ends the block.
     """
     depth = 0
     for number in range(place + 1, len(legs)):
@@ -304,7 +315,7 @@ def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
 
 
 def _ended(operation: Operation, job: Job, here: _Standing, event: Event, why: Trouble) -> Script[Ended]:
-    """End the run at rest: leave the controller in a known state, with outputs safe."""
+    """End the run at rest: leave the controller in a known state, and set outputs to their safe values."""
     operation.orders.clear()
     barrier, joints, what = here.barrier, here.joints, why.what
     try:
@@ -331,7 +342,7 @@ def _ended(operation: Operation, job: Job, here: _Standing, event: Event, why: T
 
 
 def _lost(operation: Operation, here: _Standing, why: str) -> Ended:
-    """End the run after the connection was lost at rest; the robot stays at rest."""
+    """End the run after the connection was lost while the robot was at rest; the robot stays at rest."""
     what = f"the connection was lost: {why}"
     remedy = "the robot stands; find out why, run `yarc doctor`, then go on with --from"
     operation.go(Event.LOST, what, LOST, remedy)

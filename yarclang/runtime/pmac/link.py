@@ -1,4 +1,6 @@
-"""Measurement of the link's and the controller's speed, and of how the controller counts refused lines."""
+"""Measurement of the speed of the link and of the controller, and of how the controller numbers refused
+lines.
+"""
 
 from __future__ import annotations
 

@@ -1,13 +1,13 @@
-"""Streaming a motion whose lines are made while it is running: jogs, velocities, a master that is followed.
-No I/O.
+"""Streaming of a motion whose lines are computed while the robot moves: jogs, velocities, and following a
+master. No I/O.
 
 The buffer always holds as many lines as the guard PLC needs for a hold on the path, plus an allowance for a
-late host. So the buffer never runs empty in motion, and a new order takes effect later by that much. A stop
-doesn't wait: it is a hold, and the remaining lines are discarded.
+late host. It therefore never runs empty in motion, and a new order takes effect later by the duration of
+these lines. A stop doesn't wait: it is a hold, and the remaining lines are discarded.
 
 The motion begins at the commanded position of the motors, and was proved from there; no RAPID leads to a
-start. So the last question before R asks for that position again. One reply lies between both, and R is
-refused while a motor jogs (ERR011).
+start. The last question before R therefore asks for that position again. There is one reply between the two,
+and R is refused while a motor jogs (ERR011).
 """
 
 from __future__ import annotations
@@ -34,22 +34,24 @@ from yarclang.runtime.pmac.watching import look_at_motors, look_whether_astray, 
 from yarclang.runtime.state import Event
 
 _LATE = 1
-"""Lines beyond the guard's minimum at which this host holds, earlier than the guard."""
+"""Number of lines above the guard's minimum at which this host holds, so that it holds earlier than the
+guard.
+"""
 
 _SHORTEST, _SEGMENTS, _LONGEST = 0.008, 1.5, 0.016
 """Time between two reads of the buffer: `_SEGMENTS` segments, within the bounds `_SHORTEST` and `_LONGEST`
 [s].
 
-Each wake-up costs this process more time than the replies do, so questions that are due within half of that
-time are asked as well.
+Waking up costs this process more time than a reply does. Questions that are due within half of this time are
+therefore asked in the same turn.
 """
 
 
 class LiveStream:
-    """A live motion on its way through the rotary.
+    """A live motion that is streamed through the rotary.
 
     Attributes:
-        job: the job as performed; at the end with the place and time of its end.
+        job: the job as performed; after the end, it has the place and time of the end.
         begun: True once something has moved.
     """
 
@@ -80,18 +82,18 @@ class LiveStream:
 
     @property
     def left(self) -> int:
-        """Return the lines that the controller hasn't received yet: 1 until the source has ended, since their
-        number isn't known.
+        """Return the number of lines that the controller hasn't received yet. It isn't known before the
+        source has ended; until then the result is 1.
         """
         return 0 if self._source.ended else 1
 
     def run(self) -> Script[None]:
-        """Load the first lines, then follow the orders, until the text ends.
+        """Load the first lines, then carry out orders until the text ends.
 
         Raises:
-            Stopped: someone has ended it; the motion may still be going on.
+            Stopped: a person has ended the motion, which may still be in progress.
             Trouble: the robot is no longer at its start, so nothing moves; or the motion can't continue, and
-                may still be going on.
+                may still be in progress.
             Lost: the connection is no longer usable.
         """
         operation, job = self.operation, self.job
@@ -139,7 +141,8 @@ class LiveStream:
                 yield from self._hold("no target comes any more")
                 raise Stopped(abort=False)
             if self._ahead < loading_of(self.job).low + _LATE:
-                # Further lines would come too late: come to rest on the path, while there is enough of it.
+                # Further lines would come too late: come to rest on the path, while enough lines for this are
+                # ahead.
                 yield from self._hold(f"low water: {self._ahead} lines ahead")
                 operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
                 raise Stopped(abort=False)
@@ -170,8 +173,8 @@ class LiveStream:
         yield from look_whether_astray(operation, job.robot, off)
 
     def _fill(self, lead: int) -> Script[None]:
-        """Keep `lead` lines ahead. At the end of the text, add lines so that the guard can be disarmed before
-        its limit.
+        """Keep `lead` lines ahead. At the end of the text, add lines, so that the guard is disarmed before
+        the number of lines falls to its limit.
         """
         source = self._source
         wanted = lead - self._ahead
@@ -181,7 +184,8 @@ class LiveStream:
         self._moves += len(lines)
         if source.ended:
             stand = lines[-1] if lines else ""
-            # When the flag is set, more lines must be ahead than the guard requires.
+            # When the line that disarms the guard is executed, more lines must still be ahead than the guard
+            # requires.
             behind = (stand,) * (loading_of(self.job).low + AHEAD + _LATE if stand else 0)
             lines = (*lines, f"{ARMED}=0", *behind)
         yield from self._write(lines)
@@ -212,11 +216,11 @@ class LiveStream:
         return flow
 
     def _look_at(self, flow: Flow) -> Script[None]:
-        """Check that nothing has changed; a live motion that the controller holds isn't continued.
+        """Check that nothing has changed. A live motion that the controller holds isn't continued.
 
         Raises:
             Stopped: the guard or the watchdog has held the motion.
-            Trouble: someone else has changed something that was proved.
+            Trouble: another client has changed something that was proved.
         """
         if HELD in (flow.armed, flow.watched):
             silence = (
@@ -242,12 +246,14 @@ class LiveStream:
     # orders
 
     def _obey_at_rest(self) -> None:
-        """Obey orders before anything moves: a stop ends the run at once."""
+        """Carry out orders before anything moves: a stop ends the run at once."""
         if any(isinstance(order, URGENT) for order in self.operation.orders):
             raise Stopped(abort=False)
 
     def _obey(self) -> Script[None]:
-        """Obey orders. A hold ends a live motion, as a stop does: an old order must not be resumed later."""
+        """Carry out orders. A hold ends a live motion, as a stop does: an old order must not be resumed
+        later.
+        """
         operation, orders = self.operation, self.operation.orders
         while orders:
             order = orders.popleft()

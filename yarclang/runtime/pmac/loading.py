@@ -1,4 +1,4 @@
-"""Additional facts about a job for a rotary buffer."""
+"""Facts about a job that only a rotary buffer needs."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from yarclang.runtime.job import Job
 
 @dataclass(frozen=True, slots=True)
 class Loading:
-    """The loading of a rotary buffer.
+    """Data for loading a rotary buffer.
 
-    `setup` are the lines before it is opened, one command each; `words` is its size; `low` is the number of
-    lines below which the guard PLC holds (I16), and `full` the number from which the buffer counts as full
-    (I17).
+    `setup` are the lines before the buffer is opened, one command each. `words` is its size. `low` is the
+    number of lines below which the guard PLC holds (I16), and `full` the number from which the buffer counts
+    as full (I17).
     """
 
     setup: tuple[str, ...]
@@ -24,13 +24,13 @@ class Loading:
 
 
 def loading_of(job: Job) -> Loading:
-    """Return how the rotary buffer of a job is loaded."""
+    """Return the data for loading a job into the rotary buffer."""
     assert isinstance(job.own, Loading)
     return job.own
 
 
 def capacity_of(robot: Robot, words: int) -> int:
-    """Return how many lines surely fit into a rotary of `words` words: a line takes a word per axis and two
-    for statements between the lines.
+    """Return the number of lines that surely fit into a rotary of `words` words. A line takes a word per
+    axis, and two words for statements between the lines.
     """
     return words // (len(robot.controller.axes) + 2)

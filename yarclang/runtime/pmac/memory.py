@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question in one line: for each part, its name and its text."""
+    """A question in one line. Each part of it has a name and a text."""
 
     subjects: tuple[str, ...]
     parts: tuple[str, ...]
@@ -43,15 +43,15 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Answers of the controller at inspection: `often` is asked every second, and of `seldom` one question
-    every second.
+    """Answers of the controller at inspection. All questions of `often` are repeated every second, and one
+    question of `seldom`.
     """
 
     often: tuple[Remembered, ...] = ()
     seldom: tuple[Remembered, ...] = ()
 
     def value(self, variable: str) -> str:
-        """Return the printed value of a variable; empty if it wasn't asked for."""
+        """Return the printed value of a variable; empty if no question of `often` asks for it."""
         for one in self.often:
             if variable in one.question.parts:
                 return one.reply[one.question.parts.index(variable)]
@@ -59,6 +59,6 @@ class Memory:
 
 
 def _named(subject: str) -> str:
-    """Return a name with its explanation in brackets, so that the sentence can continue after it."""
+    """Return a name with its explanation in brackets, as a sentence needs it."""
     name, comma, what = subject.partition(", ")
     return f"{name} ({what})" if comma else name

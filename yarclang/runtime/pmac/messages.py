@@ -31,8 +31,8 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """Execute lines up to the first error (WRITEBUFFER). Answered by `Written`. `fitting` tells
-    how many fit.
+    """Execute lines up to the first error (WRITEBUFFER). Answered by `Written`. `fitting` returns how many
+    lines fit.
     """
 
     lines: tuple[str, ...]
@@ -40,7 +40,7 @@ class Write:
 
 @dataclass(frozen=True, slots=True)
 class Send:
-    """Execute a line; its reply waits at the controller (SENDLINE). Answered by `Taken`."""
+    """Execute a line and leave its reply at the controller (SENDLINE). Answered by `Taken`."""
 
     line: str
 
@@ -57,7 +57,7 @@ class IsReady:
 
 @dataclass(frozen=True, slots=True)
 class Flush:
-    """Discard what waits at the controller (FLUSH). Answered by `Taken`."""
+    """Discard replies that wait at the controller (FLUSH). Answered by `Taken`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Busy:
-    """A single NUL instead of a reply: the controller is busy (for example with SAVE), or nothing was
+    """A single NUL instead of a reply: the controller is busy (for example with SAVE), or no reply was
     waiting.
     """
 
@@ -101,9 +101,10 @@ class Busy:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """All lines were taken (`error` is None), or the lines before `line` were taken, and `line` was refused.
+    """The controller has taken all lines (`error` is None), or the lines before `line`, and has refused
+    `line`.
 
-    `line` is numbered by the controller. It isn't known if a real controller begins with 0 or 1; the
+    `line` is the controller's number of the line. It isn't known if a real controller begins with 0 or 1; the
     simulator begins with 1.
     """
 

@@ -17,7 +17,7 @@ PATIENCE = 2.0
 """Longest time that a controller may be busy with something else [s]."""
 
 _AGAIN = 0.02
-"""Pause before a busy controller is asked again [s]."""
+"""Pause before a question to a busy controller is repeated [s]."""
 
 _ODD_REPLY = "somebody else may use this controller; run `yarc doctor`"
 
@@ -41,7 +41,8 @@ class Operation(operation.Operation):
 
     Attributes:
         patience: longest time that the controller may be busy [s].
-        settled: time before which no motor's rest counts [s]: the time base may still be on its way to 0.
+        settled: time before which a motor at rest doesn't count as at rest [s]: the time base may still be
+            changing to 0.
         memory: answers of the controller at inspection.
         motors: the motors' last status words, in the robot's order.
         beat: time between two beats of the guard PLC [s].
@@ -57,7 +58,7 @@ class Operation(operation.Operation):
         self.beat = 0.0
 
     def ask(self, line: str) -> Script[tuple[str, ...]]:
-        """Return the items of a reply. A busy controller is asked again.
+        """Return the items of a reply. If the controller is busy, the question is repeated.
 
         Raises:
             Interrupted: an order in `watch` has come; the line isn't executed.
@@ -128,18 +129,18 @@ class Operation(operation.Operation):
             raise _lost(event)
 
     def write(self, lines: tuple[str, ...]) -> Script[Written]:
-        """Write lines by WRITEBUFFER; the event says if all were taken."""
+        """Write lines by WRITEBUFFER; the returned event says if all of them were taken."""
         self.give_way()
         event = yield Write(lines)
         if not isinstance(event, Written):
             raise _lost(event)
         return event
 
-    # stops: they don't give way
+    # stops: they are sent even if an order in `watch` has come
 
     def hold(self, system: int, within: float) -> Script[None]:
-        """Send H to a coordinate system, which brings its time base to 0 on the path. If H isn't taken, hold
-        all.
+        """Send H to a coordinate system, which brings its time base to 0 on the path. If the controller
+        doesn't accept H, hold all coordinate systems.
 
         Args:
             system: number of the coordinate system.
@@ -150,7 +151,7 @@ class Operation(operation.Operation):
             case Answer(error=None):
                 self.settled = self.now + within
             case Answer() | Busy():
-                # Control characters are taken at any time.
+                # The controller accepts control characters at any time.
                 yield from self.hold_all(within)
             case _:
                 raise _lost(event)
@@ -184,7 +185,7 @@ def number_in(text: str) -> float:
 
 
 def _lost(event: object) -> Lost:
-    """Return why the connection is no longer usable."""
+    """Return the reason why the connection is no longer usable."""
     return TooLate(_reason(event)) if isinstance(event, Late) else Lost(_reason(event))
 
 

@@ -1,4 +1,6 @@
-"""Outputs of a program: their safe values at any stop, hold or fault, and their values before. No I/O."""
+"""Outputs of a program: their safe values at any stop, hold or fault, and their values before the program.
+No I/O.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ from yarclang.runtime.pmac.operation import Operation
 class Outputs:
     """The outputs that a job has declared with a safe value.
 
-    The value of an output is derived from the executed lines, not asked for: the controller's own guard may
-    already have set it to its safe value.
+    The value of an output is derived from the executed lines. Asking the controller wouldn't help: its guard
+    may already have set the output to its safe value.
     """
 
     def __init__(self, job: Job) -> None:
@@ -21,7 +23,7 @@ class Outputs:
         self._secured = False
 
     def remember(self, operation: Operation) -> Script[None]:
-        """Ask for the values before the job. No buffer may be open on this port."""
+        """Ask for the values of the outputs before the job. No buffer may be open on this port."""
         for variable in self._safe:
             (value,) = yield from operation.numbers(variable, 1)
             self._before[variable] = value

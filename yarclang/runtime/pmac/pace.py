@@ -1,5 +1,5 @@
-"""Measuring how fast a controller's time passes. It passes as this computer's does, except on a simulator at
-another rate. No I/O.
+"""Measure how fast the controller's time passes: as fast as this computer's, except on a simulator at another
+rate. No I/O.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ OTHER_PACE_REMEDY = (
 )
 
 _WOUND_UP = 60.0
-"""Time to which the watchdog is set for the measurement [s of the controller]. No simulator's clock advances
-by as much meanwhile.
+"""Time to which the watchdog is set for the measurement [s of the controller]. It is so long that no
+simulator's clock reaches its end meanwhile.
 """
 
 _MEASURED = 0.2

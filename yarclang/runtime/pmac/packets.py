@@ -1,4 +1,4 @@
-"""Requests as packets, and replies of a fixed size as events."""
+"""Conversion of requests to packets, and of replies with a fixed size to events."""
 
 from __future__ import annotations
 
@@ -75,7 +75,9 @@ def encode(request: Request) -> bytes:
 
 
 def fitting(lines: Sequence[str], first: int = 0, beside: Sequence[str] = ()) -> int:
-    """Return how many lines from `first` on one `Write` can carry, with the lines `beside` them."""
+    """Return the number of lines, from number `first` on, that one `Write` can carry together with the lines
+    `beside` them.
+    """
     size = sum(len(line) + 1 for line in beside)
     for count, line in enumerate(lines[first : first + pmac.MOST_LINES // 2]):
         size += len(line) + 1
@@ -106,7 +108,7 @@ def _in_memory(offset: int, size: int, most: int) -> None:
 
 
 def reply_size(request: Request) -> int:
-    """Return the size of a reply whose size the request determines [bytes]."""
+    """Return the size of a reply [bytes], for requests that determine it."""
     match request:
         case Write():
             return 4
@@ -119,7 +121,7 @@ def reply_size(request: Request) -> int:
 
 
 def fixed_event(request: Request, data: bytes) -> Event:
-    """Parse a reply of that size."""
+    """Parse a reply of fixed size."""
     match request:
         case Write(lines):
             # Low byte first: the line's number in bytes 0 and 1, the error in byte 2, the flag in byte 3.

@@ -42,19 +42,19 @@ from yarclang.runtime.standing import described
 from yarclang.runtime.state import Event, State
 
 AGAIN_FOR = 10.0
-"""Time during which a lost connection is retried [s]."""
+"""Longest time for which a new connection is tried after one was lost [s]."""
 
 _AGAIN_EACH = 0.5
 
 _HELD_WITHIN = 3.0
-"""Time to wait for rest after a hold [s], besides four hold times. A robot that still moves then can't be
-stopped by a hold.
+"""Time to wait for rest after a hold [s], in addition to four hold times. If the robot still moves then, a
+hold can't stop it.
 """
 
 _ABORTED = "aborted: off its path"
 
 _MOTOR_FAULT = "Y1602"
-"""A motor can't move: someone may have changed its limits."""
+"""Code of the finding that a motor can't move; another client may have changed the motor's limits."""
 
 _PATIENCE_AT_REST = 10.0
 """Longest time that a controller may be busy when it is only asked where the robot stands [s]."""
@@ -64,7 +64,7 @@ def connect(operation: Operation) -> Script[None]:
     """Make a connection and set the format of its replies.
 
     Raises:
-        Trouble: the controller can't be reached, or doesn't talk as a PMAC does.
+        Trouble: the controller can't be reached, or doesn't answer as a PMAC does.
     """
     outcome = yield Connect()
     if isinstance(outcome, Unreachable):
@@ -87,15 +87,15 @@ def connect(operation: Operation) -> Script[None]:
 
 
 def _greet(operation: Operation) -> Script[None]:
-    """Set the format of replies. An open rotary, left by a run that has died, would store the
-    line instead.
+    """Close the rotary, and set the format of replies. A rotary that a dead run has left open would store
+    the line.
     """
     yield from operation.control(CLOSE_ROTARY)
     yield from operation.ask(GREETING)
 
 
 def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
-    """Inspect the controller before anything moves. If all is well, a fault is cleared.
+    """Inspect the controller before anything moves. If nothing is wrong, a fault is cleared.
 
     Args:
         operation: the run.
@@ -103,7 +103,7 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
         items: settings to compare.
 
     Raises:
-        Trouble: it can't be inspected.
+        Trouble: the controller can't be inspected.
     """
     try:
         found = yield from inspect(operation, robot, items)
@@ -118,7 +118,7 @@ def measured(operation: Operation, robot: Robot) -> Script[Measured]:
     """Measure the link.
 
     Raises:
-        Trouble: it can't be measured.
+        Trouble: the link can't be measured.
     """
     try:
         return figures((yield from measure(operation, len(robot.controller.axes))))
@@ -129,7 +129,7 @@ def measured(operation: Operation, robot: Robot) -> Script[Measured]:
 def perform(operation: Operation, job: Job) -> Script[Ended]:
     """Run a job on a controller that was inspected.
 
-    In any case, the robot is at rest at the end, or the result states that this isn't known.
+    At the end the robot is at rest, or the result states that this isn't known.
     """
     if operation.state is not State.STOP:
         what = f"nothing is begun in state {operation.state.value}"
@@ -162,7 +162,7 @@ def perform_live(operation: Operation, live: Live) -> Script[Ended]:
 
 
 def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """Run a stream to its end, or to rest."""
+    """Run a stream to its end. If it is ended early, bring the robot to rest."""
     try:
         yield from stream.run()
     except (Found, Left) as reason:
@@ -190,7 +190,7 @@ def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -
     Args:
         operation: the run.
         stream: the motion.
-        way: the way on which the robot leaves; empty: a search has found its input.
+        way: name of the way out by which the robot leaves; empty if a search has found its input.
     """
     try:
         joints, aborted = yield from _end_at_rest(operation, stream.job.robot)
@@ -224,7 +224,7 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
     what, remedy = why.what, why.remedy
     try:
         if event is Event.FAULT and operation.state is State.MOVE:
-            # Better rest on the path, some lines later, than let the buffer run empty.
+            # Hold on the path now, although some lines are left: without a hold the buffer would run empty.
             yield from operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         joints, aborted = yield from _end_at_rest(operation, robot)
         if aborted and _ABORTED not in what:
@@ -249,11 +249,11 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
-    """Wait for rest, aborting if that is ordered meanwhile, and end the program.
+    """Wait for rest, and end the program. If an abort is ordered meanwhile, abort.
 
     Returns:
-        Where the robot stands, and True if it was aborted. The position is None after a reset, because the
-        registers count from the position at the reset.
+        The robot's joint positions, and True if it was aborted. The positions are None after a reset, because
+        the registers count from the position at the reset.
     """
     aborted = False
     operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
@@ -267,7 +267,8 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
         except Trouble:
             if aborted:
                 raise
-        # A person has ordered it, or a hold doesn't stop the motion: another client's jog.
+        # A person has ordered an abort, or the hold doesn't stop the motion, for example another client's
+        # jog.
         aborted = True
         yield from operation.abort()
     operation.watch = ()
@@ -287,7 +288,7 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
     robot = stream.job.robot
     until = operation.now + AGAIN_FOR
     what = f"the connection was lost: {why}"
-    # A connection that delivered only nonsense may still carry it.
+    # A connection whose replies make no sense may still deliver the hold or the abort.
     yield Control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
     while True:
         outcome = yield Connect()
@@ -326,7 +327,7 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
 
 
 def _reason(outcome: object) -> str:
-    """Return why there is no connection."""
+    """Return the reason why there is no connection."""
     return outcome.reason if isinstance(outcome, Unreachable) else "it doesn't stay"
 
 
@@ -358,10 +359,11 @@ def _ended(
 def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
     """End a program that a failed computer has left in the middle, held or starved.
 
-    This is done only if the robot is at rest with all loops closed.
+    This is done only if the robot is at rest with all loops closed. A controller on which something moves, or
+    has an open loop, is left unchanged.
 
     Returns:
-        False if there is none. Anything that moves, or has an open loop, is left untouched.
+        True if a program was ended.
     """
     motors = yield from motor_statuses(operation, robot)
     words = yield from system_words(operation, robot)
@@ -374,7 +376,8 @@ def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
 
 
 def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
-    """Hold (or abort) whatever the coordinate system does, and end it at rest. Used without a job of ours.
+    """Hold or abort everything that the coordinate system does, and end it at rest. No job of this process
+    runs.
 
     Args:
         operation: the run.
@@ -382,8 +385,8 @@ def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[
         abort: True: abort, without regard to the path; False: hold.
 
     Returns:
-        Where the robot stands (n,) [rad or m]; None if the controller was reset, so that the position isn't
-        known.
+        The robot's joint positions (n,) [rad or m]; None if the controller was reset, so that the position
+        isn't known.
     """
     if abort:
         yield from operation.abort()

@@ -1,4 +1,4 @@
-"""The state of a controller, whoever uses it. No I/O."""
+"""The state of a controller, no matter who uses it. No I/O."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _GUARD = {
 
 
 def picture(operation: Operation, robot: Robot) -> Script[Picture]:
-    """Return the controller's state, asking only questions that a buffer never stores: a killed run may have
-    left its rotary open.
+    """Return the controller's state. A killed run may have left its rotary open; only questions that an open
+    buffer doesn't store are therefore asked.
     """
     kind = yield from operation.one("TYPE")
     identity = yield from operation.one("CID")
@@ -48,7 +48,7 @@ def picture(operation: Operation, robot: Robot) -> Script[Picture]:
 
 
 def _places(operation: Operation, robot: Robot) -> Script[tuple[JointPlace, ...]]:
-    """Return where the joints are, by ^P and ^F, since M161 would be stored in an open buffer."""
+    """Return the joint positions, by ^P and ^F: an open buffer would store a question for M161."""
     motors = robot.controller.motors
     counts: dict[int, float] = {}
     for group in groups_of(motors):
@@ -74,7 +74,7 @@ def _places(operation: Operation, robot: Robot) -> Script[tuple[JointPlace, ...]
 
 
 def _motor_words(status: MotorStatus) -> str:
-    """Return a motor's status words in plain language."""
+    """Return a motor's status in words."""
     if trouble := status.trouble:
         return trouble
     words = ["closed-loop", "homed" if status.has("home complete") else "not homed"]

@@ -4,8 +4,8 @@ A `Connection` turns requests into bytes to send, and received bytes into events
 a time. Replies longer than a packet are fetched to their end; the necessary requests are in `outgoing()`, so
 send its bytes after each call. The controller must run with I3=2 and I6=1: ask `GREETING` first.
 
-Nothing in a late reply identifies its request. So a connection that missed a reply, or got bytes that can't
-be a reply, is lost: open another one. `last_words` gives the bytes for a stop on a lost connection.
+A late reply doesn't identify its request. A connection on which a reply is missing, or whose bytes can't be a
+reply, is therefore lost: open another one. `last_words` gives the bytes for a stop on a lost connection.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ GREETING: Final = "I6=1 I3=2"
 """The first line to ask: it sets errors and replies to the format that this module reads."""
 
 MOST_TEXT: Final = 1 << 24
-"""Longest accepted reply [bytes]; a longer one is nonsense."""
+"""Longest accepted reply [bytes]; a longer reply means that the connection is broken."""
 
 _UNUSUAL = re.compile(rb"[^\r\x20-\x7e]")
 _WHOLE = re.compile(rb"[\r\x20-\x7e]*\r\x06")
@@ -103,7 +103,7 @@ class Connection:
 
     @property
     def deadline(self) -> float | None:
-        """Return when `check` is due [s]; None if nothing is in flight."""
+        """Return the time at which `check` is due [s]; None if no request is in flight."""
         return self._deadline
 
     def send(self, request: Request, now: float, timeout: float) -> bytes:
@@ -127,7 +127,7 @@ class Connection:
             raise ProtocolError(f"{type(self._request).__name__} is still in flight")
         if self._left and isinstance(request, Ask | Send):
             raise ProtocolError("the reply to Send may still wait and would come first: Fetch or Flush it")
-        packet = encode(request)  # first, since it may refuse
+        packet = encode(request)  # before any change of state: it may raise
         if isinstance(request, Send | Fetch | Flush):
             self._left = isinstance(request, Send)
         self._request, self._timeout, self._deadline = request, timeout, now + timeout
@@ -162,7 +162,7 @@ class Connection:
                 return self._fixed(request, data)
 
     def check(self, now: float) -> tuple[Event, ...]:
-        """Return `Late` if the deadline is over at the time `now` [s]."""
+        """Return `Late` if the deadline has passed at the time `now` [s]."""
         if self._deadline is None or now < self._deadline or self._request is None:
             return ()
         request = self._request
@@ -178,17 +178,19 @@ class Connection:
         return (Closed(request),)
 
     def last_words(self, character: str) -> bytes:
-        """Return the bytes of a control character to send whatever is in flight, before the connection is
-        closed.
+        """Return the bytes that send a control character before the connection is closed, even if a request
+        is in flight.
 
-        For a stop while a reply is missing; any bytes of that reply have no meaning then.
+        Used for a stop while a reply is missing. Any bytes of that reply are then ignored.
         """
         packet = bytes(self._out) + encode(Control(character))
         self._lose()
         return packet
 
     def _text(self, request: Ask | Fetch, data: bytes, now: float) -> tuple[Event, ...]:
-        """Parse text up to ACK, or up to CR after BEL. A full packet without an end has a continuation."""
+        """Parse text up to ACK, or up to CR after BEL. If a packet is full and has no end, more packets
+        follow.
+        """
         if self._first_piece and not self._piece and len(data) <= pmac.MOST_REPLY and _WHOLE.fullmatch(data):
             return self._finish(Answer(request, tuple(data[:-2].decode("ascii").split("\r"))), b"")
         # All other replies: several packets, errors, NUL, or violations. `at` is the next byte to look at;
@@ -227,7 +229,7 @@ class Connection:
         return ()
 
     def _fetch_more(self, now: float) -> bool:
-        """Ask for the next packet after a full one, unless the reply is too long to make sense."""
+        """Ask for the next packet after a full one, unless the reply is longer than `MOST_TEXT`."""
         self._out += _NEXT
         self._piece, self._first_piece = 0, False
         self._deadline = now + self._timeout

@@ -1,4 +1,4 @@
-"""Checking if the robot stands, and where."""
+"""Checks that the robot stands, and where it stands."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.standing import off_the_start
 
 LONGEST = 15.0
-"""Longest time to wait for rest [s]; a robot that still moves then won't stop by itself."""
+"""Longest time to wait for rest [s]; a robot that still moves after this time won't stop by itself."""
 
 _POLL = 0.02
 
@@ -40,7 +40,9 @@ class Standing:
 
 
 def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStatus, ...]]:
-    """Return the status words of all motors of a robot, in their order; works with any open buffer."""
+    """Return the status words of all motors of a robot, in their order. This works even if a buffer is
+    open.
+    """
     motors = robot.controller.motors
     found: dict[int, MotorStatus] = {}
     groups = groups_of(motors)
@@ -68,12 +70,13 @@ def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
 def come_to_rest(
     operation: Operation, robot: Robot, longest: float = LONGEST
 ) -> Script[tuple[MotorStatus, ...]]:
-    """Wait until no motor has a desired velocity, seen twice, and no hold can still be in progress.
+    """Wait until no motor has a desired velocity in two consecutive reads, and no hold can still be in
+    progress.
 
     Args:
         operation: the run.
         robot: the robot.
-        longest: how long to wait [s].
+        longest: longest time to wait [s].
 
     Raises:
         Trouble: a motor still moves after `longest`.
@@ -102,10 +105,10 @@ def come_to_rest(
 def leave(operation: Operation, robot: Robot) -> Script[None]:
     """Clean up at rest.
 
-    Close all buffers, disarm the guard and the watchdog, end what runs (such as a starved or held rotary),
-    lift a hold, discard the remaining lines, and set the override to 100 %. The command A ends programs and
-    lifts holds. It would also close the loops of killed motors, so it is omitted if a loop is open and
-    nothing runs.
+    Close all buffers, disarm the guard and the watchdog, end a program that runs (such as a starved or held
+    rotary), lift a hold, discard the remaining lines, and set the override to 100 %. The command A ends
+    programs and lifts holds. It would also close the loops of killed motors; it is therefore omitted if a
+    loop is open and no program runs.
     """
     system = turbo_pmac(robot).coordinate_system
     operation.ahead = None

@@ -1,7 +1,7 @@
 """The rotary buffer: feeding it, asking how full it is, and checking that it is large enough. No I/O.
 
-It is open on our port only within the packet that feeds it: an open buffer stores whatever it can, including
-questions for variables (facts 3).
+The buffer is open on our port only within the packet that feeds it. An open buffer stores every line that it
+can, including questions for variables (facts 3).
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ _SHARE = 0.7
 """Share of the link's capacity that a program may need."""
 
 _WITHIN_RESERVE = 12
-"""Minimum number of exchanges that a full buffer lasts for, down to low water. With fewer, some refills come
-too late (found by experiment).
+"""Minimum number of exchanges during which a full buffer runs down to low water. With fewer exchanges, some
+refills come too late (found by experiment).
 """
 
 _SHORTEST = 1.0
@@ -47,10 +47,10 @@ class Rotary:
         self.course = Course(job.robot, job.start, job.slack, job.segment)
 
     def define(self) -> Script[None]:
-        """Define the buffer, line by line (Listing 3 of the paper); it isn't open yet.
+        """Define the buffer, line by line (Listing 3 of the paper), without opening it.
 
         Raises:
-            Trouble: it would be too small.
+            Trouble: the buffer would be too small.
         """
         job = self.job
         held = loading_of(job).words // len(job.robot.controller.axes) * job.segment
@@ -67,7 +67,7 @@ class Rotary:
         """Write the lines that fit into the buffer and into a packet.
 
         Raises:
-            Trouble: the controller refuses one.
+            Trouble: the controller refuses a line.
         """
         packet = self.feed.packet()
         written = yield from self.operation.write((AROUND[0], *packet, AROUND[1]))
@@ -91,7 +91,7 @@ class Rotary:
         """Ask how many lines are ahead, together with the other values of a `Flow`.
 
         Raises:
-            Lost: more lines are ahead than possible.
+            Lost: the answer has more lines ahead than were sent.
         """
         operation, feed = self.operation, self.feed
         asked = operation.now
@@ -105,7 +105,7 @@ class Rotary:
         """Check that the buffer hasn't run empty in motion.
 
         Raises:
-            Trouble: it has, or a motor can't move.
+            Trouble: it has run empty, or a motor can't move.
         """
         if self.feed.at_most == 0 and self.feed.left:
             yield from look_at_motors(self.operation, self.job.robot)
@@ -119,7 +119,8 @@ class Rotary:
             )
 
     def check_prefilled(self, spent: float, packets: int) -> None:
-        """Check that the buffer was filled fast enough: otherwise it couldn't be kept filled either.
+        """Check that the buffer was filled fast enough. If not, it couldn't be kept filled during the motion
+        either.
 
         Args:
             spent: duration of the filling [s].

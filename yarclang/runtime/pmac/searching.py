@@ -1,4 +1,6 @@
-"""Have the steps after a search planned and proved from where the robot stands. No I/O."""
+"""Have the steps after a search planned and proved from the position at which the search has ended. No
+I/O.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +21,17 @@ _STEP = 0.01
 
 
 def found_at(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
-    """Store where a search has ended, and have the next steps planned from there.
+    """Store the depth at which a search has ended, and have the next steps planned from there.
 
     Args:
         operation: the run.
-        job: with legs.
-        place: of the leg that was ended.
-        joints: (n,) where the robot stands [rad or m].
-        held: takes the registers.
+        job: a job with legs.
+        place: number of the leg that was ended.
+        joints: (n,) the robot's joint positions [rad or m].
+        held: its registers receive the results.
 
     Returns:
-        The jobs to stream instead of the next legs, up to the first place that the text fixes.
+        The jobs to stream instead of the next legs, up to the first leg whose end the text fixes.
 
     Raises:
         Trouble: the next steps can't be proved from here, or the depth is out of its register's range.
@@ -73,8 +75,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
 
 
 def held_meanwhile(operation: Operation, where: str) -> Script[None]:
-    """Carry out orders that were given while the robot came to rest, or while something was planned; a hold
-    lasts until a person resumes.
+    """Carry out orders that were given while the robot came to rest, or during planning. A hold lasts until a
+    person resumes.
 
     Args:
         operation: the run.
@@ -89,12 +91,12 @@ def held_meanwhile(operation: Operation, where: str) -> Script[None]:
 
 
 def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
-    """Return True if each job sets, waits and moves as one of the next legs does."""
+    """Return True if each job has the same outputs, dwells and commands as one of the next legs."""
     behind = [leg.job for leg in legs if leg.job is not None]
     return all(deeds(one) in [deeds(other) for other in behind] for one in jobs)
 
 
 def deeds(job: Job) -> object:
-    """Return the outputs that a job sets, the time for which it stands still, and its displacement."""
+    """Return the outputs that a job sets, the durations of its dwells, and its commands."""
     sets = [(variable, value) for _, variable, value in job.sets]
     return sets, [seconds for _, seconds in job.dwells], [(one.index, one.name) for one in job.commands]

@@ -1,6 +1,7 @@
 """Service at rest, without a job: closing and opening loops, sending and saving settings. No I/O.
 
-After each of these, a complete inspection decides if a motion is possible; until then the state is a fault.
+After each of these actions, a complete inspection decides if a motion is possible; until then the state is a
+fault.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ _SETTLES = 0.1
 _POLL = 0.02
 
 STAYS = 0.2
-"""Longest motion and following error of a motor whose loop is closed, as motion of a joint [deg or mm]."""
+"""Largest motion and following error of a motor after its loop is closed, as motion of a joint [deg or
+mm].
+"""
 
 _SAVES = 30.0
 """Longest time that a controller may be busy with SAVE [s]."""
@@ -43,7 +46,7 @@ def is_ended(operation: Operation) -> bool:
 
 
 def check_rest(operation: Operation, robot: Robot) -> Script[None]:
-    """Check that nothing moves, and that no program is in the middle.
+    """Check that nothing moves, and that no program was interrupted in the middle.
 
     Raises:
         Trouble: something moves, or a program is in the middle.
@@ -59,11 +62,11 @@ def check_rest(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def enable(operation: Operation, robot: Robot) -> Script[str]:
-    """Close the open loops of the motors, one after the other, and check that each motor stays where it is.
+    """Close the open loops of the motors, one after the other, and check that each motor stays at its place.
 
     Returns:
-        What is wrong; empty if all loops are closed. After the first motor with a problem, no further loop is
-        closed.
+        The problem in words; empty if all loops are closed. After the first motor with a problem, no further
+        loop is closed.
 
     Raises:
         Trouble: the robot isn't at rest.
@@ -126,10 +129,10 @@ def _become(operation: Operation, robot: Robot, row: int, *, is_open: bool) -> S
 
 
 def disable(operation: Operation, robot: Robot) -> Script[str]:
-    """Open the loops of all motors, at rest. Only brakes hold the robot then, if it has any.
+    """Open the loops of all motors, at rest. Afterwards only brakes hold the robot, if it has any.
 
     Returns:
-        What is wrong; empty if all loops are open.
+        The problem in words; empty if all loops are open.
 
     Raises:
         Trouble: the robot isn't at rest.
@@ -149,7 +152,7 @@ def disable(operation: Operation, robot: Robot) -> Script[str]:
 def check_open(operation: Operation, robot: Robot) -> Script[None]:
     """Check that settings may be sent: the robot must be at rest with all loops open.
 
-    A scale, limit or PLC that changes would move a motor with a closed loop.
+    If a loop were closed, a change of a scale, a limit or a PLC would move the motor.
 
     Args:
         operation: the run.
@@ -183,9 +186,9 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
-    """Send settings line by line, after `check_open` has found nothing wrong.
+    """Send settings line by line, after `check_open` has found no problem.
 
-    Sending ends with the first line that isn't taken, or when a person orders it.
+    Sending ends at the first line that the controller refuses, or when a person orders the end.
 
     Args:
         operation: the run.
@@ -223,7 +226,7 @@ def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
 
 
 def save(operation: Operation, robot: Robot) -> Script[None]:
-    """Store the settings in the controller beyond power-off (SAVE).
+    """Store the settings in the controller, so that they remain after power-off (SAVE).
 
     Raises:
         Trouble: the robot isn't at rest, or the controller refuses.

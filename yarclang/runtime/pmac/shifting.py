@@ -1,4 +1,6 @@
-"""Have the steps of an OFFSET planned and proved where registers have shifted its frame. No I/O."""
+"""Have the lines of an OFFSET planned and proved for the place to which registers have shifted its frame.
+No I/O.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +16,20 @@ from yarclang.runtime.pmac.waiting import hold_with
 
 
 def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
-    """Have the first branch of an OFFSET planned, and set its flag: 1 if it can be carried out.
+    """Have the first branch of an OFFSET planned, and set its flag to 1 if the branch can be carried out.
 
-    An OFFSET without an ELSE that can't be carried out holds with the reason. When someone resumes, it is
-    planned again for what the registers are then.
+    If an OFFSET without an ELSE can't be carried out, the program holds and reports the reason. When a person
+    resumes, the OFFSET is planned again with the values that the registers have then.
 
     Args:
         operation: the run.
-        job: with legs.
-        place: of the leg with the OFFSET at its end.
-        joints: (n,) where the robot stands [rad or m].
+        job: a job with legs.
+        place: number of the leg with the OFFSET at its end.
+        joints: (n,) the robot's joint positions [rad or m].
         held: the registers; receives the flag.
 
     Returns:
-        The jobs to stream instead of the legs of the branch; empty if it can't be carried out.
+        The jobs to stream instead of the legs of the branch; empty if the branch can't be carried out.
 
     Raises:
         Stopped: the run was stopped meanwhile.
@@ -57,7 +59,7 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
             f"{refused}; nothing has moved; Enter or `yarc resume` tries it with what the registers are then",
         )
     held.registers[offset.flag] = 1
-    for one in answer[:1]:  # all of them are pieces of one text
+    for one in answer[:1]:  # all jobs are parts of one text
         operation.notices.append(Planned(operation.now, one.text, one.certificate, "offset"))
     operation.remark(
         f"{title(barrier)}: {{{offset.frame}}} is shifted by {said}; its lines are planned and proved "
@@ -69,8 +71,8 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
 def _planned(
     job: Job, place: int, joints: Array, values: tuple[int, ...]
 ) -> Script[tuple[Job, ...] | str | None]:
-    """Return the jobs of an OFFSET's first branch, the reason why it can't be carried out, or None if there is
-    no program to plan it from.
+    """Return the jobs of an OFFSET's first branch, the reason why it can't be carried out, or None if the
+    program that planning needs isn't known.
     """
     barrier = job.legs[place].barrier
     assert barrier is not None
@@ -91,19 +93,21 @@ def _planned(
 
 
 def _has_no_else(legs: tuple[Leg, ...], place: int) -> bool:
-    """Return True if the compiler wrote the second branch of an OFFSET, which ends the program."""
+    """Return True if the second branch of an OFFSET was added by the compiler. Such a branch ends the
+    program.
+    """
     first, barrier = legs[place].barrier, legs[_end_of_branch(legs, place)].barrier
     assert first is not None
     return barrier is not None and (barrier.kind, barrier.word) == ("abort", first.word)
 
 
 def _values(offset: Shifted, held: Held) -> tuple[int, ...]:
-    """Return what the registers of an OFFSET hold; 0 for a direction without one."""
+    """Return the values of the registers of an OFFSET; 0 for a direction without a register."""
     return tuple(held.registers[one] if one else 0 for one in offset.registers)
 
 
 def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:
-    """Return the register that isn't in its range; empty if all are."""
+    """Return a sentence about the register that is out of its range; empty if all are within their ranges."""
     ranges = {one.name: (one.low, one.high) for one in job.registers}
     for name, value in zip(offset.registers, values, strict=True):
         if name and not ranges[name][0] <= value <= ranges[name][1]:
@@ -112,7 +116,9 @@ def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:
 
 
 def _end_of_branch(legs: tuple[Leg, ...], place: int) -> int:
-    """Return the number after the last leg of the branch, whose barrier is its ELSE; no branch is in it."""
+    """Return the number after the last leg of the first branch; the barrier of that leg is the ELSE. The
+    branch contains no other branch.
+    """
     for number in range(place + 1, len(legs)):
         barrier = legs[number].barrier
         if barrier is not None and barrier.kind in ("else", "end"):

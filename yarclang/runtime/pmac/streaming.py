@@ -1,5 +1,5 @@
-"""Stream one job through the rotary buffer: load it, keep it filled, carry out orders, come to its end. No
-I/O.
+"""Stream one job through the rotary buffer: load it, keep the buffer filled, carry out orders, and wait for
+the end of the motion. No I/O.
 """
 
 from __future__ import annotations
@@ -35,17 +35,20 @@ STATUS_EACH = 0.1
 """Time between two questions for the status words [s]."""
 
 _OVERDUE = 0.4
-"""Delay of that question allowed while lines have to be sent first [s]."""
+"""Largest delay of that question while lines have to be sent first [s]."""
 
 _EXCHANGES = 3
 """Exchanges allowed between two questions for the number of lines ahead."""
 
 _LINES_EACH = 0.05
 _WATCH_EACH = 0.005
-"""Time between two questions for the lines ahead while inputs are watched [s]: the inputs are part of it."""
+"""Time between two questions for the lines ahead while inputs are watched [s]. The same question reads the
+inputs.
+"""
 _PROGRESS_EACH = 0.25
 _STILL = 0.5
-"""Time without motion after which a program with lines ahead counts as held by others, besides segments [s].
+"""Time without motion after which a program with lines ahead counts as held by another client, in addition to
+the duration of segments [s].
 """
 
 _LOOK = 0.01
@@ -54,7 +57,7 @@ _DOUBT = 0.02
 """Time to the next question if the guard's heartbeat hasn't changed [s]."""
 
 _END = 1.0
-"""Largest distance from its end at which a program may end [counts]."""
+"""Largest distance of a motor from the program's end at which the program counts as ended [counts]."""
 
 
 @dataclass
@@ -69,17 +72,17 @@ class _Due:
 
 
 class Stream:
-    """One job on its way through the rotary.
+    """One job that is streamed through the rotary.
 
-    Orders that can't wait interrupt whatever is being asked (`Operation.watch`): each step can be begun
-    again.
+    Orders that can't wait interrupt the current question (`Operation.watch`); each step can therefore be
+    repeated.
 
     Attributes:
-        rotary: the buffer that it goes through.
-        feed: how far the lines are.
-        supervision: of the controller.
-        holding: what holds it, and how it goes on.
-        begun: whether anything has moved.
+        rotary: the buffer.
+        feed: progress of the lines.
+        supervision: supervision of the controller.
+        holding: holds of the job.
+        begun: True once something has moved.
     """
 
     def __init__(self, operation: Operation, job: Job) -> None:
@@ -110,7 +113,7 @@ class Stream:
         job, operation = self.job, self.operation
         executed = self._taken
         begins = job.time_of(executed)
-        # the controller takes no line behind a dwell before that is over
+        # the controller executes no line after a dwell before the dwell is over
         place = int(np.searchsorted(self._dwells, executed + AHEAD)) - 1
         if not self.begun or place < 0 or self._dwells[place] < executed:
             return begins
@@ -118,7 +121,7 @@ class Stream:
         if place and self._dwells[place - 1] >= executed:
             begins = float(job.times[row])
         passed = (operation.now if operation.state is State.MOVE else self._looked) - self._since
-        # an override slows motions, and no dwell
+        # an override slows motions, but not dwells
         motion = float(job.times[row]) - begins
         slowed = motion / max(operation.override, 0.01)
         if passed <= slowed:
@@ -128,7 +131,8 @@ class Stream:
     def _dwells_on(self) -> bool:
         """Return True if the job ends with a dwell that may not be over.
 
-        Called when the motors are at rest, which they are both during the dwell and after it.
+        The motors are at rest both during the dwell and after it; this is therefore called whenever they are
+        at rest.
         """
         job = self.job
         if not job.dwells or job.dwells[-1][0] < len(job.lines) - 1:
@@ -148,11 +152,11 @@ class Stream:
         return self.feed.left
 
     def run(self) -> Script[None]:
-        """Load the job, run it, and come to its end.
+        """Load the job, run it, and wait for its end.
 
         Raises:
-            Stopped: a person has ended the run; the motion may still be going on.
-            Trouble: the run can't go on; the motion may still be going on.
+            Stopped: a person has ended the run; the motion may still be in progress.
+            Trouble: the run can't continue; the motion may still be in progress.
             Lost: the connection can't be used any more.
         """
         operation = self.operation
@@ -179,7 +183,7 @@ class Stream:
             Event.END, f"at {leads_to}" if leads_to else f"at the end of {self.job.name}, to a count"
         )
 
-    # before
+    # before the motion
 
     def _load(self) -> Script[None]:
         """Define the rotary buffer and fill it. Nothing moves."""
@@ -205,7 +209,7 @@ class Stream:
         if self._looks:
             flow = yield from self.rotary.ask()
             if told := self.supervision.held_by(flow):
-                # held as in motion: Resume sends the R
+                # the same hold as in motion: R is sent when a person resumes
                 self.begun = True
                 yield from self.holding.for_input(told, moves=False)
                 return True
@@ -220,7 +224,7 @@ class Stream:
             self.begun = False
             raise
         except Refused:
-            # nothing moves; the motors say more than the refusal does
+            # nothing moves; the status of the motors explains more than the refusal does
             self.begun = False
             yield from look_at_motors(self.operation, self.job.robot)
             raise
@@ -229,7 +233,7 @@ class Stream:
         self.operation.go(Event.BEGIN)
         return True
 
-    # while it moves
+    # during the motion
 
     def _stream(self) -> Script[bool]:
         """Carry out one step; return True if no line is left to send or to calculate."""
@@ -244,7 +248,7 @@ class Stream:
             yield from self._ask_lines()
         elif moving and feed.runs_low(now):
             if feed.heard_at < now:
-                # what was heard last is old
+                # the last answer is old
                 yield from self._ask_lines()
             else:
                 yield from self.holding.for_low_water()
@@ -253,7 +257,7 @@ class Stream:
         elif feed.worthwhile(now):
             yield from self.rotary.write()
         elif moving and feed.heard_at < now and feed.hungry(now + _EXCHANGES * feed.round_trip):
-            # first find out what fits; only faults must not go unseen for long
+            # first ask how many lines fit, but don't delay the check for faults too long
             yield from (self._ask_lines() if now < due.status + _OVERDUE else self._ask_status())
         else:
             when, ask = min(
@@ -289,10 +293,11 @@ class Stream:
             yield from self._look_at(flow)
 
     def _look_at(self, flow: Flow) -> Script[None]:
-        """Compare the controller's state with the one that this run has left, and react to a difference.
+        """Compare the controller's state with the state in which this run has left it, and react to a
+        difference.
 
-        A searched or watched input comes first. After a hold by guard or watchdog the buffer is refilled and
-        the motion goes on; after any other change a person has to resume it.
+        A searched or watched input is handled first. After a hold by guard or watchdog, the buffer is
+        refilled and the motion continues. After any other change a person has to resume the motion.
         """
         moving = self.operation.state is State.MOVE
         if moving and self.supervision.found(flow):
@@ -312,7 +317,9 @@ class Stream:
         return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
 
     def _ask_settings(self) -> Script[None]:
-        """Compare the controller's settings with those found before the run, and hold if one has changed."""
+        """Compare the controller's settings with those found before the run, and hold if a setting has
+        changed.
+        """
         self._due.settings = self.operation.now + SETTINGS_EACH
         if told := (yield from self.supervision.compare()):
             yield from self.holding.for_others(told)
@@ -377,8 +384,8 @@ class Stream:
 
     @property
     def _patience(self) -> float:
-        """Time without motion after which a program with lines ahead counts as held [s]; no segment takes
-        longer.
+        """Time without motion after which a program with lines ahead counts as held [s]. It is longer than
+        any segment.
         """
         return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
 
@@ -404,7 +411,7 @@ class Stream:
                 if moved:
                     yield from self.holding.hold(why)
                 if isinstance(ending, Fail):
-                    raise Trouble(why, ending.remedy, code="")  # no command's fault
+                    raise Trouble(why, ending.remedy, code="")  # no command is at fault
                 raise Stopped(abort=False)
             if Hold() in orders:
                 if not moved:
@@ -426,8 +433,8 @@ class Stream:
             orders.popleft()
 
     def _wake_up(self) -> Script[None]:
-        """Hold after this process has slept: the guard PLC has held too, and a person has to look before
-        resuming.
+        """Hold after this process was suspended. The guard PLC has held too, and a person has to look at the
+        robot before resuming.
         """
         operation, feed = self.operation, self.feed
         if feed.heard_at < operation.now:
@@ -443,12 +450,12 @@ class Stream:
             warning=True,
         )
 
-    # after
+    # after the motion
 
     def _end(self) -> Script[bool]:
         """Carry out one step; return True if the motion has ended.
 
-        It has ended when no motor has a desired velocity and all stand where the program ends.
+        The motion has ended when no motor has a desired velocity and all motors are at the program's end.
         """
         operation, job = self.operation, self.job
         if operation.slept:

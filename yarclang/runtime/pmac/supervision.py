@@ -1,8 +1,9 @@
-"""Supervision of a run: values that must stay as they were proved, which are asked for with each question
-about the flow or once a second; and the watchdog. No I/O.
+"""Supervision of a run: the watchdog, and comparison of values that must stay as they were proved. Some
+values are read with each question about the flow, the others once a second. No I/O.
 
 Other clients may use the same controller. If one of them changes something (the override, the guard, a limit,
-a PLC, an axis definition), the proof no longer holds. So the motion is held, and both values are reported.
+a PLC, an axis definition), the proof no longer holds. The motion is then held, and the old and the new value
+are reported.
 """
 
 from __future__ import annotations
@@ -57,13 +58,15 @@ _STANDS_STILL = 0.045
 """Time after which an unchanged heartbeat counts as stopped [s], unless `_BEATS` beats take longer."""
 _BEATS = 8.0
 _BEHIND = 3.0
-"""Number of beats of the guard that PLC 0 may miss before it counts as stopped: PLC 0 is scanned
-more often.
+"""Number of beats of the guard by which PLC 0 may be behind before it counts as stopped. PLC 0 is scanned
+more often than the guard.
 """
 _RACE = 3
-"""Number of lines that may be calculated between two values of one reply."""
+"""Number of lines that may be calculated while the controller prints two values of one reply."""
 _SLEWING, _LONGEST_SLEW = 0.02, 1.0
-"""Time between two checks of a changing override, and its longest duration besides two hold times [s]."""
+"""Time between two checks while the override changes, and longest duration of the change, in addition to two
+hold times [s].
+"""
 _SAME_PACE = 0.01
 """Tolerance of the override as printed [%]."""
 _SHORTEST_TIMER = 1
@@ -79,7 +82,7 @@ allows.
 """
 
 _SHORTEST_PATIENCE = 0.25
-"""Shortest silence that is used [s]; with less, a busy computer would be held too often."""
+"""Shortest silence that is used [s]. With a shorter one, a busy computer would be held too often."""
 
 _REPLIES, _LEAST_REPLIES = 4.0, 3.0
 _ONE_MORE = 0.1
@@ -88,10 +91,10 @@ _ONE_MORE = 0.1
 def patience_for(slowest: float, hold_time: float) -> float:
     """Return the longest silence of this computer before its controller holds [s].
 
-    The result is four times the slowest reply, and at least `LEAST_PATIENCE`; the robot should be at rest
-    within `AT_REST_WITHIN`. That isn't reached if three replies, as many as lie between two messages of a
-    run, take longer, or if the robot's hold time alone is that long: no computer is punctual within less than
-    `_SHORTEST_PATIENCE`.
+    The result is four times the slowest reply, at least `LEAST_PATIENCE`, but so short that the robot is at
+    rest within `AT_REST_WITHIN`. This isn't possible in two cases, in which the result is longer: if three
+    replies, as many as there are between two messages of a run, take longer; and if the robot's hold time
+    alone is nearly that long, since no computer is punctual within less than `_SHORTEST_PATIENCE`.
 
     Args:
         slowest: slowest reply during the inspection [s].
@@ -153,7 +156,9 @@ def _lines(parts: Sequence[tuple[str, str]]) -> list[Question]:
 
 
 def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[list[Remembered]]:
-    """Return the current answers. A line that the controller doesn't accept as a whole is asked in parts."""
+    """Return the current answers. If the controller refuses a line with several questions, they are asked
+    separately.
+    """
     found: list[Remembered] = []
     for question in questions:
         reply: tuple[str, ...] = ()
@@ -174,8 +179,8 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
 class Flow:
     """One answer about the flow.
 
-    It has the `ahead` lines in the rotary, the override [%], the guard's flag and heartbeat, the watchdog's
-    flag, the heartbeat as seen by PLC 0, and the inputs that the job watches.
+    Its values are the lines `ahead` in the rotary, the override [%], the guard's flag and heartbeat, the
+    watchdog's flag, the heartbeat as seen by PLC 0, and the inputs that the job watches.
     """
 
     ahead: int
@@ -219,9 +224,9 @@ class Supervision:
     # the watchdog
 
     def begin(self) -> Script[None]:
-        """Wait for the override, and let the controller watch this computer from now on.
+        """Wait until the override has its value, and let the controller watch this computer from now on.
 
-        No buffer may be open on this port; R comes next.
+        No buffer may be open on this port. The next command is R.
 
         Raises:
             Trouble: the override doesn't reach the wanted value.
@@ -231,7 +236,7 @@ class Supervision:
         while True:
             (percent,) = yield from operation.numbers("%", 1)
             if percent == 0.0 or abs(percent - wanted) <= _SAME_PACE:
-                break  # 0 in a hold
+                break  # in a hold it is 0
             if operation.now - since > _LONGEST_SLEW + 2.0 * self._robot.controller.hold_time:
                 what = f"the override stays at {percent:.4g} %, and is to be {wanted:g} %"
                 raise Trouble(what, "find out who else uses this controller", "Y1605")
@@ -249,9 +254,9 @@ class Supervision:
     # expected values
 
     def slews(self, percent: float) -> None:
-        """Record that the time base goes from `percent` to the override from now on."""
+        """Record that the time base changes from `percent` to the override from now on."""
         operation, wanted = self.operation, 100.0 * self.operation.override
-        # While an earlier change is in progress, the time base may still be anywhere in its range, too.
+        # If an earlier change is still in progress, the time base may be anywhere in its range, too.
         ends = (percent, wanted, *(self._slews if operation.now < self._slews_until else ()))
         self._expected, self._slews = wanted, (min(ends), max(ends))
         way = (max(ends) - min(ends)) / 100.0
@@ -265,13 +270,13 @@ class Supervision:
         self._sent += len(lines)
 
     def rearmed(self, flow: Flow, all_in: bool) -> str:
-        """Return the assignment that sets the guard's flag as the motion needs it on continuing; empty if it
-        is already set so.
+        """Return the assignment that sets the guard's flag to the value that the continued motion needs;
+        empty if the flag has this value.
 
         Args:
             flow: the last answer, at rest.
-            all_in: True if all lines were sent: the buffer may then hold fewer lines than the guard wants,
-                and no more come.
+            all_in: True if all lines were sent. The buffer may then hold fewer lines than the guard requires,
+                and no more lines come.
         """
         if all_in and (
             flow.armed or self._disarmed
@@ -319,7 +324,7 @@ class Supervision:
         return self._still > 0.0
 
     def stands_still(self, flow: Flow) -> str:
-        """Return which PLC has stopped; empty if both run."""
+        """Return a sentence about the PLC that has stopped; empty if both run."""
         if self._still > max(_STANDS_STILL, _BEATS * self.operation.beat):
             return f"PLC {GUARD_PLC}, the guard, doesn't run any more: its heartbeat stays at {flow.beat:g}"
         if flow.beat - flow.echo > _BEHIND:
@@ -327,8 +332,8 @@ class Supervision:
         return ""
 
     def changed(self, flow: Flow, *, moving: bool) -> str:
-        """Return how an answer differs from the state in which this run has left the controller; empty if it
-        doesn't.
+        """Return the difference between an answer and the state in which this run has left the controller, in
+        words; empty if there is none.
 
         Args:
             flow: the answer.
@@ -355,8 +360,8 @@ class Supervision:
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:
-        """Return the values that the guard's flag may have with `ahead` lines ahead, as set by the last
-        calculated line.
+        """Return the values that the guard's flag may have while `ahead` lines are ahead: those set by the
+        last lines that may have been calculated.
         """
         if self._disarmed:
             return (0.0,)
@@ -375,20 +380,22 @@ class Supervision:
     # inputs that hold the motion
 
     def held_by(self, flow: Flow) -> str:
-        """Return the input whose state forbids motion, according to an answer; empty if there is none."""
+        """Return the inputs whose states forbid motion, in words, according to an answer; empty if there
+        are none.
+        """
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         return ", ".join(
             f"{one.name} ({one.variable}) is {state_text(read[one.variable])}" for one in self._open(flow)
         )
 
     def way_out(self, flow: Flow) -> str:
-        """Return the way out that the first such input with one calls; empty if there is none."""
+        """Return the way out of the first of these inputs that has one; empty if none has."""
         return next((one.then for one in self._open(flow) if one.then), "")
 
     def _open(self, flow: Flow) -> list[Watch]:
         """Return the watched inputs whose state forbids motion."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
-        # Only the other state allows motion: a variable that is no bit holds, too.
+        # Only the other value of a bit allows motion: a variable with any third value forbids it, too.
         return [
             one
             for one in self._watches
@@ -397,17 +404,17 @@ class Supervision:
         ]
 
     def found(self, flow: Flow) -> bool:
-        """Return True if the input that ends this motion has the value that is searched for."""
+        """Return True if the input that ends this motion early has its wanted value."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         return self._search is not None and read[self._search.variable] == self._search.value
 
     # settings
 
     def check(self) -> Script[None]:
-        """Check, before anything moves, that no one has changed anything since the inspection.
+        """Check, before anything moves, that nothing was changed since the inspection.
 
         Raises:
-            Trouble: someone has.
+            Trouble: something was changed.
         """
         if told := (yield from self.compare(all_=True)):
             raise Trouble(
@@ -417,11 +424,11 @@ class Supervision:
             )
 
     def hold_again(self, told: str) -> str:
-        """Return the assignment without which a hold would not come to rest as proved; empty if no one has
-        changed that value.
+        """Return the assignment that restores the rate of a hold (Isx95), if another client has changed it;
+        empty otherwise. With another rate, a hold would not come to rest as proved.
 
         Args:
-            told: what someone else has changed.
+            told: the changes by other clients, in words.
         """
         slew = system_variable(turbo_pmac(self._robot).coordinate_system, _HOLD_SLEW)
         was = self.operation.memory.value(slew)
@@ -432,12 +439,12 @@ class Supervision:
         none.
 
         Args:
-            all_: if True, ask for everything; else for what is asked every second, and for one of the
-                settings that are asked seldom.
+            all_: True to ask for all settings; False to ask for those that are compared every second, and for
+                one of the others.
         """
         memory = self.operation.memory
         seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []
-        marks = (self._marks,) if self._watching else ()  # each program has its own
+        marks = (self._marks,) if self._watching else ()  # each program has its own I16 and I17
         asked: list[Remembered] = [*memory.often, *marks, *seldom]
         for one in asked:
             try:

@@ -1,4 +1,4 @@
-"""Keep where the robot stands, under a name that the program gives. No I/O."""
+"""Store the robot's place for later runs, under a name that the program gives. No I/O."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from yarclang.runtime.pmac.held import title
 from yarclang.runtime.pmac.operation import Operation
 
 TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pose"}
-"""Description of the place that a command keeps, by its word."""
+"""Form in which a command stores the place, by its word."""
 
 
 def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:
-    """Keep where the robot stands. It stands until the place is on the disk.
+    """Store the robot's place for later runs. The robot stands still until the place is on the disk.
 
     Args:
         operation: the run.
         barrier: the JPOS or LPOS that is carried out.
-        stands: where the robot stands (n,) [rad or m].
+        stands: (n,) the robot's joint positions [rad or m].
 
     Raises:
-        Trouble: the place can't be kept.
+        Trouble: the place can't be stored.
     """
     told = yield Teach(TEACHING[barrier.word], barrier.name, stands)
     if not isinstance(told, Told):

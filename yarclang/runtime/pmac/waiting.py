@@ -1,5 +1,5 @@
-"""Barriers at which the robot stands until an input, a condition, a time or the operator lets it continue;
-and the orders that are obeyed meanwhile. No I/O.
+"""Barriers at which the robot stands until an input, a condition, a time or the operator lets it continue,
+and the orders that are carried out meanwhile. No I/O.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from yarclang.runtime.state import Event
 
 
 def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
-    """Wait until the input has its wanted value, or the time is over."""
+    """Wait until the input has its wanted value, or until the time of the WAIT is over."""
     since = operation.now
     (value,) = yield from operation.numbers(barrier.variable, 1)
     place = barrier.label or f"line {barrier.source_line}"
@@ -53,10 +53,10 @@ def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
 
 
 def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[bool]:
-    """Wait until a condition holds, or the time is over.
+    """Wait until a condition holds, or until the time of the WAIT is over.
 
-    At each step, all inputs are read, each once. Registers of the condition that other programs fill are
-    cleared first, and values for them are taken until the end.
+    Each step reads every input once. Registers of the condition that other programs fill are cleared first,
+    and values for them are accepted until the end of the wait.
 
     Args:
         operation: the run.
@@ -130,7 +130,7 @@ def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: floa
 
 
 def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Wait until someone continues, with an answer if there is a question; outputs are safe meanwhile.
+    """Wait until a person resumes, with an answer if there is a question; outputs are safe meanwhile.
 
     Args:
         operation: the run.
@@ -154,14 +154,14 @@ def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: He
 
 
 def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, why: str) -> Script[None]:
-    """Wait until someone continues; outputs are safe meanwhile.
+    """Wait until a person resumes; outputs are safe meanwhile.
 
     Args:
         operation: the run.
         job: the program with its outputs.
         barrier: where the robot stands.
-        held: registers of the run; values from outside are taken meanwhile.
-        why: the reason, and what goes on, for people.
+        held: registers of the run; values from outside are accepted meanwhile.
+        why: the reason, and how the program continues, for people.
     """
     outputs = Outputs(job)
     yield from outputs.remember(operation)
@@ -175,8 +175,8 @@ def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, why:
 def _hold(
     operation: Operation, barrier: Barrier, held: Held, answers: list[int | None] | None = None
 ) -> Script[None]:
-    """Wait until someone continues. Values for registers that other programs fill are taken meanwhile, but
-    none of them continues the program.
+    """Wait until a person resumes. Values for registers that other programs fill are accepted meanwhile, but
+    don't continue the program.
     """
     try:
         while True:
@@ -190,7 +190,7 @@ def _hold(
 
 
 def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held) -> Script[None]:
-    """Wait until someone answers with a number that the register can hold."""
+    """Wait until a person answers with a number that the register can hold."""
     asks = Question(barrier.name, register.name, register.low, register.high)
     wanted = f"a number from {register.low} to {register.high}"
     how = f"{wanted} and Enter, or `yarc resume --answer N`, goes on"
@@ -214,12 +214,13 @@ def obey(
     *,
     filling: tuple[Barrier, Held] | None = None,
 ) -> Script[bool]:
-    """Obey orders while the robot stands at a barrier.
+    """Carry out orders while the robot stands at a barrier.
 
     Args:
         operation: the run.
         answers: answers of people are added here.
-        filling: the barrier that takes values from outside, and the run's state; None: no values are taken.
+        filling: the barrier that accepts values from outside, and the run's state; None: no values are
+            accepted.
 
     Returns:
         True if the program may continue.

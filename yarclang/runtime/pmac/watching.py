@@ -1,5 +1,5 @@
-"""Checks during motion: motors, the program, positions. An open rotary stores none of the
-questions. No I/O.
+"""Checks during motion: motors, the program, positions. An open rotary stores none of these questions. No
+I/O.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ RESET_REMEDY = "find out why; look at the robot, home it, and run `yarc doctor`"
 
 
 def were_reset(motors: tuple[MotorStatus, ...]) -> bool:
-    """Return True if no motor is closed-loop or homed, as after a reset: positions are invalid then."""
+    """Return True if no motor is closed-loop or homed, as after a reset. Positions are then invalid."""
     return all(motor.has("open loop") and not motor.has("home complete") for motor in motors)
 
 
 def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
-    """Raise what keeps a motor from moving.
+    """Raise the fault that keeps a motor from moving.
 
-    A fault of one motor makes the controller kill others. So the fault is reported, not a loop that it has
-    opened.
+    If a motor has a fault, the controller also kills other motors. The fault itself is therefore reported,
+    and not a loop that the fault has opened.
 
     Raises:
         Trouble: a reset, which opens all loops; else the first motor with a fault; else the first motor with
@@ -55,9 +55,9 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
 
 
 def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, int]) -> Script[None]:
-    """Raise if the controller commands the motors off the path of its lines.
+    """Raise a fault if the controller commands the motors off the path of its lines.
 
-    If a motor was stopped by a fault or a limit, that is reported instead.
+    If a fault or a limit has stopped a motor, that is reported instead.
 
     Args:
         operation: the run.
@@ -79,10 +79,10 @@ def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, in
 
 
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
-    """Check that the program runs although nothing moves.
+    """Check that the program runs, when nothing moves.
 
     Raises:
-        Trouble: it doesn't run, or has met an error.
+        Trouble: the program doesn't run, or has met an error.
     """
     system = yield from system_words(operation, robot)
     if system.run_time_error:
@@ -102,7 +102,7 @@ def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
 def sample(
     operation: Operation, robot: Robot, program_time: float, clock: float | None = None
 ) -> Script[Sample]:
-    """Return where the robot is, by ^P and ^F.
+    """Return the robot's position, by ^P and ^F.
 
     Args:
         operation: the run.

@@ -1,8 +1,8 @@
 """The lock of a controller: one for all users and sessions of this machine.
 
-The lock is an abstract Unix socket: a name in the kernel, without a file, bound as long as the process lives.
-A process that asks for a name that is taken learns the holder's process from the kernel, and from the holder
-how long it has held the lock.
+The lock is an abstract Unix socket: a name in the kernel, without a file, which is bound as long as the
+process lives. A process that finds the name taken learns from the kernel which process holds it, and from
+this process how long it has held the lock.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ _TABLE = Path("/proc/net/unix")
 """The kernel's list of Unix sockets; abstract names begin with @ there."""
 
 _PLAIN = re.compile(r"[\w.:%-]{1,64}", re.ASCII)
-"""Addresses that occur in a lock's name as they are; any other address is replaced by its SHA-256. A name has
-107 bytes at most.
+"""Pattern of addresses that are part of a lock's name as they are; any other address is replaced by its
+SHA-256. A name has 107 bytes at most.
 """
 
 _WAITING = 16
@@ -60,7 +60,8 @@ class Holder:
     """The process that holds a lock.
 
     Attributes:
-        peer: the process and its user, from the kernel; None if too many callers wait to find out.
+        peer: the process and its user, from the kernel; None if too many callers are waiting to find this
+            out.
         since: when the process took the lock, as stated by the process; None if it does not answer.
         folder: folder of the process's control socket, as stated by the process.
     """
@@ -76,12 +77,12 @@ class Holder:
 
     @property
     def process(self) -> str:
-        """Return the process in words, as far as it is known."""
+        """Return the process in words: `process 4711`, or `a process` if its number isn't known."""
         return f"process {self.peer.pid}" if self.peer is not None and self.peer.pid else "a process"
 
     @property
     def facts(self) -> str:
-        """Return the user and the time in words, as far as they are known."""
+        """Return the user, and since when the lock is held, in words; unknown facts are left out."""
         known = [] if self.peer is None else [f"user {_user_name(self.peer.uid)}"]
         if self.since is not None:
             known.append(f"since {self.since.astimezone():%Y-%m-%d %H:%M:%S}")
@@ -93,16 +94,16 @@ class Holder:
 
 @contextlib.contextmanager
 def controller_lock(host: str, port: int) -> Iterator[None]:
-    """Keep all other runs on this machine from a controller, as long as the context lasts.
+    """Keep all other runs on this machine from using a controller, as long as the context lasts.
 
     The kernel releases the lock when the process dies, for whatever reason.
 
     Args:
-        host: of the controller; all its names and addresses count as one controller.
-        port: of the controller.
+        host: name or address of the controller; all its names and addresses count as one controller.
+        port: port of the controller.
 
     Raises:
-        ControlError: another process has the lock; the message names it.
+        ControlError: another process has the lock; the message names the process.
     """
     with contextlib.ExitStack() as stack:
         wires = [stack.enter_context(_claimed(name, host, port)) for name in _names(host, port)]
@@ -159,7 +160,7 @@ def _addresses(host: str, port: int) -> set[str]:
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
-        return {host.lower()}  # no process can connect to it either
+        return {host.lower()}  # then no process can connect to this host either
     addresses: set[str] = set()
     for family, _, _, _, place in found:
         address = ipaddress.ip_address(str(place[0]).partition("%")[0])
@@ -174,7 +175,9 @@ def _addresses(host: str, port: int) -> set[str]:
 def _is_here(
     family: int, place: tuple[object, ...], address: ipaddress.IPv4Address | ipaddress.IPv6Address
 ) -> bool:
-    """Return True for an address of this machine: packets to it are sent from that same address."""
+    """Return True for an address of this machine. Packets to such an address are sent from the same
+    address.
+    """
     if address.is_loopback or address.is_unspecified:
         return True
     with socket.socket(family, socket.SOCK_DGRAM) as probe:
@@ -194,7 +197,7 @@ def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
     """
     until = time.monotonic() + _PATIENCE
     while (wire := _bound(name)) is None:
-        # The name is bound but no one listens: its process has just begun or just ended, or is hostile.
+        # The name is bound but no process listens: the holder has just begun or just ended, or is hostile.
         holder = _asked(name)
         if holder is not None or time.monotonic() > until:
             raise _refusal(holder or Holder(None), host, port)
@@ -234,8 +237,8 @@ def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
     """Return the process that listens at a name; None if no process does.
 
     Args:
-        name: of a lock.
-        ours: if True, wait for the process's own answer only if it belongs to our own user.
+        name: the name of a lock.
+        ours: True to wait for the process's own answer only if the process belongs to our own user.
     """
     with socket.socket(socket.AF_UNIX) as wire:
         wire.settimeout(_PATIENCE)
@@ -250,12 +253,14 @@ def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
             return Holder(peer)
         try:
             return _told(peer, wire.recv(_LONGEST))  # once: no process can delay us by sending byte by byte
-        except OSError:  # it sleeps, or does not answer
+        except OSError:  # the holder is suspended, or does not answer
             return Holder(peer)
 
 
 def _told(peer: Peer, line: bytes) -> Holder:
-    """Return a holder as it describes itself. The answer is used only in words, and only by its own user."""
+    """Return a holder with the facts from its own answer. The answer can't be trusted: it appears only in
+    messages, and only the holder's own user relies on it.
+    """
     try:
         content = json.loads(line)
         since, place = datetime.fromisoformat(content["since"]), Path(content["folder"])
@@ -266,9 +271,7 @@ def _told(peer: Peer, line: bytes) -> Holder:
 
 
 class _Answering(threading.Thread):
-    """A thread that answers callers: since when the lock is held, and where this process's
-    control socket is.
-    """
+    """A thread that tells callers since when the lock is held, and where this process's control socket is."""
 
     def __init__(self, wires: list[socket.socket]) -> None:
         super().__init__(name="controller lock", daemon=True)
@@ -300,7 +303,7 @@ class _Answering(threading.Thread):
 
     def _answer_to(self, wire: object) -> None:
         assert isinstance(wire, socket.socket)
-        with contextlib.suppress(OSError):  # the caller has gone, or this is the end
+        with contextlib.suppress(OSError):  # the caller has gone, or `end` was called
             caller, _ = wire.accept()
             with caller:
                 caller.setblocking(False)

@@ -1,5 +1,5 @@
-"""Unix sockets for one user: the folder that only its owner may enter, listeners, and the user at the other
-end.
+"""Unix sockets for one user: the folder that only its owner may enter, listeners, and the identity of the
+user at the other end.
 """
 
 from __future__ import annotations
@@ -17,18 +17,20 @@ from pathlib import Path
 from yarclang.runtime.actions import Trouble
 
 MASTERS = ".follow"
-"""Suffix of the sockets by which other processes steer."""
+"""Suffix of the sockets by which other processes (masters) guide a live motion."""
 
 _ALIVE_TIME = 0.5
-"""Longest time for a listener to accept a caller [s]; one that takes longer hangs, but is alive."""
+"""Longest time to wait for a listener to accept a caller [s]. A listener that takes longer is busy, but
+alive.
+"""
 
 _CREDENTIALS = struct.Struct("3i")
 """Process, user and group, as returned by SO_PEERCRED."""
 
 
 class ControlError(Trouble):
-    """A run's socket, its folder or a controller's lock can't be used: what is wrong, and what to do about
-    it.
+    """A run's socket, its folder or a controller's lock can't be used. The arguments are what is wrong, and
+    what to do about it.
     """
 
 
@@ -65,7 +67,7 @@ def folder() -> Path:
     """Return the folder of our sockets. It is created if it is missing.
 
     Raises:
-        ControlError: it isn't ours alone.
+        ControlError: other users may enter the folder, it isn't ours, or it can't be created.
     """
     given = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
     if given.is_absolute() and _is_ours(given):
@@ -82,10 +84,10 @@ def folder() -> Path:
 
 
 def check_private(path: Path) -> None:
-    """Check that a folder is ours alone.
+    """Check that only our own user owns and may enter a folder.
 
     Raises:
-        ControlError: it is a link or no folder, belongs to someone else, or others may enter it.
+        ControlError: it is a link or no folder, belongs to another user, or others may enter it.
     """
     try:
         found = path.lstat()
@@ -130,7 +132,7 @@ def answers(path: Path) -> bool:
         wire.settimeout(_ALIVE_TIME)
         try:
             wire.connect(str(path))
-        except (BlockingIOError, TimeoutError):  # it hangs, and many callers wait
+        except (BlockingIOError, TimeoutError):  # the process is busy, and many callers wait
             return True
         except OSError:
             return False
@@ -148,7 +150,9 @@ def reason_of(error: OSError) -> str:
 
 
 def _is_ours(path: Path) -> bool:
-    """Return True if a folder is ours. After `su`, the variable may still name the folder of another user."""
+    """Return True if a folder belongs to our user. After `su`, the environment variable may still name the
+    folder of another user.
+    """
     try:
         found = path.stat()
     except OSError:

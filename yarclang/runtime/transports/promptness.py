@@ -1,6 +1,4 @@
-"""Measures by which this process makes sure that a stop never waits for other work of the process or of the
-computer.
-"""
+"""Measures that keep other work of this process or of the computer from delaying a stop."""
 
 from __future__ import annotations
 
@@ -16,20 +14,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 _SWITCH = 0.0005
-"""Longest time for which a planning thread may keep the interpreter from the streaming thread while something
-moves [s]; Python's default is ten times as long.
+"""Longest time for which a planning thread may keep the interpreter while the streaming thread waits for it
+and something moves [s]. Python's default is ten times as long.
 """
 
 _GARBAGE = (2_000, 20, 1_000)
 """Garbage collection thresholds while something moves: number of new objects and of rounds before Python
 searches for garbage.
 
-The third round looks through all objects of a long program and takes 0.1 s, during which no thread runs.
+The third generation contains all objects of a long program. Searching it takes 0.1 s, during which no thread
+runs.
 """
 
 _SLICE = 100_000
-"""Length of a thread's time slice [ns], the minimum of Linux: a thread that needs little time
-gets it soon.
+"""Length of a thread's time slice [ns], the minimum of Linux. A thread with short slices that needs little
+time runs soon.
 """
 
 _ATTRIBUTES = struct.Struct("IIQiIQQQII")
@@ -41,12 +40,13 @@ _SET_ATTRIBUTES = {"x86_64": 314, "aarch64": 274}
 """Number of the system call `sched_setattr`, by the machine."""
 
 _NOT_FOR_OTHERS = 1
-"""SCHED_FLAG_RESET_ON_FORK: threads and processes that are started later are ordinary ones."""
+"""SCHED_FLAG_RESET_ON_FORK: threads and processes that are started later have normal priority."""
 
 _STREAMS, _WORKS = 2, 1
 """Priorities of the streaming thread, and of the threads that plan or log.
 
-The latter hold the interpreter, so ordinary processes must not keep them from releasing it.
+Threads that plan or log hold the interpreter for a while; no ordinary process may keep them from releasing
+it.
 """
 
 
@@ -58,7 +58,8 @@ class _Process:
         moving: number of robots that move.
         beside: threads that plan or log.
         first: True if the streaming thread has priority over ordinary threads.
-        frozen: True if objects were frozen before something moved.
+        frozen: True if other code has excluded objects from garbage collection (gc.freeze) before something
+            moved.
     """
 
     moving: int = 0
@@ -72,11 +73,13 @@ _PROCESS = _Process()
 
 @contextlib.contextmanager
 def prompt_thread() -> Iterator[None]:
-    """Have the calling thread woken soon as long as the context lasts, however busy the computer is.
+    """Have the operating system wake the calling thread soon, however busy the computer is, as long as the
+    context lasts.
 
     If the user has the right (RLIMIT_RTPRIO, CAP_SYS_NICE), the thread gets priority over all ordinary
-    threads. Otherwise it asks for short time slices, which everyone may do and which Linux honours from 6.12
-    on. If neither is possible, nothing happens. Threads and processes that are started later stay ordinary.
+    threads. Otherwise it asks for short time slices, which every user may do, and which Linux honours from
+    6.12 on. If neither is possible, nothing happens. Threads and processes that are started later stay
+    ordinary.
     """
     if _PROCESS.first:
         yield
@@ -96,9 +99,11 @@ def prompt_thread() -> Iterator[None]:
 
 @contextlib.contextmanager
 def shares_the_interpreter() -> Iterator[None]:
-    """Mark the calling thread as one that works beside the streaming thread.
+    """Mark the calling thread as one that works beside the streaming thread and shares the interpreter with
+    it.
 
-    While something moves, it must not be kept from releasing the interpreter.
+    While something moves, this thread gets priority over ordinary processes, so that it releases the
+    interpreter soon.
     """
     number = threading.get_native_id()
     _PROCESS.beside.add(number)
@@ -113,8 +118,8 @@ def shares_the_interpreter() -> Iterator[None]:
 
 
 def _goes_first(thread: int, priority: int) -> bool:
-    """Give a thread (0: this one) priority over ordinary threads, or with priority 0 make it ordinary; return
-    False if that isn't allowed.
+    """Give a thread (0: the calling thread) priority over ordinary threads, or make it an ordinary thread
+    (priority 0). Return False if that isn't allowed.
     """
     policy = os.SCHED_RR if priority else os.SCHED_OTHER
     try:
@@ -125,7 +130,7 @@ def _goes_first(thread: int, priority: int) -> bool:
 
 
 def _ask_for_slices(length: int) -> None:
-    """Ask for time slices of `length` [ns] for this thread; 0: the system's own."""
+    """Ask for time slices of `length` [ns] for this thread; 0 for the system's default."""
     number = _SET_ATTRIBUTES.get(platform.machine())
     if sys.platform == "linux" and number is not None:
         size = _ATTRIBUTES.size

@@ -1,4 +1,4 @@
-"""Processes of this user on this computer that own a robot, and the places of their sockets."""
+"""Processes of this user on this computer that control a robot, and the paths of their sockets."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Run:
 def find_runs() -> tuple[Run, ...]:
     """Return the runs of this user that are alive, in the order of their names.
 
-    They are searched in our own folder, and in the folders of runs that were started with another
-    XDG_RUNTIME_DIR or TMPDIR: each run reports its folder to those who ask for its controller's lock.
+    They are searched for in our own folder, and in the folders of runs that were started with another
+    XDG_RUNTIME_DIR or TMPDIR: each run reports its folder to processes that ask for its controller's lock.
 
     Raises:
         ControlError: our own folder can't be trusted.
@@ -40,8 +40,7 @@ def find_runs() -> tuple[Run, ...]:
 
 
 def the_run(name: str | None = None) -> Run:
-    """Return the only run, or the run with a name, which is its full name, its robot, or the number of its
-    process.
+    """Return the only run, or the run that `name` selects by its full name, its robot, or its process number.
 
     Raises:
         ControlError: there is none, or several.
@@ -82,7 +81,7 @@ def _alive(places: set[Path]) -> tuple[Run, ...]:
 
 
 def _folder_of(holder: Holder) -> Path | None:
-    """Return the folder of a run's socket, if it is ours alone."""
+    """Return the folder of a run's socket, if only our user may enter it."""
     if holder.folder is None:
         return None
     try:

@@ -6,7 +6,9 @@ import asyncio
 
 
 class Wire(asyncio.Protocol):
-    """Bytes to and from a controller. `arrived` is set when bytes have come, or the connection has ended."""
+    """Bytes to and from a controller. `arrived` is set when bytes have arrived, or the connection has
+    ended.
+    """
 
     def __init__(self) -> None:
         self.arrived = asyncio.Event()
@@ -56,7 +58,7 @@ async def connect(host: str, port: int, timeout: float) -> Wire:
         timeout: longest time for connecting [s].
 
     Raises:
-        OSError: it can't be made, or not within `timeout`.
+        OSError: the connection can't be made, or not within `timeout`.
     """
     loop = asyncio.get_running_loop()
     try:

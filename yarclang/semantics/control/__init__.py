@@ -1,4 +1,4 @@
-"""Loops, conditions and calls, carried out to a flat list of steps.
+"""Carry out loops, conditions and calls, which gives a flat list of steps.
 
 `unroll.py` carries out a program. `repeats.py` reads REPEAT, `calling.py` CALL and `parameters.py` the
 parameters of a SUB; `arguments.py` names the arguments of calls in findings. `counting.py` counts the

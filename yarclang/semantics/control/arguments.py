@@ -1,4 +1,6 @@
-"""Name arguments of a CALL in findings: one about `$T` in a SUB names the line that gave T its value."""
+"""Name the arguments of a CALL in findings: a finding about `$T` in a SUB names the line that gave T its
+value.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +18,13 @@ Given = Mapping[str, str]
 
 
 def said_of_time(time: Time | None, given: Given) -> str:
-    """Return the text about the arguments in a motion time; empty without parameters in it."""
+    """Return the text about the arguments that a motion time uses; empty if it uses no parameter."""
     items = time.items if time is not None else ()
     return _said((item for item in items if isinstance(item, Computed | ComputedPercent)), given)
 
 
 def name_arguments(statement: Statement, findings: Collector, since: int, given: Given) -> None:
-    """Add the arguments of the parameters in a statement to the findings about them.
+    """Add the arguments of a SUB's parameters to the findings about a statement that uses these parameters.
 
     Args:
         statement: the line, in a SUB.
@@ -50,14 +52,16 @@ def name_arguments(statement: Statement, findings: Collector, since: int, given:
 
 
 def name_arguments_of_times(findings: Iterable[Diagnostic], steps: Iterable[Step]) -> Iterator[Diagnostic]:
-    """Yield the planner's findings; those about a motion time with the arguments that a CALL gave for it."""
+    """Yield the planner's findings. Those about a motion time also name the arguments that a CALL gave for
+    it.
+    """
     times: dict[tuple[SourceFile, Span, str], Origin] = {}
     for step in steps:
         if not isinstance(step, Gap) and step.origin.time_given and step.origin.time_span:
             times[step.origin.source, step.origin.time_span, step.origin.place] = step.origin
     for one in findings:
         origin = times.get((one.source, one.span, one.place)) if one.source and one.span else None
-        # A fix would replace the parameter by a number, for all calls.
+        # The fix is dropped: it would replace the parameter by a number, for all calls.
         yield one if origin is None else replace(_with(one, origin.time_given), fix=None)
 
 

@@ -1,4 +1,4 @@
-"""CASE: choose one of several ways by the value of a register or an input."""
+"""CASE: choose one of several branches by the value of a register or an input."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from yarclang.syntax.ast import Block, Node, Statement, Word
 from yarclang.syntax.ast import Value as Written
 
 MOST_RANGES = 8
-"""Largest number of values and ranges after one OF; each costs one or two comparisons."""
+"""Largest number of values and ranges after one OF; each needs one or two comparisons at run time."""
 
 MOST_WAYS = 64
 """Largest number of OF lines in a CASE; each is nested in the ELSE of the one before."""
@@ -36,12 +36,12 @@ _EXAMPLE = "for example OF 1, or OF 2..5 8"
 
 @dataclass(slots=True)
 class Way:
-    """One way of a CASE.
+    """One branch of a CASE.
 
     Attributes:
         of: the OF line.
-        condition: condition of the way; None for all values without an earlier OF.
-        nodes: the lines of the way.
+        condition: condition of the branch; None if the branch gets all values without an earlier OF.
+        nodes: the lines of the branch.
     """
 
     of: Statement
@@ -50,7 +50,7 @@ class Way:
 
 
 def ways_of(block: Block, scope: Scope, findings: Collector) -> list[Way] | None:
-    """Return the ways of a CASE without its ELSE; None with findings if it has an error."""
+    """Return the branches of a CASE without its ELSE; None with findings if the CASE has an error."""
     head = block.head
     refuse_parts(head, NOT_FOR_BLOCKS, findings)
     before = len(findings.found)
@@ -179,7 +179,7 @@ def _within(selector: Value, low: int, high: int) -> Value:
 
 
 def _missing(register: Register | None, taken: list[tuple[int, int, int]]) -> str:
-    """Return the first values without a way, in words; empty if each value has a way."""
+    """Return in words the first values that have no branch; empty if each value has one."""
     if register is None:
         return "other values of the input"
     next_ = register.low

@@ -1,4 +1,4 @@
-"""The names that are known after an IF: those that both of its ways declare."""
+"""Find the names that are known after an IF: the names that both of its branches declare."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _FRAMES = frozenset({"FRAME", "FRAME_QUAT"})
 
 
 class KnownBehind:
-    """Cache of the names that are known after each IF; an IF in a loop is carried out many times."""
+    """Cache of the names that are known after each IF, since an IF in a loop is carried out many times."""
 
     def __init__(self) -> None:
         self._found: dict[int, tuple[Block, frozenset[tuple[str, bool]]]] = {}
@@ -27,7 +27,7 @@ class KnownBehind:
 
 
 def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
-    """Return the names that both ways of an IF declare: these have a meaning after its END.
+    """Return the names that both branches of an IF declare: these names have a meaning after its END.
 
     Args:
         block: an IF, with an ELSE or without.
@@ -41,9 +41,7 @@ def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
 
 
 def _declared(nodes: tuple[Node, ...]) -> frozenset[tuple[str, bool]]:
-    """Return the names that lines declare whichever branches are taken: outside of any IF, or in both branches of
-    one.
-    """
+    """Return the names that some lines always declare: outside of any IF, or in both branches of an IF."""
     found: set[tuple[str, bool]] = set()
     for node in nodes:
         if isinstance(node, Block):

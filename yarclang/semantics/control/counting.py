@@ -1,8 +1,8 @@
 """Count the commands and rounds of loops and calls before they are carried out.
 
-If all rounds of a loop are alike, one round is counted and multiplied. A SUB is counted once for all calls
-with equal arguments. Rounds that differ are counted one by one up to the limit, unless a lower bound of one
-round already exceeds the limit when multiplied.
+If all rounds of a loop are alike, one round is counted and its count is multiplied. A SUB is counted once for
+all calls with equal arguments. Rounds that differ are counted one by one up to the limit. They aren't counted
+if a lower bound of one round, times the number of rounds, already exceeds the limit.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from yarclang.syntax.ast import Block, Computed, Node, Statement, Word
 from yarclang.syntax.words import DECLARATIONS
 
 MOST_LINES = 2 * MOST_COMMANDS
-"""Largest number of lines that a program carries out, with declarations; a long line counts as several."""
+"""Largest number of lines that a program carries out, including declarations; a long line counts as several.
+"""
 
 LINE = 120
 """Number of characters that count as one line."""
@@ -36,11 +37,10 @@ DEEPEST = 150
 """Largest depth of nested blocks and calls."""
 
 _EVERY = 1000
-"""Number of rounds between two checks of their limit, with a progress report."""
+"""Number of rounds after which the limit is checked again and progress is reported."""
 
 _FAULTS = 20
-"""Number of mistakes after which the counting ends; the mistakes are reported when the lines are carried out.
-"""
+"""Number of mistakes after which counting stops. The mistakes are reported when the lines are carried out."""
 
 
 @frozen
@@ -74,7 +74,7 @@ class TooMuch(FindingError):  # noqa: N818 - ends the counting, and becomes a fi
 
     Attributes:
         file: the file of `statement`.
-        statement: the line to which the finding belongs.
+        statement: the line that the finding is about.
         code: code of the finding.
         message: message of the finding.
         help: remedy.
@@ -97,7 +97,7 @@ class Counter:
         self._most = most
         self._one_by_one = 0
         self._differing = 0
-        """Number of loops with differing rounds around the present line."""
+        """Number of loops with differing rounds around the current line."""
         self._sizes: dict[int, int] = {}
         self._read: dict[int, frozenset[str]] = {}
         self._subs: dict[tuple[Sub, tuple[object, ...]], _Tally] = {}
@@ -158,7 +158,7 @@ class Counter:
         return commands, lines, rounds, deepest
 
     def _node(self, node: Node, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
-        """Count a block or a CALL inside `depth` others."""
+        """Count a block or a CALL that is nested in `depth` others."""
         if depth >= DEEPEST:
             raise too_deep(file, _head(node))
         head = _head(node)
@@ -232,12 +232,16 @@ class Counter:
         return commands, lines, rounds, deepest
 
     def _least_round(self, block: Block, file: File, scope: Scope) -> Count:
-        """Return a lower bound for one round of a REPEAT, from the names that are known outside."""
+        """Return a lower bound for the count of one round of a REPEAT, computed from the names known outside
+        of it.
+        """
         least = self._least(block.body, file, scope) + Count(lines=1, rounds=1)
         return least if least.commands else least + Count(commands=1)
 
     def _least(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> Count:
-        """Return a lower bound for lines; a CALL or a loop with an unknown number counts as one line."""
+        """Return a lower bound for the count of lines; a CALL or a loop with an unknown number of rounds
+        counts as one line.
+        """
         total, source = Count(), file.findings.source
         for node in nodes:
             head = _head(node)
@@ -327,7 +331,8 @@ class Counter:
 
     def _names(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
         names: set[str] = set()
-        # Backwards: the names in a LET are needed only if its own name is needed below.
+        # Go backwards: the names in a LET are needed only if the name that it declares is needed further
+        # down.
         for node in _backwards(nodes):
             word = node.name.name
             if word in ("REPEAT", "IF"):
@@ -388,7 +393,7 @@ def _names_in(statement: Statement) -> Iterator[str]:
 
 
 def _too_many_together(file: File, statement: Statement, count: Count) -> TooMuch:
-    """Return the error that the lines of a body up to a statement exceed a limit together."""
+    """Return the error that the lines of a body, up to a statement, together exceed a limit."""
     what, most = _excess(count)
     message = f"with this {statement.name.name} the lines around it come to {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
@@ -440,7 +445,7 @@ def too_deep(file: File, statement: Statement) -> TooMuch:
 
 
 def _excess(count: Count) -> tuple[str, str]:
-    """Return words for the number of a count that is too large, and for the limit that it exceeds."""
+    """Return words for a count that is too large, and for the limit that it exceeds."""
     if count.commands > MOST_COMMANDS:
         return _number(count.commands, "command"), f"a program has at most {MOST_COMMANDS:,} commands"
     if count.rounds > MOST_ROUNDS:

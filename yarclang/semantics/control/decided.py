@@ -1,7 +1,7 @@
-"""Blocks that are decided when the program runs: WHEN, CASE, LOOP, WHILE, and REPEAT or LOOP with a register.
+"""Write the blocks that are decided at run time: WHEN, CASE, LOOP, WHILE, and REPEAT or LOOP with a register.
 
-Each block becomes steps at which ways part, meet and start again. A WHILE becomes a LOOP with its body in a
-WHEN; a REPEAT counts down a register of its own.
+Each block becomes steps at which branches part, meet and start again. A WHILE becomes a LOOP with its body in
+a WHEN; a REPEAT counts down a register that is declared for it.
 """
 
 from __future__ import annotations
@@ -39,16 +39,18 @@ from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Block, Node, Statement, Word
 
 SEARCHES = "SEARCH_"
-"""First part of the names of registers that are 1 after a search has found its input."""
+"""First part of the names of registers that become 1 when a search has found its input."""
 
 OFFSETS = "OFFSET_"
-"""First part of the names of registers that are 1 if what an OFFSET shifts can be carried out."""
+"""First part of the names of registers that are 1 if the lines of an OFFSET can be carried out."""
 
 COUNTER = "REPEAT_"
 """First part of the names of registers that count the passes of a REPEAT."""
 
 RETURNS = "RETURN_"
-"""First part of the names of registers that are 1 after a loop if a RETURN in it leaves the SUB around it."""
+"""First part of the names of registers that are 1 after a loop if one of its RETURNs leaves the enclosing
+SUB.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +73,11 @@ class _Around:
     """The blocks around a line in its SUB.
 
     Attributes:
-        loops: for each loop, from the outermost to the innermost, True if a way leads out of it.
-        ways: number of blocks with several ways, such as WHEN and CASE.
-        returned: True if one of these ways leaves the SUB.
+        loops: for each loop, from the outermost to the innermost, True if a branch leaves it.
+        ways: number of blocks with several branches, such as WHEN and CASE.
+        returned: True if one of these branches leaves the SUB.
         returns: for each loop, True if it has a RETURN.
-        flag: register that is 1 after a loop if a RETURN in it leaves the SUB; empty without one.
+        flag: register that is 1 after a loop if a RETURN in the loop leaves the SUB; empty without one.
     """
 
     loops: list[bool] = field(default_factory=list)
@@ -86,8 +88,7 @@ class _Around:
 
 
 class Decided:
-    """Writer of the steps of blocks that are decided when the program runs. Finds lines that are never
-    reached.
+    """Writer of the steps of blocks that are decided at run time. Also finds lines that are never reached.
 
     Args:
         steps: steps of the program; receives the new ones.
@@ -111,20 +112,22 @@ class Decided:
 
     @property
     def is_open(self) -> bool:
-        """True if the present line is in a block that is decided at run time: STOP ends only one way."""
+        """True if the current line is in a block that is decided at run time: a STOP then ends only its own
+        branch.
+        """
         return any(one.ways or one.loops for one in self._around)
 
     @property
     def goes_nowhere(self) -> bool:
-        """True if a line that isn't reached was reported."""
+        """True if an unreachable line was already reported."""
         return self._told_unreachable
 
     def end(self, ended: Ended) -> None:
-        """Mark the lines that follow in this way as not reached."""
+        """Mark the following lines of this branch as unreachable."""
         self.ended = ended
 
     def tell_unreachable(self, statement: Statement, file: File) -> None:
-        """Warn about the first line that isn't reached."""
+        """Warn about a line that isn't reached, if it is the first such line of its branch."""
         if not self._told_unreachable and self.ended is not None:
             message = f"this is never reached: {self.ended.why}"
             file.findings.add("Y1001", message, statement.head_span, self.ended.help)
@@ -132,7 +135,7 @@ class Decided:
 
     @contextmanager
     def called(self, origin: Callable[[], Origin]) -> Iterator[None]:
-        """Enter a SUB. Its RETURNs lead to its end, and it can't leave the loops around its CALL.
+        """Enter a SUB. Its RETURNs jump to its end, and its lines can't leave the loops around its CALL.
 
         Args:
             origin: returns the origin of the CALL.
@@ -175,22 +178,22 @@ class Decided:
         else:
             around.returned |= returns and around.ways > 0
         what = "the SUB" if returns else "the loop"
-        # A RETURN in a loop is an EXIT that sets the flag; the steps after the loop do the rest.
+        # A RETURN in a loop becomes an EXIT that sets the flag; the steps after the loop then leave the SUB.
         leaves_all = returns and not around.loops
         self.ended = Ended(
             f"{name} leaves {what}", f"move {word} after it, or into a WHEN", returns=leaves_all
         )
 
     def _open_loop(self, left: bool) -> None:
-        """Enter a loop; `left` is True if a way out of it is known already."""
+        """Enter a loop; `left` is True if it is already known that something leaves the loop."""
         self._around[-1].loops.append(left)
         self._around[-1].returns.append(False)
 
     def _close_loop(self, origin: Origin) -> bool:
-        """Leave a loop, and go on to the end of the SUB if a RETURN has left the loop.
+        """Leave a loop, and write the steps that go on to the end of the SUB if a RETURN has left the loop.
 
         Returns:
-            True if a way leads out of the loop.
+            True if a branch leaves the loop.
         """
         around = self._around[-1]
         is_left, returns = around.loops.pop(), around.returns.pop()
@@ -229,8 +232,8 @@ class Decided:
     def wait(self, block: Block, file: File, scope: Scope, when: When | None) -> None:
         """Carry out a WAIT with its ELSE.
 
-        It becomes a WHEN with an empty first way, which is decided when the condition holds or the time is
-        over.
+        It becomes a WHEN with an empty first branch. The WHEN is decided as soon as the condition is true or
+        the time is over.
         """
         if when is None:
             self._steps.append(Gap())
@@ -271,8 +274,11 @@ class Decided:
         self._steps.append(EndWhen(end))
 
     def offset(self, block: Block, file: File, scope: Scope, cell: Cell | None) -> None:
-        """Carry out an OFFSET: a WHEN that is decided by whether its lines can be carried out where the frame
-        is. Without an ELSE a run holds with the reason if they can't, and a text without its program ends.
+        """Carry out an OFFSET, which becomes a WHEN.
+
+        The WHEN's condition is that the lines can be carried out with the frame at its shifted place. If they
+        can't and there is no ELSE, a run holds and shows the reason, and a controller text that runs by
+        itself ends.
         """
         around, begin = file.findings.place, len(self._steps)
         flag = self._own_register(OFFSETS, 0, 1).name
@@ -302,8 +308,8 @@ class Decided:
     def case(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a CASE.
 
-        Each OF becomes a WHEN in the ELSE of the WHEN before. All are decided by the value read at the first
-        one.
+        Each OF becomes a WHEN in the ELSE of the previous WHEN. The value is read once, at the first WHEN,
+        and all of them use it.
         """
         ways, around = ways_of(block, scope, file.findings), file.findings.place
         if ways is None:
@@ -331,7 +337,7 @@ class Decided:
         self._steps += [EndWhen(_origin(block.end or block.head, "END", file, around))] * opened
 
     def loop(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a LOOP up to its END or UNTIL. With a number it makes at most so many passes."""
+        """Carry out a LOOP up to its END or UNTIL. A LOOP with a number makes at most that many passes."""
         refuse_parts(block.head, NOT_FOR_BLOCKS, file.findings)
         if values_of(block.head):
             self._times(block, file, scope)
@@ -396,7 +402,7 @@ class Decided:
             file: their file.
             scope: the names that are known there.
             count: number of passes.
-            bounds: a register with the bounds of that number.
+            bounds: a register with the smallest and largest possible number of passes.
         """
         head, around = block.head, file.findings.place
         origin = _origin(head, head.name.name, file, around)
@@ -409,7 +415,7 @@ class Decided:
         self._looped(block, file, scope, [When(origin, Between(">", left, Constant(0.0))), counts], end)
 
     def _looped(self, block: Block, file: File, scope: Scope, begin: list[Step], end: Origin) -> None:
-        """Write a loop that is left at its head.
+        """Write a loop whose condition is at its head.
 
         Args:
             block: the lines.
@@ -430,7 +436,7 @@ class Decided:
         self._close_loop(end)
 
     def _own_register(self, word: str, low: int, high: int, scope: Scope | None = None) -> Register:
-        """Declare a register that no line can name."""
+        """Declare a register whose name can't be written in a program."""
         taken = {one.name for one in self._registers}
         number = next(
             number
@@ -449,7 +455,9 @@ class Decided:
         around.ways -= 1
 
     def _way_ended(self) -> Ended | None:
-        """Return the reason that ended the last way, None without one, and mark the next way as reached."""
+        """Return the reason that ended the last branch (None without one), and mark the next branch as
+        reachable.
+        """
         ended = self.ended
         self._goes_on()
         return ended
@@ -458,11 +466,13 @@ class Decided:
         self.ended, self._told_unreachable = None, False
 
     def _meet(self, ended: list[Ended | None]) -> None:
-        """Go on after the ways of a block. If all of them have ended, no line that follows is reached."""
+        """Continue after the branches of a block. If all branches have ended, the lines that follow are
+        unreachable.
+        """
         if all(one is not None for one in ended):
             self.ended = ended[-1]
 
 
 def _origin(statement: Statement, word: str, file: File, around: str) -> Origin:
-    """Return the origin of a step of a block, at the place of the block and not of the lines in it."""
+    """Return the origin of a step of a block. Its place is that of the block, not that of the lines."""
     return replace(origin_of(statement, word, file.findings), place=around)

@@ -1,6 +1,6 @@
-"""Limit how much of a program's loops and calls is carried out.
+"""Limit the number of lines of loops and calls that are carried out.
 
-A program without errors is carried out completely, unless the caller asks for a first look only.
+A program without errors is carried out completely, unless the caller asks only for a first look.
 """
 
 from __future__ import annotations
@@ -14,20 +14,22 @@ ENOUGH_WITH_ERRORS = 10_000
 """Number of lines in loops and SUBs that are carried out in a program with errors."""
 
 ENOUGH_WITH_SYNTAX_ERRORS = 1_000
-"""Number of such lines in a program with syntax errors: the effect of an unreadable line is unknown."""
+"""The same limit for a program with syntax errors. It is lower since the effect of an unreadable line is
+unknown.
+"""
 
 _EVERY = 64
-"""Number of lines between two checks of the findings."""
+"""Number of lines after which the findings are checked for errors again."""
 
 
 class Extent:
     """Counter of the lines that are carried out.
 
-    After the limit is reached, a loop makes no further round, and a SUB is carried out at most once more.
+    After the limit is reached, a loop starts no further round, and each SUB is carried out at most once more.
 
     Args:
         collectors: the findings of each file so far.
-        enough: limit of lines in loops and SUBs, also without errors; None: no limit.
+        enough: limit of lines in loops and SUBs that also applies without errors; None: no limit.
     """
 
     def __init__(self, collectors: Sequence[Collector], enough: int | None) -> None:

@@ -1,4 +1,4 @@
-"""KEEP: what all motions of a block keep to along their whole way."""
+"""KEEP: read the rule that all motions of a block keep on their whole path."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _REFUSED = ("a motion time", "options")
 
 
 def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collector) -> Keep | None:
-    """Read KEEP {CUP} UPRIGHT 10 (deg) {TABLE}.
+    """Read a line such as KEEP {CUP} UPRIGHT 10 (deg) {TABLE}.
 
     Args:
         head: the line.
@@ -64,7 +64,7 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
 
 
 def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | None:
-    """Return the frame that stands still, {B} if the line names none; None with a finding."""
+    """Return the fixed frame of the rule, which is {B} if the line names none; None with a finding."""
     if head.base is None:
         return scope.frame("B")
     found = known_frame(head, head.base, scope, findings)
@@ -114,7 +114,7 @@ def _limit(
     if units is None or found is None:
         return None
     wanted = _UNITS[kind]
-    # the units of a line that has any aren't those of DEFAULT: 10 (mm) is no angle
+    # if the line has units, those of DEFAULT don't apply: 10 (mm) is no angle
     unit = units.get(wanted) or found.unit or (None if units else defaults.units.get(wanted))
     try:
         if unit is None:

@@ -1,4 +1,4 @@
-"""Find the argument of each parameter of a SUB: first by position, then by name; else the default."""
+"""Find the argument of each parameter of a SUB: by position first, then by name, and else its default."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ def matched(statement: Statement, head: Statement, findings: Collector) -> tuple
         findings: the findings of the CALL's file; receives one for each argument without a parameter.
 
     Returns:
-        The arguments in the order of the parameters; None for a parameter whose default holds. Instead of all,
-        None if an argument has no parameter, or a parameter without a default has no argument.
+        The arguments in the order of the parameters; an element is None if the parameter's default applies.
+        None instead of the arguments if an argument has no parameter, or a parameter has neither default nor
+        argument.
     """
     wanted, given = parameters_of(head), values_of(statement)[1:]
     if not _in_order(statement, given, findings):
@@ -54,7 +55,7 @@ def matched(statement: Statement, head: Statement, findings: Collector) -> tuple
 
 
 def _in_order(statement: Statement, given: list[Value], findings: Collector) -> bool:
-    """Check that no argument without a name follows one with a name, and that no frame's name has braces."""
+    """Check that unnamed arguments come before named ones, and that no frame's name has braces."""
     named: NamedValue | None = None
     for frame, sign in pairwise(given):
         if isinstance(frame, FrameName) and isinstance(sign, Other) and sign.text.startswith("="):
@@ -76,10 +77,10 @@ def _in_order(statement: Statement, given: list[Value], findings: Collector) -> 
 def _by_name(
     statement: Statement, one: NamedValue, head: Statement, found: dict[int, Value], findings: Collector
 ) -> bool:
-    """Add the place of one argument with a name to those that are found.
+    """Add the place of one named argument to the places that are found.
 
     Returns:
-        False, with a finding, if no parameter has this name, or it has an argument already.
+        False with a finding if no parameter has this name, or if the parameter has an argument already.
     """
     wanted = parameters_of(head)
     span = statement.span(one.word.place)
@@ -145,7 +146,7 @@ def _plain(parameter: Value) -> str:
 
 
 def _shown(parameter: Value) -> str:
-    """Return the name of a parameter as it is called in a sentence."""
+    """Return the name of a parameter as messages show it."""
     return f"{{{parameter.name}}}" if isinstance(parameter, FrameName) else _plain(parameter)
 
 
@@ -154,5 +155,5 @@ def _has_default(parameter: Value) -> bool:
 
 
 def _least(wanted: list[Value]) -> int:
-    """Return how many arguments are needed at least."""
+    """Return the smallest number of arguments that a CALL needs."""
     return sum(not _has_default(one) for one in wanted)

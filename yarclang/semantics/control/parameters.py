@@ -51,7 +51,7 @@ def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Coll
         if isinstance(parameter, Parameter) and (unit := parameter.unit) and unit.text.lower() not in UNITS:
             findings.add_error(no_unit(unit.text), head.span(unit.place))
         elif isinstance(parameter, Parameter) and parameter.default is not None:
-            # A default sees what the SUB sees, not the parameters before it.
+            # A default can use the names that the SUB sees, but not the parameters before it.
             where = Where(findings.source, head.span(parameter.place))
             _bind_one(parameter, parameter.default, Scope(), head, scope, where, findings)
 
@@ -116,7 +116,7 @@ def bind_some(
 
 
 def _bind_default(parameter: Value, inner: Scope, sub: Sub, where: Where) -> bool:
-    """Declare a parameter with its default; a default that doesn't fit was reported at the SUB."""
+    """Declare a parameter with its default. A wrong default was already reported at the SUB."""
     assert isinstance(parameter, Parameter)
     assert parameter.default is not None
     silent = Collector(sub.file.findings.source)
@@ -218,7 +218,8 @@ def given_by(
         caller: the CALL's file.
         head: the SUB's first line.
         source: the SUB's file.
-        outer: texts about the arguments of the SUB around the CALL; they follow for its parameters.
+        outer: texts about the arguments of the SUB around the CALL. They are appended if the CALL's own
+            arguments use that SUB's parameters.
     """
     told: dict[str, str] = {}
     given = arguments_by_name(statement, head)

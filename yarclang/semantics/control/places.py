@@ -5,8 +5,8 @@ from __future__ import annotations
 from yarclang.syntax.ast import Statement
 
 Place = tuple[str, ...]
-"""Commands from the outermost to the innermost. The last part waits for the next command: inside a loop it is
-the count of rounds in brackets, inside a SUB it is empty.
+"""Commands from the outermost to the innermost. The last part is to be joined with the next command: inside a
+loop it is the count of rounds in brackets, inside a SUB it is empty.
 """
 
 

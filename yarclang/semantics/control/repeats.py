@@ -20,18 +20,18 @@ AT_MOST = "the loops of a program make at most"
 
 
 def counted(head: Statement) -> tuple[Word | None, list[Value]]:
-    """Return the name that a REPEAT counts with, if it has one, and the values after the name."""
+    """Return the name of a REPEAT's counter (None without one), and the values after the name."""
     values = values_of(head)
     word = values[0] if values and isinstance(values[0], Word) else None
     return word, values[1:] if word else values
 
 
 def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:
-    """Return the number of rounds of a REPEAT or LOOP; None with a finding if it has none.
+    """Return the number of rounds of a REPEAT or LOOP; None with a finding if the number is missing or wrong.
 
     Args:
         head: the first line of the block.
-        values: the values after the name that counts.
+        values: the values after the counter's name.
         scope: the names that are known there.
         findings: receives the finding.
     """
@@ -58,7 +58,7 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     if found is None:
         return None
     whole = round(found.value)
-    # 3 * 0.1 * 10 is meant as 3, in spite of its rounding.
+    # Round first: 3 * 0.1 * 10 means 3, although its floating-point value differs.
     if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
         findings.add("Y0414", f"{head.name.name} {found}: an integer of 0 or more is needed", span, example)
         return None

@@ -1,4 +1,4 @@
-"""OFFSET: lines that are carried out in a frame that registers shift when the program runs."""
+"""OFFSET: lines that are carried out in a frame that registers shift at run time."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from yarclang.syntax.ast import Statement, Word
 from yarclang.words.registry import word_specs
 
 _Standing = SetOutput | Dwell | WaitInput | WaitUntil | Hold | Say | Assign
-"""Steps of an OFFSET at which the robot stands still."""
+"""Steps that are allowed in an OFFSET and don't move the robot."""
 
 _REFUSED = ("a motion time", "units", "a base frame", "options")
 
@@ -86,7 +86,7 @@ def offset_of(
 
 
 def _cannot_shift(frame: Frame) -> str:
-    """Return why a frame can't be shifted; empty if it can."""
+    """Return the reason why a frame can't be shifted; empty if it can."""
     if frame.on_flange:
         return "moves with the robot: what is shifted stands in the cell"
     if frame.link is None or frame.link.name == BASE or frame.link.parent is None:
@@ -95,7 +95,7 @@ def _cannot_shift(frame: Frame) -> str:
 
 
 def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str, ...] | None:
-    """Return the registers of `SHIFTS`; None with a finding."""
+    """Return the registers for the words in `SHIFTS`; None with a finding."""
     values = values_of(head)
     spec = word_specs()["OFFSET"]
     if not values or len(values) % 2 or not all(isinstance(one, Word) for one in values):
@@ -134,7 +134,9 @@ def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str,
 
 
 def _parts_in(frame: Frame, cell: Cell | None) -> tuple[str, ...]:
-    """Return the names of the parts that lie in a frame of the cell, or in a frame that is given in it."""
+    """Return the names of the parts that are placed in a frame of the cell, or in a frame that is given in
+    it.
+    """
     if cell is None or frame.link is None or frame.link.name not in cell.frames:
         return ()
     if not np.array_equal(cell.frames[frame.link.name].mount.transform, frame.transform):
@@ -150,11 +152,11 @@ def _parts_in(frame: Frame, cell: Cell | None) -> tuple[str, ...]:
 
 
 def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
-    """Mark the goals that an OFFSET carries along, and check that its steps can be planned at run time.
+    """Mark the goals that an OFFSET shifts, and check that its steps can be planned at run time.
 
     Args:
-        steps: steps of the program, whose last ones are those of the OFFSET; the motions are replaced.
-        begin: number of its When.
+        steps: steps of the program, ending with those of the OFFSET. Its motions are replaced.
+        begin: number of the OFFSET's When.
         findings: receives the findings.
     """
     when = steps[begin]
@@ -208,7 +210,7 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
 
 
 def _fault_of(step: Step) -> str:
-    """Return why a step can't stand in an OFFSET; empty if it can."""
+    """Return the reason why a step isn't allowed in an OFFSET; empty if it is."""
     if isinstance(step, ArcMove):
         return "the point that its arc passes isn't shifted"
     if isinstance(step, JointMove | LineMove) and step.search is not None:
@@ -219,7 +221,7 @@ def _fault_of(step: Step) -> str:
 
 
 def _shifted(step: Motion, offset: Offset) -> Motion:
-    """Return a motion with its goals marked that are given in a shifted frame."""
+    """Return a motion with marks at the goals that are given in a shifted frame."""
     if isinstance(step, SplineMove | PoseSplineMove):
         goals = tuple(_marked(one, step.origin.base, offset) for one in step.waypoints)
         return replace(step, waypoints=goals)  # type: ignore[arg-type]  # each goal keeps its kind
@@ -238,7 +240,7 @@ def _marked(goal: Goal, base: FrameLink | None, offset: Offset) -> Goal:
 
 
 def _lies_in(link: FrameLink | None, frame: FrameLink | None) -> bool:
-    """Return True if a frame is another one, or is given in it."""
+    """Return True if a frame is the other frame, or is given in it."""
     while link is not None:
         if frame is not None and link.is_same(frame):
             return True

@@ -1,8 +1,8 @@
-"""Carry out loops, conditions and calls: from the blocks of a file to a flat list of steps.
+"""Carry out loops, conditions and calls: convert the blocks of a file to a flat list of steps.
 
-Every command has a place: the calls and loops around it, as `P0020(I=2)>P0010`. The commands of a loop or a
-call are counted in advance (counting.py). In a program with errors, or for a first look, loops and calls are
-carried out only up to a number of lines (extent.py).
+Every command has a place: the calls and loops around it, such as `P0020(I=2)>P0010`. The commands of a loop
+or a call are counted in advance (counting.py). In a program with errors, and for a first look, only a limited
+number of lines of loops and calls is carried out (extent.py).
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Unrolled:
         is_cut: True if some rounds of loops or some calls were not carried out.
         registers: declared registers, and those of loops and searches.
         watches: inputs that hold the motion.
-        ways_out: the ways on which the robot leaves then.
+        ways_out: the motions by which the robot withdraws after such a hold.
     """
 
     steps: list[Step]
@@ -99,7 +99,8 @@ class Unrolled:
 def unroll(module: Module, context: Context) -> Unrolled:
     """Carry out a program's declarations, loops, conditions and calls.
 
-    A long program is first carried out in part: most errors are found there, and then the rest is not needed.
+    A long program is first carried out in part. If this shows errors, which it usually does if there are any,
+    the rest is not carried out.
     """
     least = context.enough or ENOUGH_WITH_ERRORS
     unrolled = _Unroller(context, least).program(module)
@@ -109,7 +110,7 @@ def unroll(module: Module, context: Context) -> Unrolled:
 
 
 def declared_names(module: Module, context: Context) -> Scope:
-    """Return the names that a file declares outside of blocks, and its SUBs, without findings.
+    """Return the names that a file declares outside of blocks, including its SUBs, without findings.
 
     Nothing else is carried out. Tools use this to show the meaning of a name in a program that may have
     errors.
@@ -149,14 +150,15 @@ class _Unroller:
         """SUBs that were called after the limit of lines was reached."""
         self._commands = 0
         self._counted = Count()
-        """Commands, lines and rounds up to here; those of loops and calls as counted in advance."""
+        """Commands, lines and rounds up to the current line; those of loops and calls as counted in advance.
+        """
         self._depth = 0
         """Number of blocks and calls that are being carried out."""
         self._decided = Decided(self._steps, self._declaring.registers, self._carry_out, self._count_way)
         self._place: Place = ()
         """Place of the block that is being carried out."""
         self._keeps: tuple[Keep, ...] = ()
-        """The rules of the KEEPs around the lines that are being carried out."""
+        """The rules of all KEEPs around the lines that are being carried out."""
         self._is_too_much = False
         self._ways_out: list[WayOut] = []
 
@@ -242,7 +244,9 @@ class _Unroller:
         self._place = before
 
     def _keep(self, block: Block, file: File, scope: Scope, place: Place) -> None:
-        """Carry out the lines of a KEEP: all motions among them keep to its rule, those of CALLs too."""
+        """Carry out the lines of a KEEP. All motions among them must obey its rule, including the motions of
+        CALLs.
+        """
         kept = keep_of(block.head, scope, file.defaults, file.findings)
         if kept is None:
             self._steps.append(Gap())
@@ -281,7 +285,9 @@ class _Unroller:
         self._decided.search(step, lambda: self._carry_out(block.otherwise or (), file, Scope(scope)), origin)
 
     def _is_typed(self, statement: Statement, file: File) -> bool:
-        """Return True, with a finding, if a search is typed as a line by itself: nothing says what follows."""
+        """Return True, with a finding, if a search was typed as a single line: the lines that must follow are
+        unknown.
+        """
         if self._context.index_needed:
             return False
         until = next(one for one in statement.options if one.word.name == "UNTIL")
@@ -291,7 +297,7 @@ class _Unroller:
         return True
 
     def _carry_out(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> None:
-        """Carry out lines of a block that is decided when the program runs."""
+        """Carry out lines of a block that is decided at run time."""
         place = self._place
         self._nodes(nodes, file, scope, place)
         self._place = place
@@ -351,14 +357,14 @@ class _Unroller:
                 break
 
     def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
-        """Count an outermost loop or call; a finding if it exceeds a limit."""
+        """Count an outermost loop or call; add a finding if a limit is exceeded."""
         if place or self._is_too_much or self._decided.ended is not None:
             return
         head = node.head if isinstance(node, Block) else node
         try:
             count = self._counter.count(node, file, scope, self._depth)
         except TooMuch as error:
-            # For a line outside of this block, the finding names the loop or CALL that leads there.
+            # If the line is outside of this block, the finding names the loop or CALL that leads to the line.
             is_own = error.file is file and head.line <= error.statement.line <= _last_line(node)
             self._tell_too_much(error, "" if is_own else index_of(head))
             return
@@ -368,14 +374,14 @@ class _Unroller:
         self._add_counted(count, head, file)
 
     def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
-        """Add the count of a line outside of loops and SUBs; a finding if the program exceeds a limit."""
+        """Add the count of a line outside of loops and SUBs; add a finding if the program exceeds a limit."""
         self._counted += count
         error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
         if error is not None:
             self._tell_too_much(error)
 
     def _tell_too_much(self, error: TooMuch, place: str = "") -> None:
-        """Add a finding, and carry out as little as possible of the rest."""
+        """Add a finding, and carry out as little as possible of the rest of the program."""
         findings = error.file.findings
         before, findings.place = findings.place, place
         findings.add_error(error, error.statement.whole_span)
@@ -393,7 +399,7 @@ class _Unroller:
             file: the file of the CALL.
             scope: the names that are known there.
             place: place of the block with the CALL.
-            within: place of the commands of the SUB; None: that of the CALL.
+            within: place for the commands of the SUB; None: the place of the CALL.
         """
         findings = file.findings
         findings.place = shown(at(place, statement)) if place else ""
@@ -419,11 +425,12 @@ class _Unroller:
             self._calls.end()
 
     def _way_out(self, statement: Statement, name: str, file: File, scope: Scope) -> None:
-        """Carry out the SUB of an ON, once for all inputs that call it. Its commands are none of the program's.
+        """Carry out the SUB of an ON, once for all inputs that call it. Its commands don't become steps of
+        the program.
 
         Args:
             statement: the ON.
-            name: the SUB; empty: the ON calls none.
+            name: the SUB; empty if the ON calls none.
             file: the file of the ON.
             scope: the names that are known there.
         """
@@ -447,7 +454,9 @@ class _Unroller:
         self._ways_out.append(WayOut(name, origin_of(statement, "ON", file.findings), steps))
 
     def _is_left_out(self, sub: Sub, statement: Statement, file: File) -> bool:
-        """Return True if a SUB isn't carried out: the limit of lines is reached, or it is nested too deep."""
+        """Return True if a SUB is skipped because the limit of lines is reached or because it is nested too
+        deep.
+        """
         if self._depth >= DEEPEST:
             if not self._is_too_much:
                 self._tell_too_much(too_deep(file, statement), file.findings.place)
@@ -518,7 +527,7 @@ class _Unroller:
 
         Args:
             statement: the command.
-            name: its name, taken apart.
+            name: its resolved name.
             file: its file.
             scope: the names that are known there.
             is_alone: True outside of loops and SUBs; the step is then cached.
@@ -528,7 +537,8 @@ class _Unroller:
         def make(defaults: Defaults, names: Scope) -> Step | None:
             return to_step(statement, name, context, defaults, names, findings)
 
-        # The cache's key is the text of the command, and a trajectory file isn't part of the text.
+        # Don't cache: the cache's key is the text of the command, and a trajectory file isn't part of this
+        # text.
         if not is_alone or isinstance(context.memory, Forgetful) or _names_file(statement):
             step = make(file.defaults, scope)
         else:
@@ -538,7 +548,7 @@ class _Unroller:
     def _count_command(self, statement: Statement, file: File) -> None:
         """Count a command that is carried out.
 
-        The limit was checked in advance; only lines with mistakes can still lead to a finding here.
+        The limit was checked in advance, so only lines with mistakes can still cause a finding here.
         """
         self._commands += 1
         error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))

@@ -1,4 +1,6 @@
-"""CELL: declare the names of a cell.toml at its line; those of a given cell before the first line."""
+"""CELL: declare the names of a cell.toml at its line; the names of a given cell are declared before the first
+line.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,7 @@ class CellName:
 
 
 class Cells:
-    """The cell of a program and its modules: all of them must name the same one."""
+    """The cell of a program and its modules: all of them must name the same cell."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -131,13 +133,15 @@ class Cells:
         return outputs if is_new else []
 
     def _refuse(self, line: CellName, given: GivenCell, findings: Collector) -> None:
-        """Add a finding about a CELL line that names another file than the given cell."""
+        """Add a finding about a CELL line that doesn't name the given cell's file."""
         message = f"the CELL line names {line.path}, {given.giver} names {given.path}"
         findings.add("Y1373", message, line.span, f"take the CELL line away, or {given.remedy}")
         self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
-        """Return the findings, without those about unknown names if an unreadable cell may declare these."""
+        """Return the findings. If a cell is unreadable, drop those about unknown names: the cell may declare
+        these.
+        """
         return [one for one in findings if not self._unread or CATALOGUE[one.code].need != "name"]
 
 
@@ -192,7 +196,9 @@ def declare_cell(
 
 
 def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
-    """Return the meaning of a cell's name; a default for a wrong entry, so that its uses cause no errors."""
+    """Return the meaning of a cell's name; for a wrong entry a default, so that uses of the name cause no
+    errors.
+    """
     match table:
         case "joints":
             return JointPosition(cell.joints.get(name, robot.home))

@@ -42,8 +42,8 @@ class Declaring:
 
     Args:
         context: robot, modules and cells.
-        names: takes the names of commands apart.
-        steps: steps of the program; receive a Gap if a declaration that commands may need has an error.
+        names: resolves the names of commands.
+        steps: steps of the program. A Gap is added if a declaration that commands may need has an error.
     """
 
     def __init__(self, context: Context, names: CommandNames, steps: list[Step]) -> None:
@@ -63,7 +63,7 @@ class Declaring:
         self._modules: dict[str, Library] = {}
 
     def file(self, module: Module, *, is_program: bool) -> File:
-        """Return a new file, without any declaration read yet.
+        """Return a new file; its declarations aren't read yet.
 
         Args:
             module: the parsed file.
@@ -79,7 +79,9 @@ class Declaring:
         self.outputs += self.cells.begin(file.scope, self._signals, file.findings)
 
     def arranged(self, module: Module, file: File) -> tuple[Node, ...]:
-        """Return a file's statements in blocks. Names of commands are checked even in unused lines."""
+        """Return a file's statements in blocks. Names of commands are checked here, so also in lines that
+        aren't used.
+        """
         arranged = arrange(module)
         file.findings.found += arranged.diagnostics
         assert arranged.value is not None
@@ -157,14 +159,17 @@ class Declaring:
         refuse_parts(block.head, NOT_FOR_BLOCKS, file.findings)
         word = word.word if isinstance(word, Parameter) else word
         if may_be_declared(block.head, word, scope, self._robot, file.findings):
-            # Names declared after the SUB aren't known in it. Its own name is, so that recursion is found.
+            # The SUB doesn't see names that are declared after it. It does see its own name, so that
+            # recursion is found.
             sub = Sub(block, scope, file)
             scope.declare(word.name, Routine(sub), Where(file.findings.source, block.head.span(word.place)))
             sub.scope = scope.copy()
             check_parameters(block.head, sub.scope, self._robot, file.findings)
 
     def declare_only(self, node: Node, file: File) -> None:
-        """Carry out a line of a module outside its SUBs: a declaration; a finding for a command."""
+        """Carry out a line of a module outside of its SUBs. Only declarations are allowed: a command gets a
+        finding.
+        """
         if isinstance(node, Block) and node.head.name.name == "SUB":
             self.declare_sub(node, file, file.scope)
         elif isinstance(node, Statement) and node.index is None and node.name.name in DECLARATIONS:

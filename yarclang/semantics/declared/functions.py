@@ -48,7 +48,7 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         weight, depth = _size(body, scope)
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
-        # Declare the name in spite of the error, so that its uses cause no more errors.
+        # Declare the name in spite of the error, so that its uses cause no further errors.
         body = Number("1", 1.0, body.place)
     if weight > HEAVIEST or depth > DEEPEST_EXPRESSION:
         most = f"{HEAVIEST:,} operations" if weight > HEAVIEST else f"{DEEPEST_EXPRESSION} inside each other"
@@ -57,7 +57,7 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         body, weight, depth = Number("1", 1.0, body.place), 1, 1
     meaning = tuple(taken), print_expression(body), used
     where = Where(findings.source, statement.span(word.place))
-    # All names in it are declared and never change their meaning: no copy of the scope is needed.
+    # All names in the expression are declared and never change their meaning: no copy of the scope is needed.
     scope.declare(word.name, Formula(tuple(taken), body, scope, weight, depth, meaning), where)
 
 
@@ -91,7 +91,7 @@ def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator
 
 
 def _size(expression: Expression, scope: Scope) -> tuple[int, int]:
-    """Return the number of operations in an expression, and their depth of nesting."""
+    """Return the number of operations in an expression, and the depth to which they are nested."""
     sizes = [_size(part, scope) for part in parts_of(expression)]
     weight, depth = 1 + sum(one for one, _ in sizes), 1 + max((one for _, one in sizes), default=0)
     if isinstance(expression, Applied):

@@ -1,4 +1,4 @@
-"""Declare frames, poses, joint positions and numbers: check their names, and read their values."""
+"""Declare frames, poses, joint positions and numbers, after a check of their names and values."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def declare_frame(
         statement, values, tuple(values_of(statement)), scope, defaults, robot, findings
     )
     base = base_of_line(statement, scope, defaults, findings)
-    # Declare the name in spite of errors, so that its uses cause no more errors.
+    # Declare the name in spite of errors, so that its uses cause no further errors.
     transform, on_flange, link = np.eye(4), False, None
     if base is not None:
         on_flange = base.on_flange
@@ -163,7 +163,8 @@ def declare_frame(
 def base_of_line(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector, *, may_move: bool = True
 ) -> Frame | None:
-    """Return the frame in which a declaration gives its values: its own or that of DEFAULT.
+    """Return the frame in which a declaration gives its values: the frame in the line, or else that of
+    DEFAULT.
 
     Args:
         statement: the declaration.
@@ -173,7 +174,7 @@ def base_of_line(
         may_move: True if a frame on the flange is allowed.
 
     Returns:
-        None with a finding if it has none, or a wrong one.
+        None with a finding if the frame is missing or wrong.
     """
     if statement.base is not None:
         return base_axes(statement, statement.base, scope, may_move, findings)
@@ -223,7 +224,7 @@ def declare_pose(
         return
     numbers = numbers_of_line(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
     base = base_of_line(statement, scope, defaults, findings, may_move=False)
-    # Declare the name in spite of errors, so that its uses cause no more errors.
+    # Declare the name in spite of errors, so that its uses cause no further errors.
     pose = pose_of(statement, numbers, base, findings)
     scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
@@ -257,7 +258,7 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
 
 
 def pose_of(statement: Statement, numbers: Array | None, base: Frame | None, findings: Collector) -> Pose:
-    """Return a pose from its numbers; the identity if the numbers or the frame aren't known.
+    """Return a pose computed from its numbers; the identity if the numbers or the frame aren't known.
 
     Args:
         statement: the declaration.
@@ -288,7 +289,7 @@ def numbers_of_line(
 
     Args:
         statement: the declaration.
-        values: the kind of values that it takes.
+        values: the kind of values that the declaration needs.
         given: the values in the text.
         scope: the names that are known there.
         defaults: parts of the DEFAULT line of its file.

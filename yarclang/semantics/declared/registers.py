@@ -1,4 +1,4 @@
-"""REGISTER: declare an integer that the program changes while it runs."""
+"""REGISTER: declare an integer that the program changes at run time."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _EXAMPLE = "for example REGISTER COUNT 0..17"
 def declare_register(
     statement: Statement, scope: Scope, robot: Robot, findings: Collector
 ) -> Register | None:
-    """Declare REGISTER COUNT 0..17, or REGISTER COUNT 0..17 3 with its first value.
+    """Declare REGISTER COUNT 0..17, or REGISTER COUNT 0..17 3 with 3 as its first value.
 
-    KEPT at the end keeps the value from run to run, OUTSIDE lets other programs fill the register.
+    KEPT at the end of the line keeps the value from run to run. OUTSIDE lets other programs set the register.
 
     Returns:
         None with a finding if the line is wrong.
@@ -76,7 +76,7 @@ def range_of(value: object) -> tuple[int, int] | None:
 
 
 def integer_of(value: object) -> int | None:
-    """Return an integer value; None for any other value, and beyond the largest number of a register."""
+    """Return an integer value; None for any other value, and for integers outside of a register's range."""
     if not isinstance(value, Number) or not value.value.is_integer() or abs(value.value) > LARGEST:
         return None
     return int(value.value)

@@ -87,7 +87,9 @@ def declare_signal(
 def _step(
     values: list[Value], scope: Scope, statement: Statement, findings: Collector
 ) -> tuple[float | None, list[Value]]:
-    """Return the size of one step of an analogue signal, None without STEP, and the values without STEP."""
+    """Return the size of one step of an analogue signal (None without STEP), and the values that remain
+    without STEP.
+    """
     place = next((at for at, one in enumerate(values) if isinstance(one, Word) and one.name == "STEP"), None)
     if place is None or place < 2:
         return None, values
@@ -139,7 +141,7 @@ def _variables(word: Word, statement: Statement, robot: Robot, findings: Collect
 
 
 def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
-    """Return the number of ON, OFF or a plain number; None with a finding for any other value."""
+    """Return the number that ON, OFF or a plain number means; None with a finding for any other value."""
     if isinstance(value, Word) and value.name in ("ON", "OFF"):
         return float(value.name == "ON")
     span = statement.span(value.place)

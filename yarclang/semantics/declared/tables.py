@@ -42,7 +42,7 @@ def declare_table(
     if not may_be_declared(statement, word, scope, robot, findings):
         return
     rows[0] = rows[0][1:]
-    # Declare the name in spite of errors, so that its uses cause no more errors.
+    # Declare the name in spite of errors, so that its uses cause no further errors.
     numbers = _rows_of(statement, rows, scope, findings)
     scope.declare(word.name, Table(numbers), Where(findings.source, statement.span(word.place)))
 
@@ -70,7 +70,7 @@ def _declare_places(
     base = None if of_joints else base_of_line(statement, scope, defaults, findings, may_move=False)
     rows = [waypoint.values for waypoint in statement.waypoints]
     rows[0] = rows[0][2:]
-    # Declare the name in spite of errors, so that its uses cause no more errors.
+    # Declare the name in spite of errors, so that its uses cause no further errors.
     positions, poses = [], []
     for row in rows:
         numbers = numbers_of_line(statement, values, tuple(row), scope, defaults, robot, findings)
@@ -87,7 +87,7 @@ def _declare_places(
 def _rows_of(
     statement: Statement, rows: list[tuple[Value, ...]], scope: Scope, findings: Collector
 ) -> tuple[tuple[Amount, ...], ...]:
-    """Return the numbers of a table; a wrong one becomes 1, with a finding."""
+    """Return the numbers of a table; a wrong number is replaced by 1, with a finding."""
     units = list((resolve_units(statement, statement.units, findings) or {}).values())
     if len(units) > 1 and statement.units is not None:
         message = f"a table has one unit, {' and '.join(unit.name for unit in units)} are given"

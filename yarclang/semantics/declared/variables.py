@@ -1,4 +1,6 @@
-"""Check that each of the controller's variables is only one signal in a program, its modules and its cell."""
+"""Check that each of the controller's variables belongs to only one signal in a program, its modules and its
+cell.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,12 @@ class _Declared:
 
 @dataclass(slots=True)
 class Signals:
-    """The signals of the controller's variables, as they were first declared."""
+    """The signal that each of the controller's variables was first declared as."""
 
     _first: dict[str, _Declared] = field(default_factory=dict)
 
     def add(self, kind: Kind, signal: Signal, safe: float | None, where: Where) -> tuple[Diagnostic, ...]:
-        """Add a signal; return a finding if its variable is another signal already.
+        """Add a signal; return a finding if its variable already belongs to another signal.
 
         Args:
             kind: input or output.

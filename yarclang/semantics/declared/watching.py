@@ -23,7 +23,7 @@ REACTIONS = MappingProxyType(
         "CALL": "the motion is held on its path; when a person says so, the robot goes back to where the motion began, and leaves on the way of a SUB",
     }
 )
-"""Reactions of the robot to a watched input in its state."""
+"""Words for the robot's reaction while a watched input has the watched state."""
 
 
 def declare_watch(
@@ -34,7 +34,7 @@ def declare_watch(
     Args:
         statement: the line.
         scope: the names that are known there.
-        watches: watched inputs of the lines before.
+        watches: watched inputs of the previous lines.
         findings: receives the findings.
 
     Returns:
@@ -74,16 +74,17 @@ def declare_watch(
 
 
 def check_way_out(steps: Sequence[Step], name: str, span: Span, findings: Collector) -> bool:
-    """Check that a way on which the robot leaves can be planned as a whole from where it stands.
+    """Check that the motions by which the robot withdraws can be planned as a whole from where it has
+    stopped.
 
     Args:
-        steps: steps of the way.
-        name: its SUB.
-        span: the ON that calls it.
+        steps: the steps of the SUB that the ON calls.
+        name: the SUB.
+        span: the ON.
         findings: receives the findings.
 
     Returns:
-        False with a finding if it can't.
+        False with a finding if they can't.
     """
     for step in steps:
         if isinstance(step, Gap):

@@ -19,7 +19,7 @@ from yarclang.syntax.ast import Module, Statement, Text, Word
 
 
 def declared_robot(module: Module) -> tuple[str, Span] | None:
-    """Return the robot of a ROBOT line (a name or a path) and its place; it is needed before any check."""
+    """Return the robot of a ROBOT line (a name or a path) and its place. All checks need the robot first."""
     for statement in module.statements:
         if statement.index is None and statement.name.name == "ROBOT" and len(statement.waypoints) == 1:
             values = statement.waypoints[0].values
@@ -60,7 +60,7 @@ def read_start(
     """Return the joint position (n,) [rad or m] of a START line; None with a finding if it is wrong.
 
     Args:
-        statement: the line, with joint values and units or the name of a joint position.
+        statement: the line. It has joint values with units, or the name of a joint position.
         robot: the robot.
         scope: the names that are known there.
         defaults: parts of the DEFAULT line of its file.

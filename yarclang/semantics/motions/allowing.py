@@ -1,4 +1,4 @@
-"""ALLOW: bodies that may touch during a motion, and a check of their names."""
+"""ALLOW: read the bodies that may touch during a motion, and check their names."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from yarclang.syntax.ast import Option, Word
 
 
 def allowed_by(line: Line) -> tuple[Allowed, ...]:
-    """Read the options ALLOW GRIPPER BOX of a motion; report those that don't name two bodies.
+    """Read the options ALLOW GRIPPER BOX of a motion; report options that don't name two bodies.
 
-    The names themselves are checked once the cell is known (`check_allowed`).
+    The names themselves are checked later, when the cell is known (`check_allowed`).
     """
     found: dict[Allowed, Allowed] = {}
     for option in line.statement.options:
@@ -40,21 +40,22 @@ def _allowed(line: Line, option: Option) -> Allowed | None:
         return None
     first, second = sorted((option.argument.name, option.state.name))
     word, end = option.word.place, option.state.place
-    # names in another row than ALLOW are shown by their last one
+    # If the names are on a later line than the word ALLOW, the place is that of the last name.
     begin = word if word.row == end.row else end
     return Allowed(first, second, end.row, begin.start, end.end)
 
 
 def _span(line: Line, option: Option) -> Span:
-    """Return the place of an option; only its word, if its names stand in another row."""
+    """Return the place of an option; only the place of its word if its names are on another line."""
     begin, end = option.word.place, (option.state or option.argument or option.word).place
     first = line.statement.span(begin)
     return first if end.row != begin.row else Span.on_line(first.line, begin.start, end.end)
 
 
 def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findings: Collector) -> None:
-    """Check that the bodies of each ALLOW exist. An ALLOW that is carried out several times, as in a loop, is
-    checked once.
+    """Check that the bodies of each ALLOW exist.
+
+    An ALLOW that is carried out several times, as in a loop, is checked once.
 
     Args:
         steps: steps of the program.

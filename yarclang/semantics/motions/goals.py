@@ -22,7 +22,7 @@ from yarclang.transforms import constant
 
 
 def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ...]:
-    """Return the goals of all way-points; those with findings may be left out.
+    """Return the goals of all way-points; way-points with findings may be left out.
 
     Args:
         line: the command.
@@ -61,7 +61,9 @@ def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ..
 
 
 def _near(line: Line) -> Array | None:
-    """Return the joint position (n,) [rad or m] of NEAR, which selects the solution; None without NEAR."""
+    """Return the joint position (n,) [rad or m] of NEAR, which selects an inverse kinematics solution; None
+    without NEAR.
+    """
     for option in line.statement.options:
         if option.word.name != "NEAR":
             continue
@@ -85,8 +87,8 @@ def _named_goal(
 ) -> object | None:
     """Return the goal of a way-point that is a name or an element of a table; None for any other way-point.
 
-    Commands with a target in joint space take names of joint positions, whatever target they are written
-    with.
+    Every command that accepts joint targets also accepts names of joint positions, even if its own target is
+    written in another form.
 
     Args:
         line: the command.
@@ -121,14 +123,15 @@ def _named_goal(
 
 
 def _one_word(waypoint: WayPoint) -> Word | None:
-    """Return the name that a way-point consists of; None for any other way-point."""
+    """Return the name if a way-point is a single name; None for any other way-point."""
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
     return None if word.name in {"NAN", "INF", "INFINITY"} else word
 
 
 def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
-    """Return the element of a table of places that a way-point consists of; None for any other way-point.
+    """Return the element if a way-point is a single element of a table of places; None for any other
+    way-point.
 
     With a wrong index, add a finding and return the table's first element.
     """
@@ -172,7 +175,7 @@ def _joint_position(line: Line, word: Word) -> JointPosition | None:
 
 
 def _values(line: Line, number: int) -> Values:
-    """Return the kind of values of a way-point, counted from 1."""
+    """Return the kind of values of a way-point; way-points are counted from 1."""
     leading = line.name.spec.leading
     return leading[number - 1] if number <= len(leading) else line.values
 
@@ -228,7 +231,7 @@ def _goal(
 
 
 def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
-    """Return a pose as it was written; None if one of its frames isn't known."""
+    """Return a pose with its numbers as written; None if one of its frames isn't known."""
     moving, base = frames[0].link, frames[1].link
     return None if moving is None or base is None else Told(constant(numbers), base, moving)
 

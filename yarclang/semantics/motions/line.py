@@ -26,12 +26,12 @@ class Line:
 
     Attributes:
         statement: the command.
-        name: its name, taken apart.
+        name: its resolved name.
         values: the kind of values of its way-points.
         robot: the robot.
         defaults: parts of the DEFAULT line of its file.
         scope: the names that are known there.
-        units: units of the line and of DEFAULT; None if they are wrong, which is reported already.
+        units: units of the line and of DEFAULT; None if they are wrong, which was already reported.
         findings: the findings of its file.
     """
 
@@ -46,7 +46,7 @@ class Line:
     _told: set[str] = field(default_factory=set)
 
     def missing(self, kind: Kind, span: Span) -> None:
-        """Report a missing unit, once for each kind in a line.
+        """Report a missing unit. Each kind of unit is reported once for a line.
 
         Args:
             kind: the kind of unit.

@@ -1,4 +1,4 @@
-"""Find the moving frame and the base frame of a motion command: its own, or else those of DEFAULT."""
+"""Find the moving frame and the base frame of a motion command: in its line, or else in DEFAULT."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Moved:
     """The frames of a command.
 
     Attributes:
-        frames: the moving frame on the flange, and the frame of the values; None for joint values or with
-            errors.
-        tool: the moving frame; for joint values too, where it has no effect on the motion.
+        frames: the moving frame on the flange, and the frame of the values. None for joint values, and for a
+            command with errors.
+        tool: the moving frame. Also given for joint values, whose motion it doesn't affect.
     """
 
     frames: tuple[Frame, Frame] | None
@@ -31,18 +31,18 @@ class Moved:
 
     @property
     def links(self) -> tuple[FrameLink | None, FrameLink | None]:
-        """Names and declarations of both frames."""
+        """Links (names and declarations) of both frames."""
         return (None, None) if self.frames is None else (self.frames[0].link, self.frames[1].link)
 
 
 def moved_by(line: Line) -> Moved:
-    """Return the frames of a command; add findings if they are missing, unknown or not allowed there."""
+    """Return the frames of a command; add findings if frames are missing, unknown or not allowed."""
     statement, defaults = line.statement, line.defaults
     poses = named_poses(line)
     if not poses and (
         line.values.of_joints or (takes_names(line.name) and _all_named(statement, line.scope))
     ):
-        # Joint values need no frames. Frames in the line have no effect, but must exist.
+        # Joint values need no frames. Frames in the line don't affect the motion, but must exist.
         for frame in (statement.moving, statement.base):
             if frame is not None:
                 known_frame(statement, frame, line.scope, line.findings)
@@ -102,9 +102,9 @@ def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
 
 
 def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Frame:
-    """Return the frame of the first pose, for a command with only names as way-points.
+    """Return the frame of the first pose, for a command whose way-points are all names.
 
-    A base frame in the line has no effect then, and gets a finding.
+    A base frame in the line has no effect in such a command, and gets a finding.
     """
     word, pose = poses[0]
     if line.statement.base is not None:
@@ -116,9 +116,9 @@ def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Fra
 
 
 def _tool(line: Line) -> FrameLink | None:
-    """Return the moving frame of the line or of DEFAULT, if it sits on the flange; None without one.
+    """Return the moving frame of the line or of DEFAULT if it is fixed to the flange; else None.
 
-    There are no findings: joint values don't need this frame.
+    No finding is added, since joint values don't need this frame.
     """
     unheard = Collector(line.findings.source)
     moving, statement, scope = line.statement.moving, line.statement, line.scope
@@ -132,7 +132,9 @@ def _tool(line: Line) -> FrameLink | None:
 
 
 def takes_names(name: ResolvedName) -> bool:
-    """Return True if names of joint positions may be way-points: if the command can take joint values."""
+    """Return True if way-points may be names of joint positions, which is so if the command accepts joint
+    values.
+    """
     return name.spec.targets.get("") is Values.JOINTS
 
 

@@ -1,4 +1,4 @@
-"""Read the options after the base frame of a motion: ACC, TOL and BLEND."""
+"""Read the options that follow the base frame of a motion: ACC, TOL and BLEND."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         timing: its motion time.
 
     Returns:
-        The timing with the share of ACC, the tolerance of TOL [m], and the distance or angle of BLEND; None
-        for an option that isn't there.
+        The timing with the share of ACC, the tolerance of TOL [m], and the distance or angle of BLEND.
+        Missing options are None.
     """
     tolerance, blend = None, None
     seen: set[str] = set()
@@ -60,9 +60,9 @@ def refuse_at_most(line: Line, option: Option) -> None:
 
 
 def _blend(line: Line, option: Option) -> Reading | None:
-    """Return the number of BLEND 5, read as a length [m] and as an angle [rad]; None with a finding.
+    """Return the number of a BLEND, read as a length [m] and as an angle [rad]; None with a finding.
 
-    It is the distance from the end of the path at which the motion may leave it.
+    The number is the distance from the end of the path at which the motion may leave the path.
     """
     span = line.statement.span((option.argument or option.word).place)
     if not isinstance(option.argument, Number | Computed):
@@ -96,7 +96,7 @@ _OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
 
 @lru_cache(maxsize=64)
 def _reading(value: float, length: float | None, angle: float | None, or_less: bool) -> Reading:
-    """Return a number read as a length and as an angle; equal readings share one object.
+    """Return a number read as a length and as an angle. Equal readings share one object.
 
     Args:
         value: the number.

@@ -1,4 +1,4 @@
-"""UNTIL: a motion that ends when an input is found, and a check of the commands that follow it."""
+"""UNTIL: read a motion that ends when an input is found, and check the commands that follow it."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ from yarclang.subjects import unknown
 from yarclang.syntax.ast import Option, Word
 
 _STANDING = (SetOutput, Dwell, WaitInput, WaitUntil, Hold, Say, Assign)
-"""Steps at which the robot stands still after a search."""
+"""Steps that don't move the robot and are allowed after a search."""
 
 
 def search_of(line: Line, blend: Reading | None) -> Search | None:
-    """Read UNTIL TOUCH or UNTIL TOUCH OFF, and INTO DEPTH.
+    """Read UNTIL TOUCH or UNTIL TOUCH OFF, and INTO DEPTH if it follows.
 
     Args:
         line: the command.
@@ -89,7 +89,9 @@ def search_of(line: Line, blend: Reading | None) -> Search | None:
 
 
 def _depth(line: Line, into: Option) -> str | None:
-    """Return the register of INTO; None with a finding if it names none, or if the motion is no line."""
+    """Return the register of INTO; None with a finding if INTO names no register, or if the motion is not
+    linear.
+    """
     if not line.name.spec.moves_frame:
         _refuse(line, into, "only a line has a length in mm: MOVEJ takes no INTO", "take it away")
         return None
@@ -118,13 +120,14 @@ def _refuse(line: Line, option: Option, message: str, help_: str) -> None:
 
 
 def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) -> None:
-    """Check the steps after each search: the robot must stand, or move to a known place without BLEND.
+    """Check the steps after each search: the robot must stay at rest, or move to a known place without BLEND.
 
-    A barrier goes after that motion: it ends the part of the program that is planned again after the search.
+    A barrier is inserted after that motion. It ends the part of the program that is planned again after the
+    search.
 
     Args:
         steps: steps of the program; receive the barriers.
-        cell: the cell around the robot. If it has parts, no gripper may act where a search has ended.
+        cell: the cell around the robot. If it has parts, grippers must not act where a search has ended.
         findings: receives the findings.
     """
     grips = set() if cell is None or not cell.parts else {*cell.grips, *cell.removals}
@@ -139,17 +142,16 @@ def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) ->
 
 
 def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str]) -> int | Diagnostic | None:
-    """Find the motion that follows a search.
+    """Find the first motion after a search.
 
     Args:
         steps: steps of the program.
         number: number of the search.
         search: the search.
-        grips: variables of outputs that take or put down parts.
+        grips: variables of outputs that make a gripper take or put down parts.
 
     Returns:
-        The number of the motion, a finding about a step that isn't allowed before it, or None without a
-        motion.
+        The number of the motion; a finding if a step before it isn't allowed; None if no motion follows.
     """
     for at in range(_end_of_when(steps, number + 1) + 1, len(steps)):
         step = steps[at]

@@ -25,7 +25,9 @@ from yarclang.units import UNITS, Kind
 Load = Callable[[str, SourceFile | None], Result[TrajectoryFile]]
 
 _WITHIN = {"angle": 1e-4, "length": 1e-4}
-"""Allowed distance of a joint from the path of a timetable [rad or m], without TOL."""
+"""Default tolerance: allowed distance of a joint from the path of a timetable [rad or m] if the line has no
+TOL.
+"""
 
 _STANDS = 1e-9
 """Largest velocity at the last way-point that counts as rest [axis units per s]."""
@@ -34,7 +36,7 @@ _FORM = "write each way-point with its time: 10 0 0 0 20 0 [0.5]; 12 0 0 0 20 0 
 
 
 def refuse_rates(line: Line) -> None:
-    """Add a finding if a way-point has a time or rates of its own and the motion has no timetable."""
+    """Add a finding if a way-point has a time or rates, but the motion is no timetable."""
     if line.name.spec.is_timed:
         return
     for waypoint in line.statement.waypoints:
@@ -56,7 +58,7 @@ def timed_of(line: Line, load: Load | None) -> Timed | None:
 
     Args:
         line: the command.
-        load: reads a file of way-points; None if no file can be read.
+        load: reads a file of way-points; None if files can't be read.
 
     Returns:
         None with findings if the command has an error.
@@ -265,7 +267,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
         factors: (n,) from the line's units to SI.
 
     Returns:
-        (k, n) in SI; None if there are none, or with a finding.
+        (k, n) in SI; None if the way-points have none, or with a finding.
     """
     waypoints, word = line.statement.waypoints, {"velocity": "VEL", "acceleration": "ACC"}[name]
     rates: list[Rate | None] = [getattr(waypoint, name) for waypoint in waypoints]
@@ -294,7 +296,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
 
 
 def _plain(line: Line, value: Value, what: str) -> float | None:
-    """Return a number without a unit of its own; None with a finding, which calls the number `what`."""
+    """Return a number that has no unit of its own; None with a finding, in which `what` names the number."""
     span = line.statement.span(value.place)
     fault = number_fault(value)
     if fault is not None:

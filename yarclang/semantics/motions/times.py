@@ -31,7 +31,7 @@ _HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving fra
 
 
 def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
-    """Return True if a motion time has a valid form, whatever its unit; otherwise add a finding."""
+    """Return True if a motion time has a valid form, with any unit; otherwise add a finding."""
     span = statement.span(time.place)
     text = " ".join(item.text for item in time.items)
     if len(time.items) == 1:
@@ -88,8 +88,8 @@ def resolve_time(
 ) -> Timing:
     """Return the timing of a command: [20] as a duration [s], [MIN] as None, [50%] as a share of the limits.
 
-    A time from DEFAULT has the unit of DEFAULT, whatever the line's units are; the line's unit only if
-    DEFAULT has none.
+    A time from DEFAULT has the unit that DEFAULT names. The units of the line apply to it only if DEFAULT
+    names none.
 
     Args:
         statement: the command.
@@ -97,7 +97,7 @@ def resolve_time(
         defaults: parts of the DEFAULT line of its file.
         scope: the names that are known there.
         findings: receives the findings.
-        has_speed: True if the command moves a frame: a speed is allowed then instead of a time.
+        has_speed: True if the command moves a frame: a speed is then allowed instead of a time.
     """
     time = statement.time or defaults.time
     if time is None:
@@ -153,7 +153,7 @@ def _below(speed: Reading | None, statement: Statement, time: Time, own: bool, f
         speed: the limit; None if it is wrong.
         statement: the command.
         time: its motion time, or that of DEFAULT.
-        own: True if the time stands in the command.
+        own: True if the time is written in the command.
         findings: receives the finding if the unit of length is missing.
     """
     if speed is not None and speed.length is None:
@@ -175,9 +175,9 @@ def _speed(
 
     Args:
         time: the motion time with the speed.
-        line: the line in which the time stands: the command or DEFAULT.
+        line: the line that has the time: the command or DEFAULT.
         statement: the command.
-        own: True if the time stands in the command.
+        own: True if the time is written in the command.
         units: units by kind.
         scope: the names that are known in `line`.
         findings: receives the finding.
@@ -220,9 +220,9 @@ def _seconds(
 
     Args:
         item: the number.
-        line: the line in which the time stands: the command or DEFAULT.
+        line: the line that has the time: the command or DEFAULT.
         statement: the command.
-        own: True if the time stands in the command.
+        own: True if the time is written in the command.
         units: units of the command and of DEFAULT.
         defaults: parts of the DEFAULT line.
         scope: the names that are known in `line`.

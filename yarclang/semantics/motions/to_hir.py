@@ -38,7 +38,7 @@ def to_step(
 
     Args:
         statement: the command.
-        name: its name, taken apart.
+        name: its resolved name.
         context: inputs besides the text.
         defaults: parts of the DEFAULT line of its file.
         scope: the names that are known there.
@@ -66,7 +66,7 @@ def to_step(
             if timed is None or has_errors(findings.found[before:]):
                 return None
             duration = float(timed.table.times[-1]) * timed.stretch
-            # The time in the line is that of one way-point: a fix of the duration must not replace it.
+            # The time in the line belongs to one way-point, so a fix of the duration must not replace it.
             origin = replace(
                 origin_of(statement, name.full, findings, units, moved),
                 time_span=None,
@@ -91,7 +91,7 @@ def to_step(
 
 
 def _allowing(step: Step, allowed: tuple[Allowed, ...]) -> Step:
-    """Return a step with the bodies that may touch during it; the same one without any."""
+    """Return a step with the bodies that may touch during it; the step itself if there are none."""
     return replace(step, allowed=allowed) if allowed and isinstance(step, Motion) else step
 
 
@@ -110,8 +110,8 @@ def origin_of(
 
     Args:
         statement: the command.
-        name: its name today, in full.
-        findings: the findings of its file, with its place.
+        name: its current full name.
+        findings: the findings of its file; they also hold its place.
         units: its units by kind; None for s, mm and deg.
         moved: its frames.
     """
@@ -136,7 +136,7 @@ def origin_of(
 
 
 def _index(text: str) -> str:
-    """Return an index with four digits; the given object itself if it has them already."""
+    """Return an index with four digits; the same object if it has four digits already."""
     listed = f"P{int(text[1:]):04d}"
     return text if text == listed else listed
 

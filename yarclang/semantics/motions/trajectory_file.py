@@ -1,7 +1,8 @@
-"""The file of a timed trajectory: CSV with a row for each way-point, read to SI and written without loss.
+"""Read and write the file of a timed trajectory: CSV with a row for each way-point. Values are converted to
+SI when read, and written without loss.
 
 The header is `time,J1,...,Jn`, then `J1_velocity,...` and `J1_acceleration,...` if the file has them. Columns
-are known by their names and may have any order. A column may name its unit: `J1 [rad]`, `J1_velocity
+are identified by their names and may have any order. A column may name its unit: `J1 [rad]`, `J1_velocity
 [rad/s]`, `J1_acceleration [rad/s^2]`.
 """
 
@@ -32,13 +33,13 @@ SUFFIX = ".csv"
 TIME = "time"
 
 RATES = ("", "velocity", "acceleration")
-"""Endings of the columns of a joint, by the order of the derivative by time."""
+"""Endings of the names of a joint's columns, by the order of the time derivative."""
 
 STANDS = 1e-6
 """Largest speed that counts as rest [deg/s or mm/s]."""
 
 PER_SECOND = ("", "/s", "/s^2")
-"""Endings of the units of these columns."""
+"""Endings of the units of these columns, by the order of the time derivative."""
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 _PER_S = re.compile(r"(.*?)\s*/\s*s(?:(?:\^|\*\*)?\s*2|²|\s*/\s*s)?", re.I)
@@ -47,7 +48,9 @@ _RATE = re.compile(r"(.*?)[ _](vel|velocity|acc|acceleration)", re.I)
 _RATE_ENDINGS = {"vel": 1, "velocity": 1, "acc": 2, "acceleration": 2}
 _NUMBERED = re.compile(r"J([1-9][0-9]?)", re.I)
 _NUMBERS = re.compile(r"[0-9eE+\-.,\n \t]*")
-"""Characters of numbers and separators: `float` reads only decimal numbers from these, not `nan` or `1_0`."""
+"""Characters of numbers and separators. Texts of these characters that `float` accepts are plain decimal
+numbers, never `nan` or `1_0`.
+"""
 _MOST_COLUMNS = 1_000
 _SHOWN = 40
 
@@ -66,8 +69,9 @@ class TrajectoryFile:
 
         Args:
             robot: the robot whose joints the columns are.
-            units: units by kind for columns that don't name theirs; may be empty.
-            own: kinds of unit that the program's line names itself; the file must not name other units.
+            units: units by kind for columns that don't name their unit; may be empty.
+            own: kinds of unit that the program's line names itself; the file must not name other units of
+                these kinds.
 
         Returns:
             The timetable in SI; None if the file has errors, with findings at their places in the file.
@@ -87,8 +91,8 @@ class _Columns:
 
     Attributes:
         time: number of the column with the time.
-        places: numbers of the joints' columns, for positions, velocities and accelerations if the file has
-            them.
+        places: numbers of the joints' columns: for positions, then for velocities and accelerations if the
+            file has them.
         factors: for each of these, (n,) factors from the file's units to SI.
         second: factor from the file's unit of time to s.
     """
@@ -117,7 +121,8 @@ class _Cell:
 
 
 def write_table(robot: Robot, table: Timetable) -> str:
-    """Return the text of a trajectory file, in SI. Reading the text gives exactly the numbers of the table.
+    """Return a timetable as the text of a trajectory file, in SI. Reading the text returns exactly the same
+    numbers.
 
     Args:
         robot: the robot of the timetable.
@@ -138,23 +143,25 @@ def write_table(robot: Robot, table: Timetable) -> str:
 
 
 def _shortest(value: float) -> str:
-    """Return the shortest text that is read as exactly this number."""
+    """Return the shortest text that parses to exactly this number."""
     return repr(value).removesuffix(".0")
 
 
 def joint_names(robot: Robot, others: Sequence[str] = ()) -> dict[str, int]:
-    """Return the numbers of a robot's joints by their names in lower case.
+    """Return the numbers of a robot's joints by the joints' names in lower case.
 
     Args:
         robot: the robot.
-        others: other names for the joints, in the robot's order.
+        others: additional names for the joints, in the robot's order.
     """
     known = {name.lower(): number for number, name in enumerate(robot.joint_names)}
     return known | {name.lower(): number for number, name in enumerate(others)}
 
 
 def rate_of(name: str) -> tuple[str, int]:
-    """Split a column's name into joint and order of derivative: `J1` has 0, `J1_velocity` 1, `J1_acc` 2."""
+    """Split a column's name into the joint and the order of the derivative: 0 for `J1`, 1 for `J1_velocity`,
+    2 for `J1_acc`.
+    """
     found = _RATE.fullmatch(name)
     return (name, 0) if found is None else (found[1], _RATE_ENDINGS[found[2].lower()])
 
@@ -169,12 +176,12 @@ def unit_of(text: str, kind: Kind, order: int) -> Unit | None:
     """Read the unit of a column.
 
     Args:
-        text: text in the brackets, as `deg` or `deg/s`.
+        text: text in the brackets, such as `deg` or `deg/s`.
         kind: kind of unit of the joint's value itself.
         order: 0 for the value, 1 for its velocity, 2 for its acceleration.
 
     Returns:
-        The unit of the value itself, as `deg` for `deg/s`; None if the text is no unit of such a column.
+        The unit of the value itself, such as `deg` for `deg/s`; None if the text is no unit of such a column.
     """
     if order:
         found = _PER_S.fullmatch(text)
@@ -288,7 +295,7 @@ def _columns(
 
 
 def _cells(text: str, line: int) -> list[_Cell]:
-    """Return the cells of a header, without blanks around them."""
+    """Return the cells of a header, without surrounding blanks."""
     pieces = text.split(",")
     begins = [0, *accumulate(len(piece) + 1 for piece in pieces)]
     cells = []
@@ -307,7 +314,7 @@ def _title(robot: Robot, joint: int, order: int) -> str:
 
 
 def _unknown(cell: _Cell, robot: Robot, findings: Collector) -> None:
-    """Add a finding about a column that is none of a trajectory."""
+    """Add a finding about a column that a trajectory can't have."""
     titles = [TIME, *(_title(robot, joint, order) for order in range(3) for joint in range(robot.size))]
     shown = f"{cell.name[:_SHOWN]!r}" if cell.name else "a column without a name"
     message = f"{shown} is no column of a trajectory of {robot.name}"
@@ -330,13 +337,15 @@ def _with_units(
     header: Span,
     findings: Collector,
 ) -> _Columns | None:
-    """Return the columns with the factors of their units; None with a finding. A kind has one unit in a file.
+    """Return the columns with the factors of their units; None with a finding.
+
+    All columns of a file must use one unit of each kind.
 
     Args:
         found: cells of the header by joint (-1: the time) and order of the derivative.
         orders: 1 for positions only, 2 with velocities, 3 with accelerations.
         robot: the robot.
-        units: units by kind for columns that don't name theirs.
+        units: units by kind for columns that don't name their unit.
         own: kinds of unit that the program's line names itself.
         header: place of the header.
         findings: receives the finding.
@@ -457,7 +466,7 @@ def _first_bad(lines: Iterable[str]) -> tuple[int, int]:
 
 
 def _refuse_cell(line: str, number: int, column: int, findings: Collector) -> None:
-    """Add a finding about a cell that is no number of a trajectory."""
+    """Add a finding about a cell whose text isn't a valid number."""
     span = _cell_span(line, number, column)
     text = line.split(",")[column].strip()
     help_ = f"a number is finite and at most {LARGEST_NUMBER:,.0f}, with a decimal point; its unit goes into the header"
@@ -481,7 +490,7 @@ def _is_number(text: str) -> bool:
 
 
 def _cell_span(line: str, number: int, column: int) -> Span:
-    """Return the place of a cell, without blanks around it."""
+    """Return the place of a cell, without surrounding blanks."""
     pieces = line.split(",")
     begin = sum(len(piece) + 1 for piece in pieces[:column])
     piece = pieces[column]
@@ -492,7 +501,7 @@ def _cell_span(line: str, number: int, column: int) -> Span:
 def _increase(
     source: SourceFile, times: Array, numbers: list[int], columns: _Columns, findings: Collector
 ) -> bool:
-    """Check that the times are 0 or more at first and increase from row to row."""
+    """Check that the first time is 0 or more, and that the times increase from row to row."""
     if times[0] < 0.0:
         span = _cell_span(source.line(numbers[0]), numbers[0], columns.time)
         message = f"the first time is {times[0]:.9g} s, before the motion begins at 0"
@@ -542,7 +551,7 @@ def _check_rest(
     places: tuple[int, ...],
     findings: Collector,
 ) -> None:
-    """Check that all joints rest at time 0 and in the last row, and set their velocities there to 0.
+    """Check that all joints are at rest at time 0 and in the last row, and set their velocities there to 0.
 
     Args:
         source: the file.

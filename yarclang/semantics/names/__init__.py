@@ -1,4 +1,4 @@
-"""Meanings of names.
+"""Resolve names.
 
 `commands.py` resolves names of commands, `frames.py` frames, `signals.py` inputs and outputs; `scope.py`
 holds all names of nested blocks. `foreign.py` knows words of other robot languages.

@@ -1,4 +1,4 @@
-"""Resolve the names of commands, and replace old names by today's."""
+"""Resolve the names of commands, and replace outdated names by the current ones."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ TARGETS = ("RPY", "QUAT")
 
 @frozen
 class ResolvedName:
-    """A command's name, taken apart.
+    """A command's name, split into its parts.
 
     Attributes:
         spec: the command.
         values: the kind of its values; None for a command without values.
         profile: name of the profile.
-        full: today's name with the suffixes in the program.
+        full: the command's current name, with the suffixes that the program has.
         avoids: True if the motion avoids obstacles.
     """
 
@@ -78,7 +78,7 @@ class CommandNames:
 
 
 def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collector) -> ResolvedName | None:
-    """Take a command's name apart: MOTION[_TARGET][_AVOID][_PROFILE].
+    """Split a command's name into its parts: MOTION[_TARGET][_AVOID][_PROFILE].
 
     Args:
         statement: the command.
@@ -139,10 +139,10 @@ def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1024)
 def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:
-    """Return the command with the longest name that a name begins with.
+    """Return the command with the longest name that is a prefix of a given name.
 
     Returns:
-        The command (None if there is none), the suffixes after its name, and True for an old name.
+        The command (None if there is none), the suffixes after its name, and True for an outdated name.
     """
     names = [(spec.name, spec, False) for spec in commands().values()]
     names += [(spec.old_name, spec, True) for spec in commands().values() if spec.old_name]
@@ -155,7 +155,7 @@ def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool
 
 
 def _has_law(spec: CommandSpec) -> bool:
-    """Return True if a command takes a profile: all motions without a timetable do."""
+    """Return True if a command accepts a profile: all motions except timetables do."""
     return spec.is_motion and not spec.is_timed
 
 

@@ -1,4 +1,4 @@
-"""Resolve names of frames, in braces, at the place where they stand."""
+"""Resolve names of frames, in braces, at the place where they are used."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def base_axes(
     """Return the frame in which a command's values are given; None with a finding if it is wrong.
 
     Args:
-        statement: the line with the name.
+        statement: the line with the frame's name.
         frame: the name.
         scope: the names that are known there.
         may_move: True if a frame on the flange is allowed.
@@ -58,7 +58,9 @@ def base_axes(
 
 
 def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
-    """Return the frame with a name; None with a finding if there is none. An old name gets a fix."""
+    """Return the frame with a name; None with a finding if there is none. For an outdated name the finding
+    has a fix.
+    """
     if (found := scope.frame(frame.name)) is not None:
         return found
     span = statement.span(frame.place)

@@ -1,8 +1,8 @@
 """The meanings of names in nested blocks: numbers, frames, joint positions, inputs, outputs, SUBs and
 modules.
 
-A name is known from its declaration to the end of its block or file, and can't be declared again there. Names
-of frames are separate: a frame and another object may share a name.
+A name is known from its declaration to the end of its block or file, and can't be declared again there.
+Frames have separate names: a frame and another object may have the same name.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Pose:
 
     Attributes:
         transform: (4, 4) base_from_pose.
-        link: the frame in which it is given; None if unknown.
+        link: the frame in which the pose is given; None if unknown.
         told: (6,) its numbers in that frame as written, x y z roll pitch yaw [m, rad]; None if unknown.
     """
 
@@ -72,7 +72,7 @@ class Input:
 
     Attributes:
         signal: name and variable.
-        step: size of one step of an analogue input; None for other inputs, whose value is the number itself.
+        step: size of one step of an analogue input; None for other inputs, which have no physical unit.
     """
 
     signal: Signal
@@ -96,7 +96,9 @@ class Table:
         return (rows * columns,) if 1 in (rows, columns) else (rows, columns)
 
     def at(self, indices: tuple[int, ...]) -> Amount:
-        """Return the number at indices, which are counted from 0 and below `sizes`."""
+        """Return the number at the given indices. Each counts from 0 and must be less than its size in
+        `sizes`.
+        """
         if len(indices) == 2:
             return self.rows[indices[0]][indices[1]]
         (index,) = indices
@@ -123,10 +125,10 @@ class Formula:
         parameters: names of the parameters in upper case, each with the unit to which its argument is
             converted.
         body: the expression after the equals sign.
-        scope: the names that it sees besides its parameters.
-        weight: number of operations in one use, including the functions in it.
-        depth: depth of nesting of these operations.
-        meaning: everything on which its values depend, as a value that can be compared.
+        scope: the names that the expression sees besides the parameters.
+        weight: number of operations in one use, including those of the functions in it.
+        depth: depth to which these operations are nested.
+        meaning: everything on which the values of the function depend, as a value that can be compared.
     """
 
     parameters: tuple[tuple[str, Unit | None], ...]
@@ -150,7 +152,7 @@ class Routine:
 
 @frozen(eq=False)
 class Library:
-    """A module, loaded by USE. Its names are written after its own name and a point."""
+    """A module, loaded by USE. Its names are written as MODULE.NAME."""
 
     scope: Scope
 
@@ -163,19 +165,19 @@ class Where:
     span: Span
 
     def seen_from(self, source: SourceFile) -> str:
-        """Return words for the place in a message about `source`."""
+        """Return words for the place, for a message about the file `source`."""
         line = f"line {self.span.line}"
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
 @frozen
 class RackTool:
-    """A tool of the cell that can be changed.
+    """A tool of the cell that a tool changer can take.
 
     Attributes:
         name: the tool.
         lock: the output of the changer.
-        locks_at: its value while it holds a tool.
+        locks_at: the output's value while the changer holds a tool.
     """
 
     name: str
@@ -185,7 +187,7 @@ class RackTool:
 
 @frozen
 class Taught:
-    """A place that JPOS or LPOS keeps: what it is, is known only when the program has run."""
+    """A place that JPOS or LPOS stores. Its coordinates are known only after the program has run."""
 
 
 Named = (
@@ -248,7 +250,7 @@ class Scope:
         return scope
 
     def name(self, name: str) -> Named | None:
-        """Return the meaning of a name, also of MODULE.NAME; None if it has none."""
+        """Return the meaning of NAME or MODULE.NAME; None if it has none."""
         module, dot, inner = name.partition(".")
         found = self._own(module)
         if not dot:
@@ -256,11 +258,11 @@ class Scope:
         return found.scope.declared(inner) if isinstance(found, Library) else None
 
     def declared(self, name: str) -> Named | None:
-        """Return the meaning of a name that this file or block itself declares; None if it doesn't."""
+        """Return the meaning of a name that this file or block itself declares; None for other names."""
         return self._names.get(name)
 
     def frame(self, name: str) -> Frame | None:
-        """Return the frame with a name, also of MODULE.NAME; None without one."""
+        """Return the frame with the name NAME or MODULE.NAME; None without one."""
         module, dot, inner = name.partition(".")
         if dot:
             found = self._own(module)
@@ -332,7 +334,7 @@ class Scope:
         return found
 
     def frame_names(self) -> Iterator[str]:
-        """Yield all known names of frames, those of the robot first."""
+        """Yield all known names of frames, beginning with those of the robot."""
         scopes: list[Scope] = []
         scope: Scope | None = self
         while scope is not None:

@@ -1,4 +1,4 @@
-"""Resolve names of inputs and outputs at the place where they stand."""
+"""Resolve names of inputs and outputs at the place where they are used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Resolve the name of a place that is taught while the program runs."""
+"""Resolve the name of a place that is taught at run time."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 
 
 def taught_name(value: Value, scope: Scope, statement: Placed, findings: Collector) -> str | None:
-    """Return the name under which JPOS or LPOS keeps a place; None with a finding.
+    """Return the name under which JPOS or LPOS stores a place; None with a finding.
 
-    The name of joints or of a pose that the program declares may be taught: what is kept is for the next change
-    of its line. Another name becomes known as a taught one.
+    The name may be that of joints or of a pose that the program declares: the stored value is then meant for
+    the next edit of this declaration. A name without a meaning becomes the name of a taught place.
     """
     span = statement.span(value.place)
     if not isinstance(value, Word) or not _NAME.fullmatch(value.name) or value.name in RESERVED:

@@ -10,11 +10,11 @@ from yarclang.subjects import unknown
 from yarclang.syntax.ast import Value, Word
 
 NO_TOOL = "NONE"
-"""Word in place of a tool's name if no tool is on the flange afterwards."""
+"""Word that is written instead of a tool's name if the flange is to be empty after the change."""
 
 
 def tool_named(value: Value, scope: Scope, statement: Placed, findings: Collector) -> ToolChange | None:
-    """Return the change to the tool that a value names; None with a finding if it names none."""
+    """Return the tool change that a value names; None with a finding if it names none."""
     found = scope.name(value.name) if isinstance(value, Word) else None
     if isinstance(found, RackTool):
         return ToolChange(found.name, found.lock, found.locks_at)

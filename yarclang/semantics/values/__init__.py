@@ -1,6 +1,6 @@
-"""Expressions, units and numbers. Here mm and deg become m and rad.
+"""Compute expressions, units and numbers. Here mm and deg become m and rad.
 
 `evaluate.py` computes the values of expressions, which are the amounts of `amounts.py`; `deciding.py` reads
 expressions for run time, and `steps.py` converts analogue signals. `units.py` reads the units of a statement,
-`numbers.py` the values of a way-point; `poses.py` checks limits and computes rotations.
+and `numbers.py` the values of a way-point. `poses.py` checks limits and computes rotations.
 """

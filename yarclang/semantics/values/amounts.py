@@ -1,7 +1,7 @@
 """Numbers with or without a unit, and the operators and functions on them.
 
-In sums and comparisons, a plain number takes the unit of the other operand. Values keep the unit in which
-they were declared, so that a message shows what the user wrote.
+In sums and comparisons, a plain number gets the unit of the other operand. Values keep the unit in which
+they were declared, so that a message shows the number that the user wrote.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Amount:
     unit: Unit | None = None
 
     def in_unit(self, unit: Unit) -> float:
-        """Return the number in a unit; a plain number is taken to be in that unit already.
+        """Return the number in a unit; a plain number is assumed to be in that unit already.
 
         Raises:
             AmountError: the number has a unit of another kind.
@@ -37,10 +37,10 @@ class Amount:
         return self.value * self.unit.factor / unit.factor
 
     def plain(self, what: str) -> float:
-        """Return the number of a plain amount, which the error calls `what`.
+        """Return the number of an amount without a unit.
 
         Raises:
-            AmountError: the amount has a unit.
+            AmountError: the amount has a unit. The message calls the number `what`.
         """
         if self.unit is not None:
             raise AmountError(
@@ -64,7 +64,7 @@ def no_unit(text: str) -> AmountError:
 
 
 def missing_unit(kind: Kind, what: str) -> AmountError:
-    """Return the error for a unit that a line needs and doesn't have.
+    """Return the error that a line lacks a unit that it needs.
 
     Args:
         kind: kind of the unit.
@@ -131,7 +131,7 @@ _COMPARED: dict[str, Callable[[float, float], bool]] = {
 
 
 def _together(operator: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
-    """Return two numbers in one unit, and the unit: that of the left one, or else of the right one.
+    """Return two numbers in one unit, and this unit: that of the left number, or else that of the right one.
 
     Raises:
         AmountError: the units are of different kinds.

@@ -1,4 +1,4 @@
-"""Read expressions of registers, inputs and numbers, whose value is known only when the program runs."""
+"""Read expressions of registers, inputs and numbers, whose value is known only at run time."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def condition_of(expression: Expression, scope: Scope) -> Value:
     """Return the condition of an expression.
 
     Raises:
-        EvaluationError: the expression is wrong, is a number, or never changes while the program runs.
+        EvaluationError: the expression is wrong, is a number, or never changes at run time.
     """
     value = _value(expression, scope)
     if all(isinstance(one, Constant) for one in leaves(value)):
@@ -60,7 +60,7 @@ def condition_of(expression: Expression, scope: Scope) -> Value:
 
 
 def number_of(expression: Expression, scope: Scope) -> Value:
-    """Return the number of an expression, for run time.
+    """Return an expression as a number that is computed at run time.
 
     Raises:
         EvaluationError: the expression is wrong, or is a condition.
@@ -81,7 +81,7 @@ def _value(expression: Expression, scope: Scope) -> Value:
 
 
 def _part(expression: Expression, scope: Scope, depth: int) -> Value:
-    """Return the run-time value of a part of an expression. Parts that are known already are computed now.
+    """Return the run-time value of a part of an expression. Parts that are constant are computed now.
 
     Args:
         expression: the part.
@@ -139,7 +139,8 @@ def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Val
 
 
 def _in_steps(operator: str, expression: Binary, scope: Scope) -> Value | None:
-    """Return a comparison of an analogue input with a number, or with an analogue input of equal step.
+    """Return the comparison, in steps, of an analogue input with a number or with another input of equal
+    step.
 
     Returns:
         None without an analogue input on either side, or for another operator.

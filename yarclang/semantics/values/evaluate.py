@@ -17,7 +17,7 @@ from yarclang.units import UNITS
 LARGEST_NUMBER = 1e9
 
 AT_RUN_TIME = "its value is known only when the program runs: WHEN, CASE and SET can use it"
-"""Help if a register or an input stands in an expression that is computed at compile time."""
+"""Help if a register or an input is used in an expression that is computed at compile time."""
 
 
 class EvaluationError(FindingError):
@@ -35,7 +35,7 @@ class EvaluationError(FindingError):
 
     @classmethod
     def at(cls, place: Place, error: AmountError) -> EvaluationError:
-        """Return an error of a computation with its place."""
+        """Return the error of a computation, with a place."""
         return cls(place, error.code, error.message, error.help, error.subject)
 
 
@@ -91,7 +91,7 @@ def quantity(item: Quantity) -> Amount:
 
 
 def named(name: Name, scope: Scope) -> Amount:
-    """Return the number that a name stands for.
+    """Return the number that a name means.
 
     Raises:
         EvaluationError: the name is unknown, or isn't that of a number.
@@ -118,7 +118,7 @@ def named(name: Name, scope: Scope) -> Amount:
 
 
 def table_of(element: Element, scope: Scope) -> Table:
-    """Return the table of an element.
+    """Return the table to which an element belongs.
 
     Raises:
         EvaluationError: there is no such table, or it has another number of indices.
@@ -154,7 +154,7 @@ def is_place(expression: Expression, scope: Scope) -> bool:
 
 
 def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | None:
-    """Return the pose or joint position of an element of a table; None for any other expression.
+    """Return the pose or joint position that an element of a table has; None for any other expression.
 
     Raises:
         EvaluationError: the table has no such element.
@@ -220,7 +220,7 @@ def _applied(applied: Applied, scope: Scope) -> Amount:
     try:
         return evaluate(formula.body, inner)
     except EvaluationError as error:
-        # The error's own place is in the line of FUNC, and not in the statement.
+        # The place of the error is in the line of FUNC, and would be wrong in the statement.
         message = f"in {applied.function.text}: {error.message}"
         raise EvaluationError(applied.place, error.code, message, error.help, error.subject) from None
 
@@ -231,7 +231,7 @@ def _index(index: Expression, amount: Amount, size: int, name: Name, what: str) 
     except AmountError as error:
         raise EvaluationError.at(index.place, error) from None
     near = round(value)
-    # 0.3/0.1 is 2.9999999999999996: accept rounding errors.
+    # 0.3/0.1 is 2.9999999999999996: tolerate rounding errors.
     if abs(value - near) > _ROUNDING:
         message = f"the index of {name.text} is {value:.10g}, and an index is an integer"
         raise EvaluationError(index.place, "Y0457", message, "FLOOR(...) rounds down")

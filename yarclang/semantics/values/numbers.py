@@ -64,7 +64,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
 
 
 def _surplus(values: tuple[Value, ...]) -> str:
-    """Return the help about values after the last expected one."""
+    """Return the help about values after the last one that is expected."""
     if len(values) > 1:
         return f"take the last {len(values)} away"
     text = values[0].text
@@ -72,7 +72,7 @@ def _surplus(values: tuple[Value, ...]) -> str:
 
 
 def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Array | None:
-    """Return numbers in SI; None with findings. A missing unit is reported once for each kind in a line."""
+    """Return numbers in SI; None with findings. A missing unit of a kind is reported once in a line."""
     numbers: list[float] = []
     complete = True
     units = line.units or {}

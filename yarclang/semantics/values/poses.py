@@ -88,5 +88,7 @@ def rotation_of(
 
 @lru_cache(maxsize=64)
 def _rpy_rotation(numbers: bytes) -> Array:
-    """Return the rotation (3, 3) of roll pitch yaw [rad], cached: often many poses have one orientation."""
+    """Return the rotation (3, 3) of roll pitch yaw [rad]. It is cached, since many poses often have one
+    orientation.
+    """
     return constant(rpy_rotation(np.frombuffer(numbers)))

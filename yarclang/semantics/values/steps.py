@@ -1,4 +1,4 @@
-"""Convert values of analogue signals, which are groups of bits whose number counts steps of a physical value.
+"""Convert values of analogue signals: groups of bits that hold a number of steps of a physical value.
 
 Values that are known at compile time are converted exactly; the runtime and the certificate see only
 integers.
@@ -14,7 +14,7 @@ _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
 def mirrored(operator: str) -> str:
-    """Return the comparison that is equivalent when its sides are exchanged."""
+    """Return the equivalent comparison operator for exchanged sides."""
     return _MIRRORED.get(operator, operator)
 
 
@@ -27,7 +27,7 @@ def steps_of(number: float, step: float, name: str) -> float:
         name: name of the signal, for the error.
 
     Raises:
-        AmountError: the value lies between two steps; the help names both.
+        AmountError: the value is between two steps; the help names both.
     """
     steps = _ratio(number, step)
     if steps.denominator == 1:
@@ -39,7 +39,8 @@ def steps_of(number: float, step: float, name: str) -> float:
 
 
 def compared(operator: str, number: float, step: float, name: str) -> tuple[str, float]:
-    """Convert a comparison with a value to one with a number of steps, which holds for the same readings.
+    """Convert a comparison with a value to a comparison with a number of steps that is true for the same
+    readings.
 
     Args:
         operator: the comparison.
@@ -48,7 +49,7 @@ def compared(operator: str, number: float, step: float, name: str) -> tuple[str,
         name: name of the signal, for the error.
 
     Raises:
-        AmountError: the operator is = or <>, and the value lies between two steps.
+        AmountError: the operator is = or <>, and the value is between two steps.
     """
     steps = _ratio(number, step)
     if operator in ("<", ">="):
@@ -59,7 +60,7 @@ def compared(operator: str, number: float, step: float, name: str) -> tuple[str,
 
 
 def _exact(number: float) -> Fraction:
-    """Return a number exactly as it was written: 0.1 becomes 1/10."""
+    """Return a number as an exact fraction of its decimal text: 0.1 becomes 1/10."""
     return Fraction(repr(number))
 
 

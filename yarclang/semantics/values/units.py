@@ -55,7 +55,8 @@ def joint_kinds(robot: Robot) -> tuple[Kind, ...]:
 
 
 def number_fault(item: Value) -> tuple[str, str, str] | None:
-    """Return code, message and help of the finding about an item that isn't a number; None for a valid item.
+    """Return code, message and help of the finding about an item that isn't a valid number; None for a valid
+    item.
 
     Valid items are expressions, and numbers up to LARGEST_NUMBER.
     """

@@ -77,7 +77,7 @@ def motion_word(reader: Reader) -> Statement | None:
 
 
 def _with_arguments(reader: Reader, jump: Jump) -> Jump:
-    """Read the arguments of a subprogram (for READ): letters with data. They have no effect."""
+    """Read the arguments of a subprogram (for READ), which are letters with data. They have no effect."""
     while not reader.ended and reader.rest[0].isalpha() and not reader.match(_ASSIGNED):
         here = reader.at
         reader.at += 1

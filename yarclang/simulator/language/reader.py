@@ -1,7 +1,7 @@
 """Reader of constants, lists, expressions and conditions in a text (TSRM 23, PUM 233).
 
-The text is in upper case, without blanks. Expressions become functions of a `Scope`, so that a program that
-is executed many times is parsed once.
+The text is in upper case, without blanks. Expressions become functions of a `Scope`, so that a program
+is parsed only once, however often it is executed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _COMPARATOR = re.compile(r"!=|!>|!<|!~|=|>|<|~")
 
 
 class Reader:
-    """A position in a text, from which it is read. Unexpected text is refused with ERR003."""
+    """A text and a position from which it is read. Unexpected text is refused with ERR003."""
 
     def __init__(self, text: str, at: int = 0) -> None:
         self.text = text
@@ -57,7 +57,7 @@ class Reader:
         return False
 
     def match(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """Read text that matches the pattern here, and return the match; None without one."""
+        """Read text that matches the pattern here, and return the match; None if nothing matches."""
         found = pattern.match(self.text, self.at)
         if found:
             self.at = found.end()
@@ -109,7 +109,7 @@ class Reader:
         return tuple(numbers)
 
     def data(self) -> Data:
-        """Read a constant, or an expression in parentheses, which may have a sign."""
+        """Read a constant, or an expression in parentheses. A sign may precede the parentheses."""
         sign = 1.0
         at = self.at
         if self.takes("-"):

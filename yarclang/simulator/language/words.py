@@ -27,7 +27,7 @@ from yarclang.simulator.language.statements import (
 from yarclang.simulator.network.reply import Refusal
 
 _PLAIN_NUMBER = r"[+-]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})"
-"""Pattern of a number that is certainly within the allowed range and length."""
+"""Pattern of a number whose value and length are certainly allowed."""
 _SIMPLE_MOVE = re.compile(rf"(?:[A-CU-Z]{_PLAIN_NUMBER})+\Z")
 _AXIS_WORD = re.compile(rf"([A-CU-Z])({_PLAIN_NUMBER})")
 _ASSIGNMENT = re.compile(r"(?=[IPQM](?:\d+(?:\.\.\d+)?|\(.*?\)+)(?:[&|^=]?=))([IPQM])")
@@ -59,14 +59,16 @@ def cleaned(line: str) -> str:
 
 
 def simple_move(text: str) -> Move | None:
-    """Return the move of a line that has only axis letters with constants, as most lines; None for others."""
+    """Return the move of a line that has only axis letters with constants, as most lines do; None for
+    other lines.
+    """
     if not _SIMPLE_MOVE.match(text):
         return None
     return Move(tuple((axis, float(number), None) for axis, number in _AXIS_WORD.findall(text)))
 
 
 def read_statement(reader: Reader, plc: bool) -> Statement | None:
-    """Read the statement that begins here; None if there is none, and nothing is read.
+    """Read the statement that begins here. If there is none, return None and read nothing.
 
     Args:
         reader: the text and the position in it.

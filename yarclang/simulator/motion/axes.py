@@ -93,7 +93,7 @@ class Axes:
 
         Args:
             counts: (n,) motor positions [counts].
-            axes: (9,) axis positions before; axes without a motor keep theirs.
+            axes: (9,) current axis positions; axes without a motor keep them.
         """
         used = np.flatnonzero(np.any(self.matrix != 0.0, axis=0))
         result = axes.copy()

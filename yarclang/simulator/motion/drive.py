@@ -13,11 +13,13 @@ from yarclang.simulator.motion.pieces import Array, Motion, Piece, Standing, Tra
 from yarclang.simulator.motion.timebase import TimeMap, slew
 
 _PIECES = 4
-"""Number of pieces that a control point of a spline affects. As many are examined after a suspect one."""
+"""Number of pieces that a control point of a spline affects. After a piece that may trip a motor, as many
+pieces are examined.
+"""
 
 
 class Surroundings(Protocol):
-    """The machine as a drive sees it."""
+    """The machine as seen by a drive."""
 
     @property
     def now(self) -> float:
@@ -34,7 +36,7 @@ class Surroundings(Protocol):
 
 
 class Watch:
-    """Finds the pieces on which motors of a coordinate system trip. Most pieces are far from any limit."""
+    """Finds the pieces on which motors of a coordinate system trip. Bounds exclude most pieces quickly."""
 
     def __init__(self, motors: list[Motor]) -> None:
         self.motors = motors
@@ -74,17 +76,17 @@ class Watch:
 
 
 class Drive:
-    """Executes pieces with the motors of coordinate system `number`. The %, H and R commands set its rate.
+    """Executes pieces with the motors of coordinate system `number`. The commands %, H and R set its rate.
 
     Attributes:
         motors: its motors, in the order of their numbers.
         percent: the override [%].
         map: program time as a function of real time.
-        piece: the piece that is executed; None without one.
+        piece: the piece that is executed; None if there is none.
         begin: start of that piece in program time [s].
         end: positions of the motors after the last piece (n,) [counts].
         held: True in a hold (H), and on the way to it.
-        held_at: positions at which the motors came to rest in a hold (n,) [counts]; None until then.
+        held_at: positions at which the motors came to rest in a hold (n,) [counts]; None before.
     """
 
     def __init__(self, number: int, variables: list[float], outside: Surroundings) -> None:
@@ -104,7 +106,7 @@ class Drive:
         self.connect([])
 
     def connect(self, motors: list[Motor]) -> None:
-        """Use other motors from now on. They don't move."""
+        """Use other motors from now on. This doesn't move them."""
         self.motors = motors
         self.held_at: Array | None = None
         self.end: Array = np.zeros(len(motors))
@@ -154,7 +156,7 @@ class Drive:
         self._outside.changed(self.motors)
 
     def _take(self) -> None:
-        """Let the motors follow the pieces."""
+        """Let the motors follow the motion of the current piece."""
         if self.piece is not None:
             for index, motor in enumerate(self.motors):
                 motor.profile = motor.trip = None
@@ -167,7 +169,7 @@ class Drive:
             self._trips_at = math.inf if self._trip is None else self.map.instant(self.begin + self._trip[0])
 
     def stand(self) -> None:
-        """Let the motors stand at `end`, without a piece."""
+        """Stop the motors at `end`, without a piece."""
         self._forget()
         for motor, place in zip(self.motors, self.end, strict=True):
             if motor.driver is not None and motor.driver[0] is self:
@@ -176,7 +178,7 @@ class Drive:
         self._outside.changed(self.motors)
 
     def leave(self) -> None:
-        """Leave the motors to something else. A hold ends, and the time base has its rate again."""
+        """Release the motors for another motion. A hold ends, and the time base returns to the override."""
         self._forget()
         self.held, self.held_at = False, None
         rate = self.percent / 100.0
@@ -198,19 +200,19 @@ class Drive:
     # rate
 
     def override(self, percent: float) -> None:
-        """Execute %: change the rate of the time base, with the slew rate Isx94."""
+        """Execute %: change the rate of the time base, at the slew rate Isx94."""
         self.percent = percent
         if not self.held:
             self._pace(percent / 100.0, self._slew_of_override)
 
     def hold(self) -> None:
-        """Execute H: reduce the rate of the time base to 0, with the slew rate Isx95."""
+        """Execute H: reduce the rate of the time base to 0, at the slew rate Isx95."""
         if not self.held:
             self.held = True
             self._pace(0.0, self._slew_of_hold)
 
     def go_on(self) -> None:
-        """Execute R after a hold: restore the rate of the time base, with the slew rate Isx95."""
+        """Execute R after a hold: restore the rate of the time base, at the slew rate Isx95."""
         self.held, self.held_at = False, None
         self._take()
         self._pace(self.percent / 100.0, self._slew_of_hold)
@@ -224,7 +226,7 @@ class Drive:
             self._outside.changed(self.motors)
 
     def _stand_held(self) -> None:
-        """Stand in a hold. Motors may be jogged away from then on."""
+        """Record that the motors have come to rest in a hold. They may be jogged away from now on."""
         self.held_at = self.places()
         if self.piece is not None:
             for motor in self.motors:
@@ -241,7 +243,7 @@ class Drive:
         return when
 
     def handle(self) -> bool:
-        """Handle the events that are due; return True if the piece has ended, and another may begin."""
+        """Handle the events that are due. Return True if the piece has ended, so that another may begin."""
         now = self._outside.now
         if self.held and self.held_at is None and now >= self.map.settled:
             self._stand_held()

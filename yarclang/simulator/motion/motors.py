@@ -27,11 +27,13 @@ LAG = 0.5e-3
 """Following error divided by velocity [s]: about one servo cycle, as with feedforward (assumed)."""
 
 WATCHED = frozenset({11, 13, 14})
-"""The Ixx whose change may trip a motor. Ixx24 is read when a switch changes."""
+"""Numbers of the Ixx whose change may trip a motor. Ixx24 isn't one of them: it is read when a switch
+changes.
+"""
 
 
 class Driver(Protocol):
-    """Moves a motor together with all others of its coordinate system."""
+    """The drive of a coordinate system, which moves a motor together with the others."""
 
     @property
     def motion(self) -> Motion:
@@ -99,12 +101,12 @@ class Motor:
 
     @property
     def activated(self) -> bool:
-        """True if it is activated (Ixx00)."""
+        """True if the motor is activated (Ixx00)."""
         return self.tuning(0) != 0.0
 
     @property
     def jogging(self) -> bool:
-        """True during a motion of its own."""
+        """True during a motion of the motor's own."""
         return self.profile is not None
 
     @property
@@ -142,9 +144,10 @@ class Motor:
         return self.tuning(11) / 16.0 or math.inf
 
     def tripped(self, position: float, velocity: float) -> str | None:
-        """Return the cause that stops the motor at a commanded position [counts] and velocity [counts/s].
+        """Return the reason why the motor stops at a commanded position [counts] and velocity [counts/s], or
+        None.
 
-        It is "limit" if the motor moves beyond a limit, "fatal" for its following error, or None.
+        The reason is "limit" if the motor moves beyond a limit, and "fatal" for a fatal following error.
         """
         error = LAG * velocity + self.disturbance
         if abs(error) > self.fatal_limit():
@@ -166,7 +169,7 @@ class Motor:
     # motions of its own
 
     def hold(self, time: float) -> None:
-        """Stand at the commanded position of a time [s]."""
+        """Stop at the commanded position of a time [s], without a ramp."""
         position = self.place(time)[0]
         self.profile = self.driver = self.trip = None
         self.under_way.pop(self.number, None)
@@ -189,7 +192,7 @@ class Motor:
         self.closed = self.enabled = False
 
     def jog_to(self, time: float, target: float, speed: float | None = None) -> None:
-        """Jog to a position. A motor that moves stops first (assumed).
+        """Jog to a position. If the motor is moving, it stops first (assumed).
 
         Args:
             time: start [s].
@@ -234,7 +237,7 @@ class Motor:
             duration, np.array([[position], [velocity], [-math.copysign(rate, velocity) / 2.0], [0.0]])
         )
         self._start(time, [piece], float(piece.position(duration)[0]))
-        # The motor stops already and can't trip. A stop that takes no time has ended.
+        # The motor is already stopping and can't trip. If the stop takes no time, it has ended.
         self.aborting, self.trip = self.profile is not None, None
 
     def home(self, time: float) -> None:
@@ -299,7 +302,7 @@ class Motor:
             self.arrive()
 
     def look_again(self) -> None:
-        """Compute the next trip again after a change of limits or switches. An abort isn't changed."""
+        """Compute the next trip again after a change of limits or switches. An abort continues unchanged."""
         if self.profile is not None and not self.aborting:
             self.trip = self._first_trip(self.profile)
 

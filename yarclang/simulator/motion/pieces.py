@@ -1,4 +1,4 @@
-"""Motion as cubics: pieces for all motors of a move, and motions of pieces, evaluated at any time.
+"""Motion as cubics: pieces for all motors of a move, and motions composed of pieces, evaluated at any time.
 
 Nothing is integrated step by step: a position is the value of a polynomial.
 """
@@ -92,8 +92,8 @@ class Piece:
     def reach(self) -> tuple[Array, Array, Array]:
         """Return bounds (n,) of each motor: least and largest position [counts], largest speed [counts/s].
 
-        For a spline segment, they cover only the change by its last control point. If they are too large, the
-        caller has to examine three more segments.
+        For a spline segment, they cover only the change by its last control point. If these bounds exceed a
+        limit, the caller has to examine three more segments.
         """
         if self._coefficients is None:
             last, newest = self._control[2], self._control[3]
@@ -107,7 +107,7 @@ class Piece:
 
 
 def standing(duration: float, position: Array) -> Piece:
-    """Return a piece without motion, with a duration [s]."""
+    """Return a piece without motion that lasts `duration` [s]."""
     return Piece(duration, np.array([position, *np.zeros((3, len(position)))]))
 
 
@@ -188,18 +188,18 @@ def ramp_time(change: float, acceleration: float, time: float, s_time: float) ->
 
 
 def reached(way: float, speed: float, acceleration: float, time: float, s_time: float) -> float:
-    """Return the speed [counts/s] that is reached on a distance [counts] from rest to rest."""
+    """Return the largest speed [counts/s] that can be reached on a distance [counts] from rest to rest."""
     if speed * ramp_time(speed, acceleration, time, s_time) <= way:
         return speed
     fixed = max(time, 2.0 * s_time, 1e-6)
     if acceleration <= 0.0 or (way / fixed) / acceleration + s_time <= fixed:
         return way / fixed
-    # solution of speed^2 / acceleration + speed s_time = way
+    # positive root of speed^2 / acceleration + speed * s_time = way
     return acceleration * (math.sqrt(s_time**2 + 4.0 * way / acceleration) - s_time) / 2.0
 
 
 def together(parts: Sequence[list[Piece]], stands: Array) -> list[Piece]:
-    """Join motions of single motors to pieces of all motors. A motor that has arrived stands.
+    """Join motions of single motors to pieces of all motors. A motor that has arrived stands still.
 
     Args:
         parts: the pieces of each motor.

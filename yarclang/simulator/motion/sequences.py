@@ -1,6 +1,7 @@
 """Conversion of moves to pieces.
 
-SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend, RAPID (TSRM 98) doesn't.
+Moves of SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend into each other; RAPID
+moves (TSRM 98) don't.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ class Sequence(Protocol):
     """Blended moves of one mode, from rest to rest.
 
     Attributes:
-        stop: set to True to take no more moves, and to come to rest as after the last one.
-        end: (n,) positions at the end of the moves taken so far [counts].
+        stop: True to accept no more moves, and to come to rest after the moves accepted so far.
+        end: (n,) positions at the end of the moves accepted so far [counts].
     """
 
     stop: bool
@@ -33,7 +34,7 @@ class Sequence(Protocol):
         """Return the next piece and the events at its start; None after the last piece.
 
         Args:
-            steps: the calculated steps. Those that the piece needs are removed.
+            steps: the calculated steps. The steps that the piece needs are removed from it.
         """
         ...
 
@@ -42,7 +43,8 @@ class SplineSequence:
     """SPLINE1 moves: N moves of equal time t take (N + 2) t.
 
     The control points are S, S, S, P1 ... PN, PN, PN, where S is the position at which the motors stand.
-    Segment k needs move k + 1 as it begins. Without that move, or if it has another time, the end begins.
+    Segment k needs move k + 1 when it begins. If this move is missing, or has another time, the sequence ends
+    with the end pieces.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:
@@ -73,7 +75,7 @@ class SplineSequence:
 class LinearSequence:
     """LINEAR moves: constant velocities with a ramp of TA around each corner. A single move takes TM + TA.
 
-    A move is taken when the one before it leaves its ramp.
+    The next move is accepted when the ramp into the current move ends.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:
@@ -164,9 +166,9 @@ SEQUENCES: dict[str, Callable[[Array, Step], Sequence]] = {
 
 
 def rapid(motors: list[Motor], begin: Array, target: Array) -> list[Piece]:
-    """Return the pieces of a RAPID move, which doesn't blend.
+    """Return the pieces of a RAPID move. It doesn't blend with other moves.
 
-    Each motor moves by itself, at its own speed (Ixx22, or Ixx16 with Ixx90 = 1; TSRM 98).
+    Each motor moves independently, at its own speed (Ixx22, or Ixx16 with Ixx90 = 1; TSRM 98).
 
     Args:
         motors: the motors.

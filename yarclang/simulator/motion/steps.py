@@ -1,4 +1,4 @@
-"""Steps, which the calculation of a program yields: one for each move, pause or end."""
+"""Steps, the results of the calculation of a program: one for each move, pause or end."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Step:
         time: duration of the move or pause [s]; negative for HOMEZ.
         ramp: TA [s].
         s_ramp: TS [s].
-        velocity: (n,) at its end, for PVT [counts/s]; None is at rest.
+        velocity: (n,) at its end, for PVT [counts/s]; None for a stop.
         motors: numbers of the motors of a home step.
-        events: synchronous assignments, to be made when the move begins to blend in.
+        events: synchronous assignments, which are made when the move begins to blend in.
     """
 
     kind: StepKind
@@ -39,5 +39,5 @@ class Step:
 
     @property
     def breaks(self) -> bool:
-        """True if it must be done before later steps are calculated (TUM 341)."""
+        """True if later steps may be calculated only after this one is done (TUM 341)."""
         return self.kind != "move" or self.mode == "RAPID"

@@ -35,10 +35,10 @@ _AWAY = 1.0
 
 
 class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
-    """The machine as a coordinate system sees it."""
+    """The machine as seen by a coordinate system."""
 
     def defined(self) -> None:
-        """Update the machine after a change of axis definitions."""
+        """Report to the machine that axis definitions have changed."""
         ...
 
 
@@ -53,11 +53,11 @@ class CoordinateSystem:
         ahead: steps that are calculated but not begun.
         drive: executes the steps.
         running: True while a program runs (R or S).
-        single_step: True if it runs by S.
+        single_step: True if the program was started by S.
         resume_error: True if R was refused because motors were moved away in a hold.
         limit_stop: True after a stop at a limit.
         dwell_until: end of a DWELL [s]; infinite without one.
-        homing: motors that a HOME of the program waits for.
+        homing: motors for which a HOME of the program waits.
     """
 
     def __init__(self, number: int, variables: list[float], scope: Seen, outside: Outside) -> None:
@@ -101,7 +101,7 @@ class CoordinateSystem:
 
     @property
     def busy(self) -> bool:
-        """True while a program runs, or its last moves."""
+        """True while a program runs, or while its last moves are executed."""
         return self.running or self.moving
 
     # axes
@@ -193,7 +193,7 @@ class CoordinateSystem:
             self._go_on()
 
     def quit(self) -> None:
-        """Execute Q: stop calculating. Calculated moves are still made."""
+        """Execute Q: stop calculating. Moves that are already calculated are still executed."""
         self.ahead.stop()
         self.running = self.running and self.moving
 
@@ -217,13 +217,13 @@ class CoordinateSystem:
         self.outside.changed(self.motors)
 
     def stop_program(self) -> None:
-        """End the program. The motors stand at their commanded positions."""
+        """End the program. The motors stop at their commanded positions."""
         for motor in self.motors:
             motor.hold(self.outside.now)
         self._leave()
 
     def _leave(self) -> None:
-        """Discard the calculated steps. The time base has its rate again."""
+        """Discard the calculated steps. The time base returns to the override."""
         self.running = self.single_step = False
         self.ahead.leave()
         self.drive.leave()
@@ -263,9 +263,9 @@ class CoordinateSystem:
     # the program
 
     def _go_on(self) -> None:
-        """Begin now whatever is next: a piece, a pause, the end, or nothing."""
+        """Begin the next action: a piece, a pause, the end, or nothing."""
         if self.drive.held_at is not None:
-            # Motors may be jogged in a hold, so that the next piece has to wait for R.
+            # In a hold the motors may be jogged, and so the next piece has to wait for R.
             return
         steps = self.ahead.steps
         while True:
@@ -289,7 +289,7 @@ class CoordinateSystem:
                 return
 
     def _start(self, step: Step) -> bool:
-        """Begin a step into which nothing blends; return True if it is already done."""
+        """Begin a step that doesn't blend with the step before; return True if it is already done."""
         if step.kind == "move" and step.mode in SEQUENCES:
             self.drive.start_here()
             self._sequence = SEQUENCES[step.mode](self.drive.end, step)
@@ -330,7 +330,7 @@ class CoordinateSystem:
         return not self.homing
 
     def _idle(self) -> None:
-        """Let the motors stand. The program ends unless more steps may be calculated."""
+        """Stop the motors where they are. The program ends unless more steps may be calculated."""
         self.drive.stand()
         if not self.ahead.calculating:
             self.running = self.single_step = False

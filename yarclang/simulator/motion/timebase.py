@@ -58,11 +58,11 @@ class TimeMap:
             return self.since + changing + (ahead - in_ramp) / self.last if self.last > 0.0 else math.inf
         slope = math.copysign(self.slope, self.last - self.first)
         root = math.sqrt(max(self.first**2 + 2.0 * slope * ahead, 0.0))
-        # form of the root without cancellation
+        # the root in a form without cancellation
         return self.since + 2.0 * ahead / (self.first + root)
 
     def towards(self, time: float, rate: float, slope: float) -> TimeMap:
-        """Return the map from a time on at which another rate is requested.
+        """Return the map that applies after a time at which another rate is requested.
 
         Args:
             time: start of the change [s].

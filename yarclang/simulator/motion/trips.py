@@ -1,4 +1,4 @@
-"""Stops of motors by limits, following errors and amplifier faults, and of other motors with them."""
+"""Stops of motors by limits, following errors and amplifier faults. Other motors stop with them."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def switch(motor: Motor, side: int, on: bool) -> None:
 
 
 def look(outside: Surroundings, motor: Motor) -> None:
-    """Check after a change of limits or switches if a motor trips, now or on its way."""
+    """Check, after a change of limits or switches, if a motor trips now or later in its motion."""
     if motor.closed and (cause := motor.tripped(*motor.place(outside.now))):
         tripped(outside, motor, cause)
         return

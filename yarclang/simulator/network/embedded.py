@@ -72,10 +72,11 @@ class EmbeddedSimulator:
         """Close all connections and stop.
 
         Raises:
-            Exception: an error inside the machine, as in `check`, which replaces errors that follow from it.
+            Exception: an error inside the machine, as in `check`. It replaces errors that are its
+                consequences.
             RuntimeError: if the server doesn't stop.
         """
-        with contextlib.suppress(RuntimeError):  # its loop has ended by an error
+        with contextlib.suppress(RuntimeError):  # the server's loop has ended with an error
             self._loop.call_soon_threadsafe(self._ending.set)
         self._thread.join(_STOP_TIME)
         if error is not None and not isinstance(error, Exception):

@@ -1,9 +1,9 @@
-"""The controller's end of its Ethernet protocol, without a socket: bytes to packets, packets to replies.
+"""The controller's end of its Ethernet protocol, without a socket: bytes become packets, packets get replies.
 
-The effects of packets follow pmac-facts 6. The manuals leave some points open, where the simulator makes
-these assumptions: packets that come before the reply to an earlier one wait for their turn; an unknown code
-has no reply; an impossible length ends the connection; the rest of a reply waits for GETBUFFER until FLUSH,
-and is sent before later replies; lines of a WRITEBUFFER count from 1.
+The effects of packets follow pmac-facts 6. The manuals leave some points open. There the simulator makes
+these assumptions: packets that arrive before the reply to an earlier packet wait for their turn; an unknown
+code has no reply; an impossible length ends the connection; the rest of a reply waits for GETBUFFER until
+FLUSH, and is sent before later replies; lines of a WRITEBUFFER count from 1.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from yarclang.pmac.requests import Code
 from yarclang.simulator.machine import Machine
 
 _MOST_WAITING = 1 << 24
-"""Most bytes of replies that wait to be fetched. Further bytes are lost."""
+"""Largest number of bytes of replies that wait to be fetched. Further bytes are lost."""
 
 _MEMORY = 1 << 14
 """Size of the dual-ported memory [bytes]."""
@@ -70,7 +70,7 @@ class PacketReader:
         return self._cut(data)
 
     def _cut(self, data: bytes) -> list[Packet]:
-        """Cut any number of packets from the bytes, which may end within a packet."""
+        """Extract any number of packets from the bytes, which may end within a packet."""
         packets: list[Packet] = []
         buffer = self._in
         buffer += data
@@ -131,7 +131,7 @@ class Station:
         return b"\x00"
 
     def _get_line(self, packet: Packet) -> bytes:
-        """Return waiting bytes up to the first CR. An ACK is returned alone."""
+        """Return waiting bytes up to and including the first CR. If an ACK is next, return only the ACK."""
         self._listen()
         end = self._waiting.find(b"\r") + 1
         return self._next(min(packet.length or pmac.MOST_REPLY, end or pmac.MOST_REPLY)) or b"\x00"
@@ -159,13 +159,13 @@ class Station:
         return self._controlled(packet)[: pmac.MOST_REPLY] or b"\x00"
 
     def _controlled(self, packet: Packet) -> bytes:
-        """Return the values that a control character asks for. pmacAsynIPPort expects no ACK."""
+        """Return the answer to a control character. It has no ACK, as pmacAsynIPPort expects."""
         reply = self._machine.control(packet.value & 0xFF, self._port)
         return b"".join(item.encode("ascii", "replace") + b"\r" for item in reply.items)
 
     def _write_buffer(self, packet: Packet) -> bytes:
-        """Execute lines up to the first that is refused (TUM 418). Too many bytes are refused as a whole
-        (assumed).
+        """Execute lines up to the first refused one (TUM 418). If there are too many bytes, all of them are
+        refused (assumed).
         """
         lines = packet.data.split(b"\0")
         if not lines[-1]:

@@ -1,10 +1,10 @@
-"""Leash that limits the time by which a simulator may run ahead of the client in its process.
+"""A leash, which limits the time by which a simulator may run ahead of the client in its process.
 
 Both share one computer. If it is busy, neither makes progress. With the wall clock, the simulated controller
 would catch up as soon as it runs again, use up its lines, and hold. On a leash, it waits for its client, and
-the time of waiting is left out: the simulation is slower, but otherwise unchanged.
+the waiting time doesn't count: the simulation is slower, but otherwise unchanged.
 
-A client that takes the leash (`Leash`) uses the machine's time as its own clock, and sets the time up to
+A client that controls the leash (`Leash`) uses the machine's time as its own clock, and sets the time up to
 which the machine may run. For any other client, the machine runs at most `AHEAD` beyond the last request.
 """
 
@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 AHEAD = 0.06
-"""Time that the machine may run ahead of the last request of a client without the leash [s of the machine].
+"""Time by which the machine may run ahead of the last request of a client without the leash [s of the
+machine].
 
 It is more than the pause between two requests of any client that supervises a robot, which is at most 0.05 s,
 and less than the 0.1 s by which the guard PLC allows a client to be late.
@@ -22,7 +23,8 @@ and less than the 0.1 s by which the guard PLC allows a client to be late.
 EXCHANGE = 0.02
 """Longest time between two steps of the client with the leash, at any rate [s of the machine].
 
-The longest series of requests between two that reset the watchdog takes less than half of its 0.4 s.
+The longest series of requests between two requests that reset the watchdog therefore takes less than half of
+the watchdog's 0.4 s.
 """
 
 _TICK = 0.005
@@ -30,9 +32,10 @@ _FINEST = 0.0005
 
 
 def tick(rate: float) -> float:
-    """Return the period at which time is advanced while no packets come [s of the wall clock].
+    """Return the period at which time is advanced while no packets arrive [s of the wall clock].
 
-    At a great rate, at most `EXCHANGE` passes at once, if the computer is fast enough.
+    At a high rate the period is shorter, so that at most `EXCHANGE` passes at once, if the computer is fast
+    enough.
     """
     return min(_TICK, max(EXCHANGE / rate, _FINEST))
 
@@ -70,7 +73,7 @@ class Leash:
     def now(self) -> float:
         """Return the machine's time [s]. For the client's thread.
 
-        It also passes between two ticks of the machine, and never goes back.
+        This time also advances between two ticks of the machine, and never goes back.
         """
         told, then = self._told
         passed = self._clock() - then

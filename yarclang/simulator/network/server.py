@@ -24,16 +24,18 @@ LOOPBACK = "127.0.0.1"
 """Default address to listen on, which no other computer can reach."""
 
 _TICK = 0.005
-"""Period at which time is advanced while no packets come [s]."""
+"""Period at which time is advanced while no packets arrive [s]."""
 
 _FINE = 0.0005
 """Largest delay of the machine's time when a packet is executed [s of the machine]."""
 
 _SLACK = 0.25
-"""Most wall time that is made up at once after the process couldn't run [s]. The rest is left out."""
+"""Longest wall time that is made up at once after the process couldn't run [s]. The rest is skipped."""
 
 _STRIDE = 0.02
-"""Largest step of the machine's time [s of the machine]. Without a rate, each turn of the loop makes one."""
+"""Largest step of the machine's time [s of the machine]. Without a rate, each turn of the loop makes one
+such step.
+"""
 
 _BURST = 0.005
 """Longest wall time for which the machine is advanced before clients are served again [s]."""
@@ -41,7 +43,7 @@ _BURST = 0.005
 _STAY = 0.0002
 """Wall time for which the server waits for the next request after a reply, before other work [s].
 
-A client that asks again immediately is then answered immediately.
+A client that sends its next request at once is then answered at once.
 """
 
 _RECEIVED = 1 << 16
@@ -62,13 +64,13 @@ class SimulatorServer:
     Args:
         machine: the machine. While it is served, no other code may advance it.
         host: address to listen on.
-        port: port to listen on; 0 for any free port, which the attribute `port` then has.
+        port: port to listen on; 0 for any free port. The attribute `port` has the port that is used.
         rate: seconds of the machine's time per second; None is as fast as possible.
         faults: the faults to inject.
         seed: seed of the faults.
         tell: called with a line of text for each unusual event, and for each event not caused by a client.
-        leash: leash by which the machine's time waits for its clients. The time of waiting is left out. With
-            None, the machine follows the wall clock. It has no effect if the rate is None.
+        leash: makes the machine's time wait for its clients; the waiting time doesn't count. If None, the
+            machine follows the wall clock. It has no effect if the rate is None.
     """
 
     def __init__(
@@ -110,7 +112,7 @@ class SimulatorServer:
         self._failed = self.loop.create_future()
         self._server = await self._listen(self.port)
         ports = [each.getsockname()[1] for each in self._server.sockets]
-        if len(set(ports)) > 1:  # each address of the host name got a port of its own
+        if len(set(ports)) > 1:  # each address of the host got a different port
             self._server.close()
             self._server = await self._listen(ports[0])
         self.port = ports[0]
@@ -159,7 +161,7 @@ class SimulatorServer:
         due = min(now - self._since, _SLACK) * self.rate
         if due > (most := self._most()):
             due = most
-            self._since = now - due / self.rate  # the time beyond is left out
+            self._since = now - due / self.rate  # the rest of the time is skipped
         if due < _FINE:
             return
         while due > 0.0:
@@ -177,15 +179,15 @@ class SimulatorServer:
             self._leash.tell(self.machine.now)
 
     def _most(self) -> float:
-        """Return the time by which the machine may be advanced now [s]; infinite without a leash."""
-        # A fault that delays a reply ends only if time passes.
+        """Return the longest time by which the machine may be advanced now [s]; infinite without a leash."""
+        # A fault that delays a reply ends only if the machine's time advances.
         if self._leash is None or not self._clients or any(one.kept for one in self._clients.values()):
             return math.inf
         until = self._leash.until
         return max(0.0, AHEAD - self._ahead if until is None else until - self.machine.now)
 
     def asked(self) -> None:
-        """Note that a client has connected, or has sent a request."""
+        """Record that a client has connected, or has sent a request."""
         self._ahead = 0.0
 
     def tell(self, text: str) -> None:
@@ -194,7 +196,7 @@ class SimulatorServer:
             self._tell(text)
 
     def wall(self, seconds: float) -> float:
-        """Return the time of the wall clock [s] for a time of the machine [s]."""
+        """Convert a duration of the machine [s] to a duration of the wall clock [s]."""
         return seconds / self.rate if self.rate is not None else seconds
 
     def act(self) -> None:
@@ -293,8 +295,8 @@ class _Client(asyncio.Protocol):
     def _at_once(self) -> bytes:
         """Return the bytes that the client sends immediately after a reply; empty if there are none.
 
-        To sleep and wake up takes longer than to answer. With the event loop alone, there would be only a
-        third as many round trips.
+        Waking up from the event loop takes longer than answering. Without this short wait, there would be
+        only a third as many round trips.
         """
         wire, transport = self._wire, self._transport
         if (
@@ -341,7 +343,7 @@ class _Client(asyncio.Protocol):
             self._transport.abort()
 
     def work(self) -> None:
-        """Answer the packets that can be answered now. Continue to read only if none is left."""
+        """Answer the packets that can be answered now. Reading continues only if no packet is left."""
         try:
             self._answer()
         except Exception as error:
@@ -377,7 +379,7 @@ class _Client(asyncio.Protocol):
 
     def _release(self, reply: bytes) -> None:
         self._held = None
-        if self._server.troubles.frozen:  # it is sent after the freeze
+        if self._server.troubles.frozen:  # the reply is sent after the freeze
             self._held = self._server.loop.call_later(_TICK, self._release, reply)
             return
         self._write(reply)

@@ -14,7 +14,7 @@ _LONGEST_QUEUE = 64
 
 
 class Interpreter(Protocol):
-    """Executes lines, and has ports and buffers."""
+    """The machine as seen by the background interpreter: it executes lines, and has ports and buffers."""
 
     ports: dict[int, Port]
     buffers: Buffers
@@ -56,6 +56,6 @@ class Background:
             else:
                 self._interpreter.command(text, PORT)
             if PORT not in self._interpreter.ports:
-                # The line was a reset, which discards the lines after it.
+                # the line was a reset, which discards all lines after it
                 return
             self._interpreter.buffers.release(port)

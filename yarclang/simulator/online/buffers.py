@@ -38,7 +38,7 @@ def clear(line: Line, found: re.Match[str]) -> None:
 
 
 def define(line: Line, found: re.Match[str]) -> None:
-    """Execute DEFINE ROT n. The sizes of other buffers have no effect."""
+    """Execute DEFINE ROT n. Definitions of other buffers have no effect."""
     reader, machine = line.reader, line.machine
     if found[1].startswith("ROT"):
         machine.buffers.define_rotary(line.port.system, reader.whole())
@@ -50,7 +50,7 @@ def define(line: Line, found: re.Match[str]) -> None:
 
 
 def delete(line: Line, found: re.Match[str]) -> None:
-    """Execute DELETE ROT or DELETE GATHER. Other buffers have no effect."""
+    """Execute DELETE ROT or DELETE GATHER. For other buffers, DELETE has no effect."""
     if found[1].startswith("ROT"):
         line.machine.buffers.delete_rotary(line.port.system)
     elif found[1].startswith("GAT"):
@@ -84,5 +84,5 @@ def listing(line: Line, found: re.Match[str]) -> None:
 
 
 def _argument(reader: Reader) -> int | None:
-    """Read a number after a comma; None without one."""
+    """Read a number after a comma; return None if there is none."""
     return reader.whole() if reader.takes(",") and reader.has_data() else None

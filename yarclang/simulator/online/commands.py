@@ -9,14 +9,16 @@ from yarclang.simulator.online import buffers, controller, motors, systems, vari
 from yarclang.simulator.online.line import Line
 
 Action = Callable[[Line, "re.Match[str]"], None]
-"""Executes a command whose form has been read. The reader of the line is at the end of that form."""
+"""Function that executes a command after its form was read. The line's reader is at the end of that form."""
 
 _LONE = r"(?![A-Z\d(.$+\-=])"
 """Pattern after a single letter that isn't the start of a longer word."""
 
 
 def command_at(text: str, at: int) -> tuple[Action, re.Match[str]] | None:
-    """Return the command that begins at index `at` of a text, and its match; None without one."""
+    """Return the command that begins at index `at` of a text, and its match; None if no command begins
+    there.
+    """
     for pattern, action in _BY_FIRST.get(text[at], ()):
         if found := pattern.match(text, at):
             return action, found

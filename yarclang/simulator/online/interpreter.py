@@ -1,7 +1,7 @@
 """Execution of lines of on-line commands, one command after the other (TSRM 259-424).
 
-A line may hold several commands without anything between them. While a buffer is open on the port,
-statements that it can hold are stored. The first error ends the line; commands before it keep their effect.
+A line may hold several commands without separators. While a buffer is open on the port, statements that the
+buffer can hold are stored. The first error ends the line; commands before it keep their effect.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ def _execute(line: Line) -> None:
 
 
 def _stored(line: Line) -> bool:
-    """Store the next statements in the open buffer; return False if the buffer can't hold the next one."""
+    """Store the next statements in the open buffer. Return False if the buffer can't hold the next
+    statement.
+    """
     reader, port = line.reader, line.port
     at = reader.at
     statements: list[Statement] = []

@@ -12,20 +12,20 @@ from yarclang.simulator.online.surroundings import Controller
 from yarclang.simulator.state.registers import Seen
 
 LONGEST = 255
-"""Most characters of a line (facts 3)."""
+"""Largest number of characters of a line (facts 3)."""
 
 LEGAL = re.compile(r"[\t\r\n -~]*").fullmatch
-"""Matches a line whose characters are all in the language."""
+"""Matches a text whose characters are all allowed in a line."""
 
 
 class Line:
-    """A line from a port, with its rest and the answers so far.
+    """A line from a port while it is executed.
 
     Attributes:
         machine: the controller that executes it.
-        port: the port it comes from, with its addressing.
+        port: the port from which it comes, with its addressing.
         reader: the line and the position in it.
-        items: the answers.
+        items: the answers so far.
     """
 
     __slots__ = ("items", "machine", "port", "reader")

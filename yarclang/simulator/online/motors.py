@@ -58,7 +58,7 @@ def jog(line: Line, found: re.Match[str]) -> None:
 
 
 def _free(line: Line) -> Motor:
-    """Return the addressed motor, if no program runs in its coordinate system, or if it is held.
+    """Return the addressed motor, if no program runs in its coordinate system, or if the program is held.
 
     Raises:
         Refusal: ERR001 while a program runs.

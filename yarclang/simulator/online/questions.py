@@ -1,4 +1,6 @@
-"""Lines that only ask: `P1`, `#1P#2P`, `&1?`. Clients repeat them, so the parsed lines are cached."""
+"""Lines that only contain questions: `P1`, `#1P#2P`, `&1?`. Clients repeat them, so the parsed lines are
+cached.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from yarclang.simulator.state.registers import printed
 from yarclang.simulator.state.wiring import Shown
 
 Question = Callable[[Shown, Port], str | None]
-"""Returns the answer; None if it only addresses a motor or coordinate system."""
+"""Function that returns the answer to a question; None if the question only addresses a motor or
+coordinate system.
+"""
 
 _REMEMBERED = 1024
 _PART = re.compile(
@@ -44,7 +48,7 @@ def questions(line: str) -> tuple[Question, ...]:
 
 
 def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:
-    """Return the reply to a line that only asks. None of its questions can be refused."""
+    """Return the reply to a line that only contains questions. None of these questions can be refused."""
     items: tuple[str, ...] = ()
     for question in asked:
         if (item := question(machine, port)) is not None:
@@ -53,7 +57,7 @@ def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:
 
 
 def _question(part: re.Match[str]) -> Question | None:
-    """Return the question of one part of a line; None for a number that doesn't exist."""
+    """Return the question in one part of a line; None if its motor, system or variable doesn't exist."""
     match part.lastgroup:
         case "motor":
             return _motor(int(part[1])) if 1 <= int(part[1]) <= MOTORS else None

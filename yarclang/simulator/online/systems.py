@@ -26,7 +26,7 @@ def address(line: Line, found: re.Match[str]) -> None:
 
 
 def axes(line: Line, found: re.Match[str]) -> None:
-    """Execute #n->: define the axis of a motor, remove it (0), or report it."""
+    """Execute #n->: define the axes of a motor, remove the definition (0), or report it."""
     number = int(found[1])
     if not 1 <= number <= MOTORS:
         raise Refusal(DATA)
@@ -48,7 +48,9 @@ def axes(line: Line, found: re.Match[str]) -> None:
 
 
 def undefine(line: Line, found: re.Match[str]) -> None:
-    """Execute UNDEFINE or UNDEFINE ALL: remove the axes of the coordinate system, or of all."""
+    """Execute UNDEFINE or UNDEFINE ALL: remove the axis definitions of the coordinate system, or of all of
+    them.
+    """
     for system in line.machine.systems.values() if found[1] else [line.system]:
         for motor in list(system.motors):
             system.define(motor, None)
@@ -105,7 +107,7 @@ def match_positions(line: Line, _: re.Match[str]) -> None:
 
 
 def lines_ahead(line: Line, _: re.Match[str]) -> None:
-    """Answer PR: the lines of the rotary that aren't calculated yet."""
+    """Answer PR: the number of lines of the rotary that aren't calculated yet."""
     line.items.append(str(line.system.calculation.lines_ahead))
 
 
@@ -115,7 +117,7 @@ def queued(line: Line, _: re.Match[str]) -> None:
 
 
 def program_counter(line: Line, _: re.Match[str]) -> None:
-    """Answer PC or PE: the program and its next line (the format is assumed)."""
+    """Answer PC or PE: the program and its next line (assumed format)."""
     calculation = line.system.calculation
     program, at = calculation.place
     text = program.lines[at].text if program and at < len(program.lines) else ""

@@ -55,7 +55,7 @@ class Ahead:
         self.stop()
 
     def begin(self, single_step: bool) -> None:
-        """Begin to calculate (R), at most one step if it is a `single_step` (S)."""
+        """Begin to calculate (R). If `single_step` is True, calculate at most one step (S)."""
         self.calculating, self.run_time_error = True, False
         self._left = 1 if single_step else math.inf
 
@@ -65,7 +65,7 @@ class Ahead:
         self.retry_at = math.inf
 
     def fill(self) -> None:
-        """Calculate until enough steps are ahead, or until there are no more for now."""
+        """Calculate until enough steps are ahead, or until no further step can be calculated for now."""
         steps = self.steps
         while self.calculating and len(steps) < _AHEAD and not (steps and steps[-1].breaks):
             if not self._left:

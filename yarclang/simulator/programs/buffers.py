@@ -1,4 +1,6 @@
-"""The buffers of the machine: their contents, and the one that a port has open (TSRM 295, 381; TUM 337)."""
+"""The buffers of the machine: their contents, and the buffer that a port has open (TSRM 295, 381; TUM
+337).
+"""
 
 from __future__ import annotations
 
@@ -51,11 +53,11 @@ class Buffers:
         Args:
             port: the port that opens the buffer.
             kind: "prog", "plc" or "rotary".
-            number: of the PROG or PLC.
+            number: number of the PROG or PLC.
 
         Raises:
             Refusal: ERR007 while another buffer is open; ERR001 for a PROG while a program runs; ERR003 for a
-                number that isn't allowed, or without a rotary; ERR006 if there are too many programs.
+                number that isn't allowed, or if there is no rotary; ERR006 if there are too many programs.
         """
         if any(other.open for other in self._ports.values()):
             raise Refusal(BUFFER_IN_USE)
@@ -94,7 +96,7 @@ class Buffers:
             raise Refusal(STRUCTURE)
 
     def release(self, port: Port) -> None:
-        """Close the buffer that a port has open, without an error for its structure."""
+        """Close the buffer that a port has open, without checking its structure."""
         with contextlib.suppress(Refusal):
             self.close(port)
 

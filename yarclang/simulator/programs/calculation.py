@@ -33,13 +33,13 @@ from yarclang.simulator.programs.surroundings import Surroundings
 from yarclang.simulator.state.registers import Seen
 
 _AT_ONCE = 500
-"""Most statements that are calculated in one real-time interrupt."""
+"""Largest number of statements that are calculated in one real-time interrupt."""
 
 _DEEPEST = 15
-"""Most nested subroutines (assumed)."""
+"""Largest number of nested subroutines (assumed)."""
 
 _MOST_EVENTS = 256
-"""Most synchronous assignments before one move."""
+"""Largest number of synchronous assignments before one move."""
 
 _LONGEST_DELAY = 8388.0
 _CODE_PROGRAMS = {"G": 1000, "M": 1001, "T": 1002, "D": 1003}
@@ -84,7 +84,7 @@ class Calculation:
     # the program counter
 
     def point_to(self, number: int, label: int = 0) -> None:
-        """Execute B: select the program to run, and a label. R checks that it exists."""
+        """Execute B: select the program to run, and a label. R checks that the program exists."""
         self.number = number
         self._line = None
         self._stack = []
@@ -98,7 +98,7 @@ class Calculation:
         """Check that the program can run.
 
         Raises:
-            Refusal: ERR015 without a program, ERR016 for a badly structured one.
+            Refusal: ERR015 if no program is selected, ERR016 for a program with a wrong structure.
         """
         if self.number is None:
             raise Refusal(NO_PROGRAM)
@@ -136,13 +136,14 @@ class Calculation:
         """Calculate up to the next move, pause or end.
 
         Returns:
-            The step. None if there is no line yet, if a condition isn't true yet, or after a run-time error.
+            The step. None if the next line hasn't come yet, if a condition isn't true yet, or after a
+            run-time error.
         """
         self.waiting = False
         try:
             return self._calculated()
         except Refusal:
-            # The variable doesn't exist.
+            # a variable doesn't exist
             self._fail()
             return None
 
@@ -288,7 +289,7 @@ class Calculation:
             self.failed = True
 
     def _synchronous(self, assign: Assign) -> None:
-        """Evaluate a synchronous assignment (M1==1). The next move makes it as it blends in (facts 4)."""
+        """Evaluate a synchronous assignment (M1==1). It is made when the next move blends in (facts 4)."""
         index = int(value_of(assign.index, self.scope))
         value = value_of(assign.value, self.scope)
         operator = assign.synchronous

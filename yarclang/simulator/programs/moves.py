@@ -28,14 +28,14 @@ class Moves:
         system: number of the coordinate system.
         scope: the variables as the coordinate system sees them.
         outside: the machine.
-        axes: definition of the axes by motors.
+        axes: axis definitions of the motors.
         position: positions of the axes (9,) after the last calculated move.
         counted: positions of the motors (n,) after the last calculated move [counts].
         mode: LINEAR, RAPID, SPLINE1, SPLINE2, PVT or a CIRCLE.
         pvt_time: time of a PVT move [ms].
         feed: True if moves have a speed (F), not a time (TM).
         incremental: axes in INC mode.
-        vector: axes whose distance the speed F applies to (FRAX).
+        vector: axes over whose common distance the speed F is measured (FRAX).
     """
 
     def __init__(self, system: int, scope: Seen, outside: Surroundings, fail: Callable[[], None]) -> None:
@@ -66,7 +66,7 @@ class Moves:
         self.counted = counts
 
     def attribute(self, name: str, value: float) -> None:
-        """Set TM, TA, TS or F. They are stored in Isx89 (TM and F), Isx87 and Isx88 (TSRM 189)."""
+        """Set TM, TA, TS or F. TM and F are stored in Isx89, TA in Isx87 and TS in Isx88 (TSRM 189)."""
         number = {"TM": 89, "F": 89, "TA": 87, "TS": 88}[name]
         self.scope.write("I", 5000 + 100 * self.system + number, max(value, 0.0))
         if name in ("TM", "F"):
@@ -85,7 +85,7 @@ class Moves:
                 self.vector = frozenset()
 
     def relabel(self, axis: str, value: float) -> None:
-        """Execute PSET: give an axis another position by new offsets. The motors don't move."""
+        """Execute PSET: give an axis a new position by changing its offset. The motors don't move."""
         place = _PLACES[axis]
         change = value - self.position[place]
         offset = self.axes.offset - self.axes.matrix[:, place] * change
@@ -126,7 +126,8 @@ class Moves:
     def _timed(self, step: Step, velocity: Array | None) -> None:
         """Set time and velocity of a SPLINE or PVT step (TSRM 463, 476).
 
-        The time is TM, in units of 1/4096 ms and below 4096 ms. With I42=1 it is TA, in integer ms.
+        The time is TM, in units of 1/4096 ms and below 4096 ms. With I42=1, TA gives the time instead, in
+        integer ms.
 
         Args:
             step: the step to complete.

@@ -12,7 +12,9 @@ from yarclang.simulator.programs.surroundings import Surroundings
 from yarclang.simulator.state.registers import Seen, Variables
 
 _AT_ONCE = 5000
-"""Most statements of one scan, which then ends. On a controller, the watchdog would have tripped."""
+"""Largest number of statements of one scan, which then ends. On a controller, the watchdog would have
+tripped.
+"""
 
 _VARIABLE = re.compile(r"([IPQM])(\d+)")
 _INDIRECT = re.compile(r"[IPQM]\(")
@@ -41,22 +43,22 @@ class Plc:
 
     @property
     def active(self) -> bool:
-        """True if it is to be scanned."""
+        """True if the PLC is scanned."""
         return self.enabled and not self.paused and bool(self.program.lines)
 
     def enable(self) -> None:
-        """Enable it, from the top of its program."""
+        """Enable the PLC, from the top of its program."""
         self.enabled, self.paused, self._at = True, False, 0
 
     def disable(self) -> None:
-        """Disable it: it isn't scanned any more."""
+        """Disable the PLC, so that it isn't scanned any more."""
         self.enabled = self.paused = False
 
     def results(self) -> frozenset[tuple[str, int]]:
-        """Return the variables that the PLC computes, if it does nothing else.
+        """Return the variables that the PLC computes, if it does nothing else; empty for any other PLC.
 
-        Such a PLC only assigns to P and Q that it doesn't read itself. It need not run before one of them is
-        read. For any other PLC, the result is empty.
+        A PLC that does nothing else only assigns to P- and Q-variables that it doesn't read itself. It
+        therefore need not run before one of them is read.
         """
         targets: list[tuple[str, int]] = []
         mentioned: list[tuple[str, int]] = []
@@ -78,9 +80,10 @@ class Plc:
         return frozenset(targets)
 
     def scan(self, variables: Variables, outside: Surroundings) -> None:
-        """Run once: to the end, or to the end of a loop, from which the next scan continues.
+        """Run the program once: to its end, or to the end of a loop. The next scan continues after that
+        point.
 
-        An error (a badly structured program, a variable that doesn't exist) disables the PLC (assumed).
+        An error (a program with a wrong structure, a variable that doesn't exist) disables the PLC (assumed).
         """
         try:
             self._scan(variables, outside)

@@ -29,7 +29,7 @@ class Surroundings(surroundings.Surroundings, Protocol):
 class Plcs:
     """All PLCs that were opened.
 
-    A PLC 0 that does nothing but compute variables is scanned only when one of them is read.
+    If PLC 0 only computes variables, it is scanned only when one of them is read.
 
     Attributes:
         by_number: the PLCs.
@@ -80,7 +80,9 @@ class Plcs:
         self.changed()
 
     def changed(self) -> None:
-        """Determine again which PLCs are to be scanned, and if PLC 0 can wait until its results are read."""
+        """Determine which PLCs are scanned, and if the scan of PLC 0 can be postponed until one of its
+        results is read.
+        """
         now, variables = self._outside.now, self._variables
         i5 = int(variables.i[5])
         foreground = self.by_number.get(0)
@@ -104,7 +106,7 @@ class Plcs:
             self._next_interrupt = now + self._outside.interrupt
 
     def _refresh(self) -> None:
-        """Scan a waiting PLC 0 now, because one of its results is read."""
+        """Scan a postponed PLC 0 now, because one of its results is read."""
         if self._lazy is None or self._refreshing:
             return
         self._refreshing = True

@@ -11,7 +11,9 @@ from yarclang.simulator.language.statements import If, Label, Plain, Statement, 
 from yarclang.simulator.network.reply import Refusal
 
 LARGEST_PROGRAM = 2_000_000
-"""Most words of all fixed buffers together, which bounds memory (assumed; it depends on the options)."""
+"""Largest total number of words of all fixed buffers, to bound memory (assumed; it depends on the
+options).
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +36,9 @@ class Branch:
     """A conditional jump.
 
     Attributes:
-        condition: the jump is made if it is false.
+        condition: the jump is made if the condition is false.
         target: index of the code to continue at.
-        wait: if true, the condition is evaluated again later as long as it holds (WHILE ... WAIT).
+        wait: True if the condition is evaluated again later as long as it holds (WHILE ... WAIT).
     """
 
     condition: Condition
@@ -73,7 +75,7 @@ class Program:
         lines: its lines.
         words: the words of memory that they take.
         open_blocks: open IFs and WHILEs after the last line, so that an ENDIF without IF is refused at once.
-        single: True if the last line is an IF for its own line only, to which an ELSE may follow.
+        single: True if the last line is an IF that applies only to its own line; an ELSE may follow it.
     """
 
     lines: list[Line] = field(default_factory=list)
@@ -89,7 +91,7 @@ class Program:
         self.words, self.single, self._code = 0, False, None
 
     def copy(self) -> Program:
-        """Return a program of equal lines, which links its own code."""
+        """Return a program with the same lines. The copy links its own code."""
         return Program(list(self.lines), self.words, list(self.open_blocks))
 
     def append(self, line: Line) -> None:
@@ -105,7 +107,8 @@ class Program:
         self._code = None
 
     def code(self) -> tuple[list[Code], list[int], dict[int, int]]:
-        """Return the linked code, the line index of each item of code, and the code index of each label.
+        """Return the linked code, the index of the line of each item of code, and the index in the code of
+        each label.
 
         Raises:
             Refusal: ERR016 if an IF or WHILE isn't closed.
@@ -116,11 +119,11 @@ class Program:
 
 
 def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[str], bool]:
-    """Return the open IFs and WHILEs after a line, and True if the line is an IF for itself only.
+    """Return the open IFs and WHILEs after a line, and True if the line is an IF that applies only to itself.
 
     Args:
         open_blocks: the open IFs and WHILEs before the line.
-        single: True if the line before is an IF for itself only, to which an ELSE may follow.
+        single: True if the line before is such an IF; an ELSE may follow it.
         line: the line.
 
     Raises:
@@ -155,9 +158,9 @@ def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[st
 
 
 def _for_single(single: bool, line: Line, block: bool) -> bool:
-    """Return True if an ELSE belongs to the single-line IF before it, not to a block around both.
+    """Return True if an ELSE belongs to the single-line IF before it, and not to a block around both.
 
-    This is so if the ELSE has an action in its own line, or if no block is open (assumed).
+    It does if the ELSE has an action in its own line, or if no block is open (assumed).
     """
     return single and (len(line.statements) > 1 or not block)
 
@@ -184,7 +187,7 @@ def _is_single(statements: tuple[Statement, ...], place: int) -> bool:
 
 @dataclass(slots=True)
 class _Open:
-    """An IF or WHILE whose end isn't known yet.
+    """An IF or WHILE whose end hasn't been read yet.
 
     Attributes:
         name: IF or WHILE.

@@ -19,7 +19,9 @@ _WHOLE = re.compile(r"(DP|D|F|L):\$?([0-9A-F]{1,6})$")
 
 Read = Callable[[], float]
 ReadBits = Callable[[int], float]
-"""Returns a register. The argument has the wanted bits; others may be returned as 0."""
+"""Function that returns the value of a register. The argument has the bits that are needed; other bits may
+be 0.
+"""
 Write = Callable[[float], None]
 
 
@@ -77,7 +79,7 @@ def definition(text: str) -> Definition:
 
 
 class Memory:
-    """The controller's memory: 24-bit words, of which some are wired to the state of the machine.
+    """The controller's memory: 24-bit words. Some of them are wired to the state of the machine.
 
     A word that isn't wired is plain memory, where outputs can be read and inputs can be set.
 

@@ -1,4 +1,4 @@
-"""The state that SAVE keeps: all except rotaries, positions and running programs."""
+"""The state that SAVE keeps: everything except rotaries, positions and running programs."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Status words of motors, coordinate systems and the controller (TSRM 281-290), from their current state.
 
-Each word is computed on its own. `wanted` has the bits that the caller needs. Bits that depend on the
-positions of the motors are left 0 if none of them is needed, because a PLC asks for one bit at each scan.
+Each word is computed on its own. `wanted` has the bits that the caller needs. A PLC asks for one bit at each
+scan; bits that depend on the positions of the motors are therefore left 0 if none of them is needed.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ def proof_of(
     Args:
         text: the whole text as written, with its seal.
         content: the text as the judge has read it.
-        program: the program that it was certified against.
+        program: the program that the text was certified against.
         robot: the arm.
         tolerance: tolerance of motions without their own.
         claims: the planner's claims.

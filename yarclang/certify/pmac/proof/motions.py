@@ -38,7 +38,7 @@ class Motions:
 
     Attributes:
         told: the description of each motion in the proof, by its step.
-        proofs: the data that make a motion checkable, by its step as a text.
+        proofs: the data that make a motion checkable, by its step, written as a string.
     """
 
     def __init__(self, judged: Judged, layout: Layout, firsts: Mapping[int, int]) -> None:
@@ -74,7 +74,7 @@ class Motions:
     def _proof(self, row: int, place: Place, begin: Begin) -> dict[str, Any] | str | None:
         """Return the data that make a motion checkable; None if no data are needed.
 
-        If it cannot be checked, a text with the reason is returned.
+        If the motion cannot be checked, the result is a text with the reason.
         """
         motion, layout, robot = place.motion, self._layout, self._judged.robot
         if isinstance(motion, hir.LineMove | hir.ArcMove):
@@ -128,7 +128,9 @@ class Motions:
         return Own(flows.cubics(layout, row), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
-        """Add to proofs the joints of a corner, and the number of pieces into which the blend's segments are cut."""
+        """Add the joints of a corner to the proofs, and the number of pieces into which the blend's
+        segments are cut.
+        """
         layout, judged = self._layout, self._judged
         first, second = (layout.places[row] for row in (corner.first, corner.second))
         proof, other = (self.proofs.get(str(place.step)) for place in (first, second))
@@ -189,13 +191,15 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:
-    """Return a speed read as that of the frame's origin [mm/s], and as that of its turn [deg/s]."""
+    """Return a speed as two values, of the frame's origin [mm/s] and of its turn [deg/s]; None where not
+    given.
+    """
     read_as = (speed.length, MM), (speed.angle, DEG)
     return [None if number is None else float(f"{number / unit:.13g}") for number, unit in read_as]
 
 
 def _through(place: Place, begin: Begin, robot: Robot, claims: Claims) -> Iterator[dict[str, Any]]:
-    """Yield the way-points of a joint motion [deg or mm], with the poses that they were chosen for."""
+    """Yield the way-points of a joint motion [deg or mm], with the poses for which they were chosen."""
     motion = place.motion
     claimed = claims.witnesses.get(place.step)
     goals = motion.goals

@@ -1,10 +1,9 @@
 """Planes that keep bodies apart, for the small checker.
 
-They cover the longest stretches of a text on which one plane per pair is enough.
-
-The first stretch is the whole text. If no plane keeps a pair of bodies apart on a stretch, both halves are
-examined: it is divided first between commands, then between segments, then within a segment. The bounds are
-those of the checker (`yarclang.verify.apart`), in floating point and with a small reserve.
+The search uses stretches of a text that are as long as possible, with one plane for each pair of bodies. The
+first stretch is the whole text. If no plane keeps a pair apart on a stretch, the stretch is divided and both
+halves are examined: it is divided first between commands, then between segments, then within a segment. The
+bounds are those of the checker (`yarclang.verify.apart`), in floating point and with a small reserve.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from yarclang.verify.reader import PRINTED
 from yarclang.verify.room import Room
 
 _LEFT = 2e-6
-"""Reserve of a gap above its margin [m], more than the effects of rounding and of meshes' grid."""
+"""Reserve of a gap beyond its margin [m]: more than the effects of rounding and of the meshes' grid."""
 _SCALES = (100, 10_000, 10_000_000)
 """Sizes of the integers in normals; the smallest sufficient one is used."""
 
@@ -119,11 +118,15 @@ class _Search:
         self.failed: set[int] = set()
 
     def found(self) -> Planes:
-        """Halve stretches until a plane keeps each pair apart, or they are too short; return the planes."""
+        """Halve stretches until a plane keeps each pair apart, or until they are too short; return the
+        planes.
+        """
         begin, end, pair, margin = self.needed.stretches()
         while len(pair):
             go_on()
             done = np.zeros(len(pair), dtype=np.bool_)
+            # The bound with straight joints holds over whole segments, the bent one within one sequence of
+            # equal segments.
             one = self.segments.run[begin // PARTS] == self.segments.run[(end - 1) // PARTS]
             whole = (begin % PARTS == 0) & (end % PARTS == 0)
             for bent, fits in ((False, whole), (True, one)):
@@ -161,11 +164,22 @@ class _Search:
         return cut
 
     def _settled(self, begin: Rows, end: Rows, pair: Rows, margin: Array, *, bent: bool) -> NDArray[np.bool_]:
-        """Return True for pairs that a plane keeps apart on stretches, and store the planes."""
+        """Return True for pairs that a plane keeps apart on stretches, and store the planes.
+
+        Args:
+            begin: (K,) begins of the stretches, in parts of a segment.
+            end: (K,) ends of the stretches.
+            pair: (K,) pair of each stretch.
+            margin: (K,) distance that each pair must keep [m].
+            bent: True for the bound within one sequence, from both ends and the middle; False for the bound
+                over the ranges of the joints.
+        """
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
         if bent:
+            # The bent bound looks at both ends and the middle of a stretch, like the second proof of the
+            # judge.
             w, a = (np.maximum.reduceat(one, bounds)[::2] for one in (self.w, self.a))
             share = (nodes[0] - first * PARTS) / PARTS, (nodes[1] - last * PARTS) / PARTS
             mean = (nodes[0] + nodes[1]) / 2.0 / PARTS
@@ -211,6 +225,7 @@ class _Search:
                 continue
             turn = self.turns[item.joint]
             toward = center[:, hope] / np.maximum(apart[hope], 1e-12)
+            # Normals must be integers: round to a coarse grid first, and to finer ones if that is not enough.
             for number, scale in enumerate((_SCALES[0], *_SCALES)):
                 if number == 1:  # the direction from middle to middle is not sufficient
                     toward, _ = nearest(item, moving, arms[0].take(hope))
@@ -245,6 +260,7 @@ class _Search:
             k = moving.joint
             arms = [Joints(p[k, :, :3], p[k, :, 3], spin[k], drift[k]).take(here) for p, spin, drift in ends]
             bend = _third(self.reach[self.needed.pairs[one][1]], self.is_turn, w[here], a[here], j[here])
+            # The speed exceeds the larger one of both ends by at most d^2 / 8 of the third derivative.
             most = np.maximum(arms[0].speed(moving), arms[1].speed(moving)) + bend * d[here] ** 2 / 8.0
             slow[rows] = most <= self.needed.speeds[one] * (1.0 - 1e-6)
             for row in rows[slow[rows]]:
@@ -257,6 +273,7 @@ def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Arra
     sum_w, sum_a, sum_j, before, bend = (np.zeros(len(w)) for _ in range(5))
     for joint in range(len(reach)):
         if not is_turn[joint]:
+            # A slide contributes the derivative of W^3 + 3 W A + J in its direction.
             bend += 3.0 * (sum_w**2 + sum_a) * w[:, joint] + 3.0 * sum_w * a[:, joint] + j[:, joint]
             continue
         sum_w, sum_a, sum_j = sum_w + w[:, joint], sum_a + a[:, joint], sum_j + j[:, joint]
@@ -290,6 +307,8 @@ def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Ar
     sum_w, sum_a, before, bend = (np.zeros(len(w)) for _ in range(4))
     for joint in range(first, last):
         if not is_turn[joint]:
+            # A slide contributes the derivative of W^2 + A in its direction: Coriolis and its own
+            # acceleration.
             bend += 2.0 * sum_w * w[:, joint] + a[:, joint]
             continue
         sum_w, sum_a = sum_w + w[:, joint], sum_a + a[:, joint]
@@ -300,9 +319,8 @@ def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Ar
 
 
 def _reach(robot: Robot, item: Item, far: Array) -> Array:
-    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m].
-
-    The bound is that of the checker.
+    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m], as the checker
+    does.
     """
     steps = steps_of(robot.chain)
     is_turn = axes_of(robot.chain).turn == 1.0

@@ -42,7 +42,7 @@ class Needed:
         items: the bodies, in the order of the proof.
         pairs: the pairs of bodies.
         needs: for each pair, the stretches (begin, end, margin [m]) on which it must stay apart.
-        speeds: (K,) speed that each pair may have otherwise [m/s].
+        speeds: (K,) speed up to which a body need not stay out of a slow zone [m/s]; 0 for other pairs.
     """
 
     items: list[Item]
@@ -64,7 +64,7 @@ class Needed:
         Args:
             items: the bodies, in the order of the proof.
             pairs: the checker's pairs.
-            speeds: speed in the region of each pair.
+            speeds: allowed speed in the region of each pair, in the checker's units.
             unit: the checker's integer for 1 m, and for 1 m/s.
         """
         needs = [[(begin, end, least / unit) for begin, end, least in pair.needs] for pair in pairs]
@@ -205,7 +205,7 @@ def told_frame(pose: Array) -> list[float]:
 def in_units(numbers: Array) -> list[float | None]:
     """Return numbers as robot.toml writes them.
 
-    The last digits, which conversion to SI units and back has changed, are left out.
+    Conversion to SI units and back has changed their last digits, which are rounded away.
     """
     return [float(f"{one:.13g}") if np.isfinite(one) else None for one in numbers.tolist()]
 

@@ -1,6 +1,6 @@
 """Shares of programmed paths over time for a proof.
 
-Any that grow from 0 to 1 are accepted; good ones give sharp bounds.
+The checker accepts any shares that grow from 0 to 1; good ones give sharp bounds.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
 
 _REMAINDER = 0.2
-"""Largest share of the tolerance, approximately, that bounds between the ends of pieces may cost."""
+"""Share of the tolerance, approximately, that the bounds between the ends of pieces may take."""
 _MOST_PIECES = 64
 _BESIDE = 0.011
-"""Least share of an arc that the checker requires between its via point and its ends, with a reserve."""
+"""Least share of an arc between its via point and its ends that the checker requires, with a reserve."""
 _OPEN = 1 / 250
-"""What an arc must lack of a full turn for the checker [rad], with a reserve."""
+"""Least angle [rad] by which an arc must be smaller than a full turn for the checker, with a reserve."""
 _NEAREST = 2e-4
-"""Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
+"""Least distance between way-points of a spline that the checker requires [rad or m], with a reserve."""
 _SHARP = 2e-4
-"""Approximate share of a programmed speed that the bounds between the ends of pieces may cost."""
+"""Share of a programmed speed, approximately, that the bounds between the ends of pieces may take."""
 
 
 @frozen(eq=False)
@@ -41,7 +41,7 @@ class Own:
 
     Attributes:
         cubics: the segments, without parts beyond a corner.
-        ends: shares of the path at both ends; None if the path is joined, or left, elsewhere.
+        ends: shares of the path at both ends; None at an end where the path is joined, or left, elsewhere.
         told: the places at which the path is joined and left, if not at the motion's ends.
     """
 
@@ -58,9 +58,10 @@ def frame_proof(
     robot: Robot,
     tolerance: Tolerance,
 ) -> dict[str, Any] | str:
-    """Return the proof of a line or an arc; a text with the reason if there is none.
+    """Return the proof of a line or an arc, or a text with the reason why there is none.
 
-    There is none for an arc whose ends and via point are too close to each other to define its circle exactly.
+    There is no proof for an arc whose ends and via point are so close to each other that they don't define
+    its circle exactly.
 
     Args:
         own: the segments that follow its path.
@@ -105,12 +106,12 @@ def frame_proof(
 
 
 def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
-    """Return the proof of a straight motion of joints: at each instant the nearest share of its way.
+    """Return the proof of a straight motion of joints, with the nearest point of the line at each instant.
 
     Args:
         own: the segments that follow its path.
         start: (n,) joint positions at the start of the path [rad or m].
-        goal: (n,) those at its end.
+        goal: (n,) joint positions at its end [rad or m].
         weights: (n,) reciprocal of the tolerance of each joint.
     """
     cubics, way = own.cubics, (goal - start) * weights
@@ -119,6 +120,7 @@ def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str
         share = own.ends[0] if own.ends[0] is not None else own.ends[1]
         return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
     cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
+    # Projection of the joints onto the line, in units of their tolerances.
     square = float(way @ way)
     if square > 0.0:
         s, rate = ((cut.q - start) * weights) @ way / square, (cut.rate * weights) @ way / square
@@ -162,8 +164,8 @@ def spline_proof(
 ) -> dict[str, Any] | str | None:
     """Return the proof of a natural spline in joint space.
 
-    It is None if the spline has length zero, and a text with the reason if its way-points are too close to
-    each other.
+    The result is None if the spline has length zero. It is a text with the reason if two way-points are too
+    close to each other.
 
     Args:
         layout: the segments of the text.
@@ -192,7 +194,7 @@ def spline_proof(
 
 
 class _Weighed:
-    """A spline in joint coordinates of equal weight."""
+    """A spline in joint coordinates that are divided by their tolerances."""
 
     def __init__(self, spline: NaturalSpline, weights: Array) -> None:
         self._spline, self._weights = spline, weights
@@ -211,6 +213,8 @@ def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float
     j = cubics.jerk_peaks().max(axis=1) / steepest
     bend = (np.abs(spline.bend) * weights).max()
     third = (np.abs(np.diff(spline.bend, axis=0)) / np.diff(spline.s)[:, None] * weights).max()
+    # Faa di Bruno's formula, with s', s'' and s''' estimated from the joints' rates over the slope of the
+    # path.
     fourth = 6.0 * w * w * a * third + (3.0 * a * a + 4.0 * w * j) * bend
     return float((HERMITE * cubics.h**4 * fourth + cubics.h**3 * w**3 * third / 96.0).max())
 
@@ -218,7 +222,7 @@ def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float
 def _pieces(need: float) -> int:
     """Return the number of pieces of a segment that makes `need` small.
 
-    It falls with the fourth power of this number.
+    The bound falls with the fourth power of this number.
     """
     return int(np.clip(math.ceil((need / _REMAINDER) ** 0.25), 1, _MOST_PIECES))
 
@@ -242,8 +246,8 @@ def _growing(
     share = np.round(np.maximum.accumulate(share) * SHARE)
     if ends[1] is not None:
         share = np.minimum(share, round(ends[1] * SHARE))
-    # The inner Bezier points of a piece are in order if both rates together need at most the whole way
-    # between its ends.
+    # The inner Bezier points of a piece are in order if the sum of both rates, times a third of the piece's
+    # duration, is at most the way between its ends.
     rate = np.maximum(rate, 0.0) * SHARE
     way, both = 3.0 * np.diff(share) / d, rate[:-1] + rate[1:]
     with np.errstate(over="ignore"):  # infinite where nothing is blended, which is more than 1

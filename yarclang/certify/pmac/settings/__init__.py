@@ -1,4 +1,4 @@
-"""The judge of the controller's settings: reads their text and proves that certificates can rely on them.
+"""The judge of the controller's settings, which reads their text and proves what certificates rely on.
 
 `judge.py` is the entry point; `read.py` reads, `text.py` defines the content. `system.py` judges the
 I-variables of the coordinate system and the controller, `motors.py` and `rates.py` those of the motors,

@@ -57,7 +57,7 @@ class Coupling:
 
     @cached_property
     def joint_slack(self) -> Row:
-        """Resulting error of each joint's position [axis units]."""
+        """Error of each joint's position that results from `slack` [axis units]."""
         return [
             sum(
                 (abs(share) * slack for share, slack in zip(row, self.slack, strict=True) if share),
@@ -72,6 +72,7 @@ class Coupling:
         left = list(range(len(self.matrix)))
         found = []
         while left:
+            # Connected components: motors are connected if they move a common joint.
             motors, joints = {left[0]}, set[int]()
             while True:
                 joints |= {k for m in motors for k, share in enumerate(self.matrix[m]) if share}
@@ -115,6 +116,7 @@ def _inverse(matrix: list[Row]) -> list[Row] | None:
     size = len(matrix)
     rows = [[*row, *(Fraction(int(at == other)) for other in range(size))] for at, row in enumerate(matrix)]
     for at in range(size):
+        # In exact numbers, any pivot other than zero will do.
         pivot = next((row for row in range(at, size) if rows[row][at]), None)
         if pivot is None:
             return None

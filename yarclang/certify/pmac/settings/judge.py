@@ -1,4 +1,4 @@
-"""Judgement of a settings text: text and robot in; findings and proved bounds out."""
+"""Judgement of a settings text: returns findings and proved bounds from a text and a robot."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def certify_settings(source: SourceFile, robot: Robot) -> Result[ProvedSettings]
     """Prove that a settings text configures a controller as the certificates of a robot's programs assume.
 
     Args:
-        source: the text, under the name that findings use.
+        source: the text, with the name that findings use.
         robot: the robot of the controller.
 
     Returns:

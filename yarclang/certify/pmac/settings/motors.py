@@ -12,7 +12,7 @@ from yarclang.pmac.variables import motor_variable
 from yarclang.robot.model import Robot
 
 _BEYOND = 3
-"""Most counts by which a software limit may exceed the reach of its motor."""
+"""Counts by which a software limit may exceed the reach of its motor."""
 _LARGEST_LIMIT = 2**35
 """Largest constant that the controller accepts for Ixx13 and Ixx14 [counts] (TSRM 96)."""
 _REGISTER = 2**42
@@ -71,11 +71,9 @@ def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: C
 
 
 def _reach(sign: int, row: int, coupling: Coupling) -> Fraction | None:
-    """Return the largest position of a motor in one direction, times `sign` [counts].
+    """Return the largest position of a motor in one direction, with the joints within their limits [counts].
 
-    The joints stay within their limits.
-
-    None if it is unlimited.
+    The value is multiplied by `sign`. It is None if it is unlimited.
     """
     total = sign * coupling.offset[row]
     for share, lower, upper in zip(coupling.matrix[row], coupling.lower, coupling.upper, strict=True):

@@ -39,6 +39,8 @@ def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, s
     if problems:
         return None
     printed, offset = _printed(content, robot)
+    # With printed M' and offset o', the joints are off by M^-1 ((M' - M) q + o' - o): sum the largest values
+    # over |q| <= reach.
     off = [_difference(one, true) for one, true in zip(printed, coupling.matrix, strict=True)]
     off_offset = _difference(offset, coupling.offset)
     errors = []
@@ -133,6 +135,8 @@ def _feedback_error(
     ]
     error = abs(value.constant + _product(shares, offset))
     for other, reach in enumerate(coupling.reach):
+        # The expression of the motors' positions M q + o must be the joint itself: a factor 1 for this joint,
+        # 0 for all others, and no constant.
         follows = _product(shares, [row[other] for row in matrix])
         error += abs(follows - (other == joint)) * reach
     return error

@@ -1,7 +1,7 @@
 """Speeds and accelerations of motors.
 
-No joint may exceed its limits in an abort or a RAPID, whatever the motors do, and no motor may be slower than
-necessary.
+No joint may exceed its limits in an abort or a RAPID, for any directions of the motors, and no motor may be
+slower than necessary.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class _Quantity:
         unit: counts/s or counts/s^2 in one unit of the I-variable.
         limits: limits of the joints [axis units/s or axis units/s^2].
         most: the motors' own limits [counts/s]; None without such limits.
-        does: the action with this rate, in messages.
+        does: the action that uses this rate, in messages.
         limit: the name of a joint's limit, in messages.
     """
 
@@ -91,12 +91,14 @@ class _Group:
 
     def worst(self, joint: int, rates: _Rates) -> Fraction:
         """Return the largest rate of one joint [axis units/s or /s^2] for any directions of the motors."""
+        # The worst case is that all motors push the joint in one direction.
         shares = self.coupling.inverse[joint]
         return sum((abs(shares[row] * rate) for row, rate in rates.items() if shares[row]), Fraction(0))
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
     """Return the largest rates in proportion to the gears that exceed no limit of a joint or motor."""
+    # Scale the gears up until the first joint reaches its limit.
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}
     return (
@@ -107,7 +109,7 @@ def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
 def _wrong(
     quantity: _Quantity, settings: Mapping[int, Setting], even: _Rates, group: _Group, robot: Robot
 ) -> tuple[Setting, str] | None:
-    """Return the setting that is to blame and its fault in words; None if all are right."""
+    """Return the wrong setting and its fault in words; None if all are right."""
     rates = {row: setting.value * quantity.unit for row, setting in settings.items()}
     shares = {row: rate / even[row] for row, rate in rates.items()}
     loads = {joint: group.worst(joint, rates) / quantity.limits[joint] for joint in group.joints}

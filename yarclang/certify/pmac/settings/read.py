@@ -1,8 +1,7 @@
-"""Reader of the settings text that yarc prints, and of nothing else.
+"""Reader of the settings text that yarc prints, and of no other text.
 
-Every line must have the one form that is allowed in its place.
-
-Comments (after `;`) and empty lines are allowed anywhere: they are removed before a line is sent.
+Every line must have the one form that is allowed in its place. Comments (after `;`) and empty lines are
+allowed anywhere: they are removed before a line is sent.
 """
 
 from __future__ import annotations

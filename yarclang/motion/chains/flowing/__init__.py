@@ -1,3 +1,3 @@
-"""Make chains of motions of one moving frame as one path with one law: sampled, smoothed in time, and
-examined as a whole.
+"""Plan a chain of motions of one moving frame as one path with one law: the path is sampled, smoothed in
+time, and checked as a whole.
 """

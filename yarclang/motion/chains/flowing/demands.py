@@ -19,15 +19,16 @@ from yarclang.motion.zones import BELOW_CEILING, SlowZones
 from yarclang.robot.kinematics.inverse import follow
 
 _AT_ONCE = 2048
-"""Poses that are computed together: the intermediate arrays of a whole long chain would take more memory than
-all that is kept.
+"""Poses that are computed together: those of a whole long chain would need intermediate arrays larger than
+the result.
 """
 _FEWEST = 3
 _LONGEST = 4e-3
-"""Nodes of the law: at least so many on each motion, and no farther apart than this [m]."""
+"""Least number of nodes of the law on each motion, and their largest distance [m]."""
 _CLOSE, _CLOSER = 1e-3, (0.0625, 0.0625, 0.125, 0.25, 0.5)
-"""Steps longer than `_CLOSE` [m] beside a change of speed are divided in these proportions, since the square
-of the speed is linear between nodes.
+"""Proportions in which a step longer than `_CLOSE` [m] beside a change of speed is divided.
+
+The square of the speed is linear between nodes, so the nodes must be close there.
 """
 
 _AT_LEAST = 1.02
@@ -40,24 +41,28 @@ WITHIN = 0.97
 SHARE_OF_TOLERANCE = 0.8
 """Share of the tolerance that is used; the proof comes later."""
 _CUT = 0.4
-"""A corner is rounded by approximately this factor times the standard deviation of the mean in time times the
-change of velocity.
+"""Factor of the distance by which a corner is rounded, over the standard deviation of the mean in time times
+the change of velocity.
 """
 _FOR_CORNER = 0.6
-"""Share of the limits that a corner gets where the law turns from slowing down to speeding up; the rest is
-for that turn.
+"""Share of the limits that is left to the corner itself if the law turns there from slowing down to speeding
+up; the rest is for the turn of the law.
 """
 _NEARLY = 0.9
-"""Ratio to the speed around a corner below which the law turns there."""
+"""Ratio of a corner's speed to the speed around it, below which the law turns at the corner."""
 _LOSS = 0.5
-"""Factor of half the acceleration along the path times the variance, in the rounding of a corner."""
+"""Factor of the part of a corner's rounding that is half the acceleration along the path times the
+variance.
+"""
 _REACH = 0.35
 """Approximate share of a mean's width over which the curve still leaves its path outside of a ball."""
 
 
 @frozen(eq=False)
 class Smoothing:
-    """Smoothing in time: segments of `segment` [s], and two successive means over `widths` of them."""
+    """Parameters of the smoothing in time: segments of `segment` [s], and two successive means over
+    `widths` segments.
+    """
 
     segment: float
     widths: tuple[int, int]
@@ -75,20 +80,22 @@ class Smoothing:
 
     @property
     def reach(self) -> int:
-        """The approximate number of segments on either side of an instant whose places affect it."""
+        """The approximate number of segments before and after an instant that affect its smoothed pose."""
         return (sum(self.widths) + 5) // 2
 
     @property
     def around(self) -> int:
-        """The segments on either side of a seam that are examined from both sides: they contain everything
-        that depends on the seam.
+        """The segments on either side of a seam that are examined from both sides.
+
+        They contain everything that depends on the seam.
         """
         return 2 * (self.reach + 2)
 
     @property
     def kept(self) -> int:
-        """The segments on either side of a seam in which the speed is kept, so that everything examined from
-        the other side is known.
+        """The segments on either side of a seam in which the speed is kept.
+
+        Everything that is examined from the other side is then known.
         """
         return self.around + self.reach
 
@@ -97,9 +104,10 @@ class Smoothing:
 class Limits:
     """The limits of k motions.
 
-    Those of joints and motors are (k, n), `counts` is (n, n). `speed` (k,) [m/s] are the requested speeds,
-    infinite without one. `position` (k,) [m] and `angle` (k,) [rad] are tolerances, `radius` (k - 1,) [m] are
-    the radii of the balls, 0 if a corner may not be left. `zones` are the slow zones of all motions.
+    The limits of joints and motors are (k, n), `counts` is (n, n). `speed` (k,) [m/s] are the requested
+    speeds, infinite if none is requested. `position` (k,) [m] and `angle` (k,) [rad] are tolerances. `radius`
+    (k - 1,) [m] are the radii of the balls, 0 if the path must be kept at the corner. `zones` are the slow
+    zones of all motions.
     """
 
     velocity: Array
@@ -154,10 +162,12 @@ class Demands:
 
     Between nodes, joints and motors allow the speeds `fastest` (N - 1,) [m/s], and joints allow the
     accelerations `push` [m/s^2] and the jerks `jolt` [m/s^3] along the path. At inner nodes, where the
-    joints' slopes bend, `bent` (N - 2,) [m/s] is the largest speed. At a corner the slopes jump. Means over
-    the times T and t [s] turn this jump into accelerations, which allow the speed `kinks[:, 0]` T [m/s], and
-    into jerks, which allow `kinks[:, 1]` T t; `kinks` is (k - 1, 2) [m/s^2 and m/s^3]. The direction of the
-    frame jumps by `turn` (N - 2,), its rate of turning by `spin` (N - 2,) [rad/m].
+    joints' slopes bend, `bent` (N - 2,) [m/s] is the largest speed.
+
+    At a corner the slopes jump. Means over the times T and t [s] turn this jump into accelerations, which
+    allow the speed `kinks[:, 0]` T [m/s], and into jerks, which allow `kinks[:, 1]` T t; `kinks` is (k - 1,
+    2) [m/s^2 and m/s^3]. The direction of the frame jumps by `turn` (N - 2,), its rate of turning by `spin`
+    (N - 2,) [rad/m].
     """
 
     limits: Limits
@@ -180,13 +190,16 @@ class Demands:
         number = np.maximum(_FEWEST, np.ceil(lengths / _LONGEST)).astype(np.int64)
         first, units = _nodes_of(number, *_closer(lengths / number, limits))
         own = np.repeat(np.arange(len(lengths)), np.diff(first))
-        # dyadic fractions, whose sums are exact
+        # Steps are dyadic fractions, whose sums are exact.
         gone = np.concatenate(([0.0], np.cumsum(units)))
         inner = (gone[:-1] - gone[first[own]]) / number[own]
-        # relative to the motion, so that its results don't depend on how far along the chain it is
+        # Steps are relative to their motion, so that the results don't depend on the motion's place in the
+        # chain.
         step = lengths[own] / number[own] * units
         p, q = _looked_at(way, np.append(own, len(lengths) - 1), np.append(inner, 1.0))
         slope, ahead = np.diff(q, axis=0) / step[:, None], np.diff(p, axis=0) / step[:, None]
+        # The joints' slopes are constant between nodes and jump at the nodes: spread over the steps on both
+        # sides, a jump is the bend q'' over the path. At the speed v it costs the acceleration q'' v^2.
         jump = np.abs(np.diff(slope, axis=0))
         turn, spin = np.linalg.norm(np.diff(ahead, axis=0), axis=1), np.zeros(len(step) - 1)
         bend = np.maximum(jump / (0.5 * (step[1:] + step[:-1]))[:, None], _NOTHING)
@@ -217,8 +230,9 @@ class Demands:
         )  # fmt: skip
 
     def room(self) -> Array:
-        """Return the length of path that may be cut off at the inner nodes (N - 2,) [m], by the tolerance of
-        the stricter adjacent motion.
+        """Return the length of path that may be cut off at the inner nodes (N - 2,) [m].
+
+        The stricter tolerance of the two adjacent motions applies.
         """
         limits, own = self.limits, self.own
         position = np.minimum(limits.position[own[1:]], limits.position[own[:-1]])
@@ -229,33 +243,37 @@ class Demands:
         return found
 
     def ceilings(self, smoothing: Smoothing) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return the ceilings of speed at the nodes (N,) [m/s], the largest accelerations between them (N -
-        1,) [m/s^2], and a mask of the corners that use their balls (k - 1,).
+        """Compute the ceilings that a law must keep.
+
+        Returns:
+            The ceilings of speed at the nodes (N,) [m/s], the largest accelerations between them (N - 1,)
+            [m/s^2], and a mask of the corners that use their balls (k - 1,).
         """
         limits, own, corners = self.limits, self.own, self.corners - 1
-        # each motion must have a segment of its own
+        # Each motion must have a segment of its own.
         lengths = np.add.reduceat(self.step, np.concatenate(([0], self.corners)))
         between = np.minimum(
             self.fastest, np.minimum(limits.speed, lengths / (_AT_LEAST * smoothing.segment))[own]
         )
         long, short = smoothing.times
         slope = np.minimum(self.push, 0.5 * long * self.jolt)
-        # a mean in time pulls a bend inwards, by half of its variance times the acceleration there
+        # A mean in time pulls a bend inwards, by half of its variance times the acceleration there.
         curvature = self.turn / (0.5 * (self.step[1:] + self.step[:-1]))
         pulled = 2.0 * limits.position[own[1:]] / smoothing.deviation**2
         inner = np.minimum(self.bent, np.sqrt(pulled / np.maximum(curvature, _NOTHING)))
-        # a mean in time turns a jump of velocity into an acceleration, and a second one turns that into a
-        # jerk
+        # A mean in time turns a jump of velocity into an acceleration; the second mean turns the jump of this
+        # acceleration into a jerk.
         limited = np.minimum(self.kinks[:, 0] * long, self.kinks[:, 1] * long * short)
-        # either a corner is rounded by less than the tolerance, or all that leaves the path is in the ball
+        # There are two ways to pass a corner: rounded by less than the tolerance, or with everything that
+        # leaves the path in the ball. Compute the speed of both.
         steepest = 0.9 * np.maximum(slope[corners], slope[corners + 1])
         s = smoothing.deviation
         on_path, gentle_path = _slow_enough(self.room()[corners], _CUT * s, 0.5 * _LOSS * s**2, steepest)
         time = _REACH * (sum(smoothing.widths) + 2) * smoothing.segment
         in_ball, gentle_ball = _slow_enough(WITHIN * limits.radius, time, 0.5 * time**2, steepest)
         rounds = (in_ball > on_path) & (on_path < np.minimum(limits.speed[1:], limited))
-        # where the law turns, its acceleration changes by twice as much, and the demand of the corner itself
-        # adds to that
+        # If the law turns at a corner, its acceleration changes by twice as much, and the demand of the
+        # corner itself is added to this change.
         slows = limited < _NEARLY * np.minimum(limits.speed[1:], limits.speed[:-1])
         passed = np.minimum(
             np.where(slows, _FOR_CORNER * limited, limited), np.where(rounds, in_ball, on_path)
@@ -273,8 +291,8 @@ class Demands:
         return nodes, slope, rounds
 
     def _beside_slower(self, nodes: Array, smoothing: Smoothing) -> None:
-        """Lower the speeds of nodes (N,) next to a slower motion, so that nothing in a mean there is
-        faster.
+        """Lower the speeds of nodes (N,) near a slower motion, so that the mean on the slower motion contains
+        no higher speed.
         """
         speed, s = self.limits.speed, self.s
         for place in np.flatnonzero(~np.isclose(speed[1:], speed[:-1], 1e-9, 0.0)).tolist():
@@ -290,25 +308,30 @@ class Demands:
 def _slow_enough(room: Array, time: float, square: float, acceleration: Array) -> tuple[Array, Array]:
     """Return the ceilings of speed at corners (K,) [m/s], and of acceleration beside them (K,) [m/s^2].
 
-    The effect of a mean on a corner grows with the distance covered in its time. If the speed changes much in
-    that time, half of the room is reserved for the change.
+    The effect of a mean on a corner grows with the distance covered in the mean's time. If the speed changes
+    much in that time, half of the room is reserved for the change.
 
     Args:
-        room: the largest such distance (K,) [m].
-        time: its factor of the speed [s].
-        square: its factor of the acceleration [s^2].
+        room: the largest allowed distance (K,) [m].
+        time: factor of the speed in this distance [s].
+        square: factor of the acceleration in this distance [s^2].
         acceleration: (K,) the largest acceleration [m/s^2].
     """
+    # The distance is time * v + square * a: give the acceleration at most half of the room, and the speed the
+    # rest.
     gentle = np.minimum(acceleration, 0.5 * room / square)
     return (room - square * gentle) / time, gentle
 
 
 def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
-    """Return masks of the motions at whose beginnings, and at whose ends, nodes are closer together; steps
-    (k,) [m] are theirs.
+    """Return masks of the motions at whose beginnings, and at whose ends, nodes are closer together.
 
-    This is where the requested speed changes though the path goes straight on, and at the end of the chain
-    next to that.
+    This is done where the requested speed changes while the path goes straight on, and at an end of the chain
+    beside such a place.
+
+    Args:
+        step: (k,) distance between nodes on each motion [m].
+        limits: the limits of the k motions.
     """
     changes = (limits.radius == 0.0) & ~np.isclose(limits.speed[1:], limits.speed[:-1], 1e-9, 0.0)
     changes &= np.isfinite(limits.speed[1:]) & np.isfinite(limits.speed[:-1])
@@ -319,11 +342,13 @@ def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
 
 
 def _nodes_of(number: Numbers, begins: Marks, ends: Marks) -> tuple[Numbers, Array]:
-    """Return the first node of each motion and the last node of all (k + 1,), and the steps from node to node
-    (N - 1,).
+    """Divide the motions into steps.
 
-    A motion has `number` (k,) steps of length 1; the first and the last are divided into shorter ones if
-    nodes are closer together there.
+    A motion has `number` (k,) steps of length 1. If nodes are closer together at one of its ends, the step
+    there is divided into shorter ones.
+
+    Returns:
+        The first node of each motion and the last node of all (k + 1,), and the steps between nodes (N - 1,).
     """
     extra = len(_CLOSER) - 1
     first = np.concatenate(([0], np.cumsum(number + extra * begins.astype(np.int64) + extra * ends)))
@@ -343,7 +368,7 @@ def _between(limits: Limits, own: Numbers, slope: Array) -> tuple[Array, Array, 
     and motors allow.
 
     Args:
-        limits: of all motions.
+        limits: the limits of all motions.
         own: (M,) the motion of each row.
         slope: (M, n) derivatives of the joints with respect to the path [rad/m or 1].
     """
@@ -374,7 +399,7 @@ def _looked_at(way: Way, own: Numbers, share: Array) -> tuple[Array, Array]:
 
 
 def _poses_and_joints(way: Way, own: Numbers, share: Array) -> tuple[Array, Array, Array]:
-    """Return positions (N, 3) [m], rotations (N, 3, 3) and joints (N, n), like `_looked_at`, all at once."""
+    """Return positions (N, 3) [m], rotations (N, 3, 3) and joints (N, n), computed in one step."""
     p, turns = way.poses(own, share)
     rotations = matrices(turns)
     return p, rotations, joints(way, p, rotations, way.seeds(own, share), way.paths[0])[0]
@@ -385,8 +410,8 @@ def _jumps(way: Way, first: int, last: int) -> tuple[Array, Array, Array]:
     rate of turning (K,) [rad/m].
 
     Args:
-        way: of all motions.
-        first: the first corner, which follows the motion of the same number.
+        way: the paths of all motions.
+        first: the first corner; a corner has the number of the motion before it.
         last: the corner after the last one.
     """
     before, behind = np.arange(first, last), np.arange(first + 1, last + 1)
@@ -416,6 +441,7 @@ def _rates(rotations: Array, others: Array, steps: Array) -> Array:
     vector = (turn - turn.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2.0
     size = np.linalg.norm(vector, axis=1)
     angle = angle_between(others, rotations)
+    # `vector` is the sine of the angle times the axis: scale it to the angle.
     scale = np.where(size > _NOTHING, angle / np.maximum(size, _NOTHING), 1.0)
     found: Array = vector * scale[:, None] / steps
     return found

@@ -1,4 +1,6 @@
-"""Make a chain as one path: a law, its control points, and a slower law where they demand too much."""
+"""Plan a chain as one path: compute a law and its control points, and slow the law down where they demand too
+much.
+"""
 
 from __future__ import annotations
 
@@ -27,15 +29,16 @@ _SEGMENTS = (0.02, 0.01, 0.005, 0.0025)
 _WIDTHS = ((4, 1), (6, 3), (3, 2), (8, 4), (2, 1))
 """Widths of both means that are tried [segments]."""
 _ENOUGH = 1.02
-"""Factor up to which slower laws count as equal; then longer segments and shorter means win."""
+"""Factor up to which slower laws count as equally fast; longer segments and shorter means then win."""
 _TOO_SLOW = 2e-4
-"""A corner that is passed more slowly than this is better done with a stop [m/s]."""
+"""Speed of passing a corner below which a stop is better [m/s]."""
 
 
 @frozen(eq=False)
 class Known:
-    """Results of windows of chains from earlier plans; `keys` has a key for each motion, with all its
-    requirements.
+    """Results of windows of chains from earlier plans.
+
+    `keys` has a key for each motion, which contains everything that the motion asks for.
     """
 
     memory: Memory
@@ -57,7 +60,7 @@ class Known:
 
 
 def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> list[Piece] | None:
-    """Return the pieces of a chain as one path; None if it can't be done so.
+    """Return the pieces of a chain as one path; None if the chain can't be planned as one path.
 
     Args:
         links: the motions.
@@ -87,7 +90,7 @@ def _flowing(links: Sequence[Link], grid: Grid, known: Known | None) -> list[Pie
 
 
 def _fastest_corners(demands: Demands, grid: Grid) -> Array:
-    """Return the speeds at which the corners can be passed with the shortest segments (k - 1,) [m/s]."""
+    """Return the speeds (k - 1,) [m/s] at which the corners can be passed with the shortest segments."""
     shortest = min(_segments(grid))
     ceilings = [demands.ceilings(Smoothing(shortest, widths))[0][demands.corners] for widths in _WIDTHS]
     fastest: Array = np.max(ceilings, axis=0)
@@ -109,7 +112,7 @@ def _of_demands(demands: Demands, way: Way, grid: Grid, known: Known | None) -> 
 
 
 def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None) -> list[Made] | None:
-    """Return the results of all windows of a chain; None if one can't be done even without seams."""
+    """Return the results of all windows of a chain; None if a window can't be planned even without seams."""
     cut, found, reach = windows(way, demands, smoothing), dict[Window, Made | Failed](), 1
     while True:
         _make(way, demands, smoothing, [window for window in cut if window not in found], found, known)
@@ -118,7 +121,7 @@ def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None)
         if any(isinstance(result, Failed) and not any(result.seams) for result in results):
             return None
         for place, (one, other) in enumerate(pairwise(results)):
-            # both must find the same overlap at their seam
+            # Both windows must find the same overlap at their common seam.
             if isinstance(one, Made) and isinstance(other, Made) and one.halves[-1] != other.halves[0]:
                 failed[place] = True
         if not any(failed):
@@ -135,7 +138,7 @@ def _make(
     found: dict[Window, Made | Failed],
     known: Known | None,
 ) -> None:
-    """Make windows, on all cores, except those with earlier results."""
+    """Plan windows, on all cores, except those with earlier results."""
     if known is not None:
         for window in missing:
             before = known.get(way, window, smoothing)
@@ -169,8 +172,9 @@ def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
 
 
 def is_one_path(links: Sequence[Link]) -> bool:
-    """Return True if all motions of a chain lead one frame along paths of its own, and none has a given
-    duration or a law without a cruise.
+    """Return True if all motions of a chain are along paths of one moving frame.
+
+    None of them may have a given duration, or a law without a cruise.
     """
     first = links[0].path
     return all(
@@ -185,9 +189,7 @@ def is_one_path(links: Sequence[Link]) -> bool:
 
 
 def _likeliest(demands: Demands, grid: Grid) -> Iterator[Smoothing]:
-    """Yield smoothings of a chain, the fastest first; of equally fast ones, that with the longest
-    segments.
-    """
+    """Yield smoothings of a chain, the fastest first; longer segments win a tie."""
     found = []
     for order, segment in enumerate(_segments(grid)):
         for widths in _WIDTHS:

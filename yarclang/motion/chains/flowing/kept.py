@@ -1,4 +1,4 @@
-"""Find the speeds that motions of a chain keep, to which the judge holds them."""
+"""Find the speeds that the motions of a chain keep; the judge checks them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PARTS = np.array([0.25, 0.5, 0.75])
 _STEADY = 2e-4
 """Share of change from one time to the next below which a speed counts as constant."""
 _ASIDE = 4
-"""Number of half segments from a corner within which a speed is reached in any case."""
+"""Number of half segments from a corner within which a speed counts as reached."""
 
 
 def least_speeds(
@@ -32,13 +32,14 @@ def least_speeds(
 ) -> Array:
     """Return the shares of the requested speeds (k,) that each motion keeps between its blends.
 
-    For a motion that begins or ends at rest, or beside a slower one, this applies once the speed is reached.
+    For a motion that begins or ends at rest, or beside a slower motion, the share holds after the speed has
+    been reached.
 
     Args:
-        way: of k motions.
-        limits: theirs.
+        way: the paths of k motions.
+        limits: the limits of these motions.
         points: their control points.
-        trial: the results for these points.
+        trial: the result of checking these points.
         segment: the segment time [s].
         seams: True if the first motion begins, and if the last ends, at a seam.
     """
@@ -50,7 +51,7 @@ def least_speeds(
     edges = np.where(
         halves > 0, knots, np.concatenate(([0.0], points.passing(way.begins[1:-1], segment), knots[-1:]))
     )
-    # the curve passes a corner slightly before or after the law does
+    # The curve passes a corner slightly before or after the law does.
     aside = np.where(halves > 0, halves - _EDGE, -1.0) * segment
     begin = np.searchsorted(times, edges[:-1] + aside[:-1])
     end = np.searchsorted(times, edges[1:] - aside[1:], side="right")
@@ -79,8 +80,10 @@ def _least_between(values: Array, begin: Numbers, end: Numbers) -> Array:
 
 
 def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Return True (2, K) for motions that begin, and that end, at rest, or flow without a blend out of a
-    slower one or into one.
+    """Return masks (2, K) of the motions that begin, and of those that end, at rest or beside a slower
+    motion.
+
+    A slower motion counts only if there is no blend between the two.
     """
     slower = limits.speed[:-1] < limits.speed[1:] * (1.0 - _EDGE)
     faster = limits.speed[1:] < limits.speed[:-1] * (1.0 - _EDGE)
@@ -89,8 +92,9 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
 
 
 def _without_dips(speed: Array) -> Array:
-    """Return the speeds (N,), limited to the speed that is kept between any two places where it is
-    reached.
+    """Return the speeds (N,), limited to a level that is kept.
+
+    Between two places that reach the level, no speed is below it.
     """
     around = np.minimum(np.maximum.accumulate(speed), np.maximum.accumulate(speed[::-1])[::-1])
     least, dips = np.inf, np.inf
@@ -102,8 +106,9 @@ def _without_dips(speed: Array) -> Array:
 
 
 def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed: Array) -> Array:
-    """Return the least speeds (N,) up to the next time: if the speed changes, it may be lower between two
-    times than at both.
+    """Return the least speed (N,) between each time and the next.
+
+    If the speed changes, it may be lower between two times than at both of them.
     """
     found = speed.copy()
     found[:-1] = np.minimum(speed[:-1], speed[1:])

@@ -1,4 +1,4 @@
-"""Define a law: speed over a path, and the time at which each place is passed."""
+"""Define a law: the speed along a path, and the time at which each place is passed."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ _STILL = 1e-12
 
 @frozen(eq=False)
 class Law:
-    """A law: at nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear in between; `t` (N,)
-    [s] are the times of the nodes.
+    """A law of motion along a path.
+
+    At nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear in between; `t` (N,) [s] are
+    the times of the nodes.
     """
 
     s: Array
@@ -31,9 +33,12 @@ class Law:
         Args:
             s: nodes (N,) [m].
             ceiling: (N,) [m/s].
-            acceleration: the largest between the nodes (N - 1,) [m/s^2].
+            acceleration: the largest acceleration between the nodes (N - 1,) [m/s^2].
             ends: the speeds at both ends, or less if these aren't possible [m/s].
         """
+        # v^2 grows by at most 2 a ds, summed up in `gained`. The largest v^2 that can be reached from the
+        # left is `gained` plus the least value of ceiling^2 - gained up to the node. The other direction is
+        # analogous.
         gained = np.concatenate(([0.0], np.cumsum(2.0 * acceleration * np.diff(s))))
         square = ceiling**2
         square[0], square[-1] = ends[0] ** 2, ends[1] ** 2
@@ -41,6 +46,7 @@ class Law:
         left = gained[-1] - gained
         square = left + np.minimum.accumulate((square - left)[::-1])[::-1]
         v = np.sqrt(np.maximum(square, 0.0))
+        # The acceleration is constant between nodes, so the mean speed is that of both ends.
         t = np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / np.maximum(v[1:] + v[:-1], _STILL))))
         return Law(s, v, t)
 
@@ -50,7 +56,7 @@ class Law:
         return float(self.t[-1])
 
     def places(self, times: Array) -> Array:
-        """Return the places (N,) [m] at times [s]; before and after the law, its ends."""
+        """Return the places (N,) [m] at times [s]; at times outside of the law, its first or last place."""
         k = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         passed = np.clip(times - self.t[k], 0.0, self.t[k + 1] - self.t[k])
         width = self.s[k + 1] - self.s[k]
@@ -65,11 +71,11 @@ class Law:
 
 @frozen(eq=False)
 class Pace:
-    """A law whose duration is a whole number of segments if it ends at a seam: outside of the seams'
-    surroundings it is stretched by less than a segment.
+    """A law between seams whose duration is an integer number of segments.
 
-    `seams` is True for ends that are seams, at which the speed continues. At `times` (M,) [s] this law is
-    where `law` by itself is at `passed` (M,) [s].
+    If it ends at a seam, the law is stretched by less than a segment, outside of the surroundings of the
+    seams. `seams` is True for ends that are seams, at which the speed continues. At `times` (M,) [s] this law
+    is where `law` by itself is at `passed` (M,) [s].
     """
 
     law: Law
@@ -82,12 +88,13 @@ class Pace:
         """Stretch a law.
 
         Args:
-            law: ends at rest, or at a seam.
+            law: a law that ends at rest, or at a seam.
             seams: True for ends that are seams.
-            around: how long the law stays unchanged at both ends [s].
+            around: durations at both ends in which the law stays unchanged [s].
             segment: the segment time [s].
         """
         duration = law.duration
+        # Times are stretched linearly between the surroundings of both ends, which keep their pace.
         whole = segment * np.ceil(duration / segment - 1e-6) if seams[1] else duration
         begin, end = around[0] if seams[0] else 0.0, around[1] if seams[1] else 0.0
         times = np.array([0.0, begin, max(whole - end, begin), whole])
@@ -100,7 +107,7 @@ class Pace:
         return float(self.times[-1])
 
     def by_law(self, times: Array) -> Array:
-        """Return the law's own times [s] at times (N,) [s]; before and after it, time continues at the same
+        """Return the law's own times [s] at times (N,) [s]; outside of the law, time continues at the same
         rate.
         """
         found: Array = np.interp(times, self.times, self.passed)

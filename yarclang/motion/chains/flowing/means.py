@@ -1,4 +1,4 @@
-"""Turn a law along a path into control points: poses at equal times, and their means."""
+"""Turn a law along a path into control points: take poses at equal times, and compute their means."""
 
 from __future__ import annotations
 
@@ -39,11 +39,12 @@ class Sampled:
 
 
 def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
-    """Return the control points of a law along a path, or None if the arm can't reach a mean of its poses.
+    """Return the control points of a law along a path; None if the arm can't reach a mean of its poses.
 
     Beyond a seam they continue for `smoothing.around` segments.
     """
     h, (one, other) = smoothing.segment, smoothing.widths
+    # Two successive means over `one` and `other` samples involve one + other - 1 samples.
     support = one + other - 2
     cut = (support + 1) // 2
     beyond, pad = smoothing.around, support + 4
@@ -53,7 +54,7 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
         if pace.seams[1]
         else int(np.ceil(pace.duration / h - 1e-9)) + 1 + pad + cut - support
     )
-    # a mean over an even number lies between two samples; sharpening needs one more on either side
+    # A mean over an even number lies between two samples. Sharpening needs one more sample on either side.
     times = np.arange(first - cut - 1, last - cut + support + 1, dtype=np.float64) * h
     times += 0.5 * h if support % 2 else 0.0
     places = pace.places(times)
@@ -62,12 +63,14 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
     p, turns, mean_places = (
         _mean(_mean(values, one), other) for values in (p, steadied(turns), places[:, None])
     )
+    # The mean of neighbouring quaternions, normalised, is their mean orientation for small turns.
     turns /= np.linalg.norm(turns, axis=1)[:, None]
     q, miss = joints(way, p, matrices(turns), way.seeds(own, share)[cut : cut + len(p)], way.paths[0])
     if miss.max() > _REACHED:
         return None
+    # A spline with control values f has f + f'' h^2 / 6 at its knots: subtract this difference.
     q, s = _sharpened(q), _sharpened(mean_places)[:, 0]
-    # the curve rests at an end: three equal control points
+    # The curve rests at an end: it has three equal control points there.
     if not pace.seams[0]:
         lead = int(np.argmax(np.abs(q - way.ends[0]).max(axis=1) > _STANDS))
         q, s = (
@@ -79,7 +82,7 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
         tail = len(q) - int(np.argmax((np.abs(q - way.ends[-1]).max(axis=1) > _STANDS)[::-1]))
         q = np.concatenate((q[:tail], np.tile(way.ends[-1], (3, 1))))
         s = np.concatenate((s[:tail], np.full(3, way.begins[-1])))
-    # knot 0 belongs to the second control point
+    # Knot 0 belongs to the second control point.
     return Sampled(q, s, (first + 1) * h)
 
 

@@ -1,5 +1,6 @@
-"""Cut a long chain into windows, at corners that all windows pass at the same speed, so that each can be made
-by itself.
+"""Cut a long chain into windows that can be planned independently.
+
+The cuts are at corners that the windows on both sides pass at the same speed.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from yarclang.motion.chains.flowing.way import Marks, Numbers, Way
 from yarclang.motion.chains.flowing.window import Window
 
 SHORTEST = 128
-"""Least number of motions of a window; it has less than twice as many if a seam is found."""
+"""Least number of motions of a window. A window has less than twice as many if a seam is found."""
 _LONGER = 8
 """Least duration of a window, as a multiple of the time for which the speed is kept at a seam."""
 _SLOWEST = 1e-3
 """Least speed at a seam [m/s]."""
 _EVEN = 0.7
-"""Least ratio of a seam's speed to the largest around it."""
+"""Least ratio of a seam's speed to the largest speed around it."""
 _SLOWER = 0.93
 """Factor by which a seam's speed is reduced if the speed around it changes."""
 _FLAT = 1e-9
@@ -29,8 +30,10 @@ _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dt
 
 @frozen(eq=False)
 class _Corners:
-    """Corners (k - 1,) as possible seams: `good` is larger for better ones, 0 if impossible; `speed` [m/s]
-    and `time` [s] are those of passing it.
+    """The corners (k - 1,) of a chain, rated as seams.
+
+    `good` is larger for better ones and 0 for impossible ones; `speed` [m/s] and `time` [s] are those of
+    passing the corner.
     """
 
     good: Array
@@ -54,7 +57,7 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
     least = _LONGER * smoothing.kept * smoothing.segment
     time = 0.0
     while True:
-        # corner number c is where motion c + 1 begins
+        # Motion c + 1 begins at corner number c.
         first = max(begin + SHORTEST, int(np.searchsorted(corners.time, time + least)) + 1)
         last = min(first + SHORTEST, count - SHORTEST)
         own = slice(first - 1, max(last - 1, first - 1))
@@ -62,7 +65,7 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
             break
         best = own.start + int(np.argmax(corners.good[own]))
         if corners.good[best] == 0.0:
-            # no good one is near: extend the window
+            # No good corner is near: extend the window.
             later = np.flatnonzero(corners.good[own.stop : count - SHORTEST - 1])
             if not len(later):
                 break
@@ -75,7 +78,7 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
 
 
 def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
-    """Return windows in which each that failed is merged with `reach` of its neighbours on either side."""
+    """Return the windows, with each failed window merged with `reach` neighbours on either side."""
     together = np.zeros(len(cut) - 1, dtype=np.bool_)
     for place in np.flatnonzero(failed).tolist():
         together[max(0, place - reach) : place + reach] = True
@@ -99,6 +102,8 @@ def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, round
     low, high = _extremes(law.v, begin, end)
     flat = low >= high * (1.0 - _FLAT)
     speed = np.where(flat, _rounded(low, 10), _rounded(_SLOWER * low, 3))
+    # Prefer corners at constant speed, then corners where the path is kept. A pseudorandom number that
+    # depends only on the corner's place decides a tie.
     good = 4.0 * flat + 2.0 * ~rounds + 1.0 + _scattered(way.start[1:])
     good[(low < _EVEN * high) | (speed < _SLOWEST)] = 0.0
     return _Corners(good, speed, time)

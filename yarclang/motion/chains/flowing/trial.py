@@ -1,5 +1,5 @@
-"""Check how much control points of a chain demand of the limits, and how far they leave its paths: as shares
-of the allowed amounts, at times.
+"""Check control points of a chain: the share of each limit that they use, and their distance from the paths
+as a share of the allowed distance, over time.
 """
 
 from __future__ import annotations
@@ -22,16 +22,17 @@ _AHEAD = 5e-4
 _FOR_TURNS = 1.5
 _LITTLE = 1e-3
 _SHARPER = 0.35
-"""Increase of the miss for each unit of the change of direction where a corner is cut off: the path is
-followed to its end at one instant, which can't be proved as sharply.
+"""Increase of the miss per unit of the change of direction, where a corner is cut off.
+
+The path is followed up to its end at one instant, which can't be proved as sharply.
 """
 _FASTER = 1.0004
-"""Share of a requested speed up to which it may be exceeded; the rest of the allowance is left to the
-proof.
-"""
+"""Factor up to which a requested speed may be exceeded; the rest of the allowance is left to the proof."""
 _STEEP, _BETWEEN = 2e-4, 2.0
-"""A speed is sampled more densely if it changes by the first share from one half segment to the next, and the
-second factor times the change would make it too fast.
+"""Conditions for sampling a speed more densely.
+
+The speed changes by at least the first share from one half segment to the next, and the second factor times
+the change would make it too fast.
 """
 _PARTS = np.array([0.0, 0.25, 0.5, 0.75])
 """Places in a half segment that are sampled in addition."""
@@ -41,7 +42,7 @@ _NEARBY = 1.5
 
 @frozen(eq=False)
 class Excess:
-    """Shares of allowed amounts (N,) above 1, at times (N,) [s]."""
+    """Values (N,) above 1, as shares of allowed amounts, at times (N,) [s]."""
 
     times: Array
     shares: Array
@@ -53,7 +54,7 @@ class Excess:
         return Excess(times[over], shares[over])
 
     def and_of(self, other: Excess) -> Excess:
-        """Return these excesses and others."""
+        """Return these excesses together with others."""
         return Excess(np.concatenate((self.times, other.times)), np.concatenate((self.shares, other.shares)))
 
     def between(self, begin: float, end: float) -> Excess:
@@ -64,8 +65,10 @@ class Excess:
 
 @frozen(eq=False)
 class Trial:
-    """The result for control points: the knots at which motions end (k + 1,), half the width of the overlap
-    at each corner (k - 1,), and the excesses.
+    """The result of checking control points.
+
+    It has the knots at which motions end (k + 1,), half the width of the overlap at each corner (k - 1,), and
+    the excesses.
     """
 
     ends: Numbers
@@ -89,18 +92,19 @@ def tried(
     own: slice,
     time: tuple[float, float],
 ) -> Trial | None:
-    """Check control points; None if a motion would have no segment.
+    """Check control points; return None if a motion would have no segment.
 
     Args:
-        way: of the chain.
+        way: the paths of the chain.
         demands: its limits and corners.
         sampled: the control points.
         segment: the segment time [s].
         rounds: mask of the corners that use their balls (k - 1,).
-        own: the motions that count, of k.
+        own: range of the motions that count, of k.
         time: the interval in which excesses count [s].
     """
     passed = sampled.begin + sampled.passing(way.begins[1:-1], segment)
+    # A motion ends at the knot nearest to the time at which its corner is passed.
     inner = np.round((passed - sampled.begin) / segment).astype(np.int64)
     ends = np.concatenate(([0], inner, [len(sampled.points) - 3]))
     if (np.diff(ends)[own] < 1).any():
@@ -125,8 +129,9 @@ class _Look:
     sharper: Array
 
     def limits_broken(self) -> Excess:
-        """Return the excesses of differences of control points over the limits: the differences bound the
-        derivatives.
+        """Return the excesses of differences of control points over the limits.
+
+        The differences bound the derivatives (convex hull property).
         """
         points, h, limits = self.sampled.points, self.segment, self.limits
         times, shares = [], []
@@ -134,7 +139,7 @@ class _Look:
             change = np.diff(points, order, axis=0)
             if name == "motor_velocity":
                 change = change @ limits.counts.T
-            # at the middle of the control points that it involves
+            # Assign a difference to the middle of the control points from which it is computed.
             at = self.sampled.begin + h * (np.arange(len(change), dtype=np.float64) + 0.5 * order - 1.0)
             own = self._own(at)
             times.append(at)
@@ -161,16 +166,17 @@ class _Look:
         return found
 
     def too_fast(self, poses: Array) -> Excess:
-        """Return the excesses of the frame's speed, from its `poses` (N, 4, 4): sharpened control points
-        overshoot slightly.
+        """Return the excesses of the frame's speed, from its `poses` (N, 4, 4).
+
+        Sharpened control points overshoot slightly.
         """
         h, path, points = self.segment, self.way.paths[0], self.sampled.points
         speeds = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) / (0.5 * h)
         at = 0.5 * h * np.arange(len(speeds), dtype=np.float64)
-        # in a blend the faster motion counts
+        # In a blend, the speed of the faster motion is allowed.
         one, other = (self.limits.speed[self._own(self.sampled.begin + at + aside * h)] for aside in (-1, 2))
         allowed = _FASTER * np.maximum(one, other)
-        # if the speed changes, it may be higher for a moment
+        # If the speed changes, it may be higher between two samples.
         change = np.abs(np.diff(speeds, prepend=speeds[0], append=speeds[-1]))
         steepest = np.maximum(change[1:], change[:-1])
         (rows,) = np.nonzero((steepest > _STEEP * speeds) & (speeds + _BETWEEN * steepest > allowed))
@@ -181,8 +187,10 @@ class _Look:
         return Excess.of(self.sampled.begin + at + 0.25 * h, speeds / allowed)
 
     def way_left(self, poses: Array) -> tuple[Numbers, Excess]:
-        """Return how far overlaps reach on either side of the corners, and the excesses of distance from the
-        paths, from `poses` (N, 4, 4).
+        """Return half the widths of the overlaps at the corners, and the excesses of distance from the paths.
+
+        Args:
+            poses: (N, 4, 4) poses of the frame, two in each segment.
         """
         way, limits, h = self.way, self.limits, self.segment
         at = np.arange(len(poses)) / 2.0
@@ -194,7 +202,7 @@ class _Look:
         halves = np.zeros(len(self.passed), dtype=np.int64)
         if not len(halves):
             return halves, Excess.of(times, off)
-        # at a ball the knots decide where one motion ends
+        # At a corner with a ball, the knots determine which motion a place belongs to.
         rows = np.flatnonzero(self.rounds[corner] & (off > _LITTLE))
         off[rows] = self._off_by_knots(poses[rows], gone[rows], at[rows])
         rows = rows[off[rows] > 1.0]
@@ -202,7 +210,7 @@ class _Look:
         halves = np.where(self.rounds, np.maximum(halves, 1), 0)
         sizes = np.diff(self.ends)
         halves = np.minimum(halves, np.minimum(sizes[:-1], sizes[1:]) // 2)
-        # at the end of a blend both conditions apply
+        # At the end of a blend both conditions apply.
         in_ball, on_path = far <= halves[corner], far >= halves[corner]
         in_ball &= halves[corner] > 0
         centres = way.positions(np.arange(1, len(halves) + 1), np.zeros(len(halves)))
@@ -210,7 +218,7 @@ class _Look:
         away = np.linalg.norm(poses[:, :3, 3] - centres[corner], axis=1)
         share = np.where(in_ball, away / radii[corner], 0.0)
         share = np.where(on_path, np.maximum(share, off), share)
-        # the end of a blend may be nearer to another corner
+        # The end of a blend may be nearer to another corner.
         (rounded,) = np.nonzero(halves)
         for knots in (self.ends[1:-1] - halves, self.ends[1:-1] + halves):
             rows = 2 * knots[rounded]
@@ -227,8 +235,9 @@ class _Look:
         return corner, np.abs(at - self.ends[corner + 1])
 
     def _off(self, poses: Array, gone: Array) -> Array:
-        """Return the distances of poses from the path of their motion, or, next to a corner, from that of the
-        adjacent one, as shares (N,) of the tolerance.
+        """Return the distances of poses from the path of their motion, as shares (N,) of the tolerance.
+
+        Next to a corner, the path of the adjacent motion counts as well: the smaller distance is returned.
 
         Args:
             poses: (N, 4, 4), two in each segment.
@@ -248,8 +257,10 @@ class _Look:
         return off
 
     def _off_by_knots(self, poses: Array, gone: Array, at: Array) -> Array:
-        """Return the distances of poses (N, 4, 4) at knots `at` (N,) from the path of the motion to which the
-        knots belong; between two motions, the larger distance.
+        """Return the distances of poses (N, 4, 4) at knots `at` (N,) from the path of the motion of each
+        knot.
+
+        At the border of two motions, the larger distance is returned.
         """
         off, count = np.zeros(len(at)), len(self.way.paths)
         for side in ("left", "right"):
@@ -261,10 +272,12 @@ class _Look:
 
     def _beside(self, poses: Array, own: Numbers, share: Array) -> Array:
         """Return the distances of poses (N, 4, 4) from the paths of motions `own` (N,), as shares of the
-        tolerance; `share` (N,) is the approximate place.
+        tolerance.
+
+        `share` (N,) is the approximate place on the path.
         """
         way, p = self.way, poses[:, :3, 3]
-        # Newton's method for the nearest place; on a line one step suffices
+        # Newton's method finds the nearest place; on a line one step suffices.
         for _ in range(1 if way.is_straight else 2):
             ahead = self._ahead(own, share)
             along = np.einsum("ni,ni->n", p - way.positions(own, share), ahead) / np.maximum(
@@ -291,8 +304,9 @@ class _Look:
         return ahead
 
     def _missed(self) -> Array:
-        """Return the misses of corners, as shares (k - 1,) of the tolerance; being early or late doesn't
-        count.
+        """Return the misses of corners, as shares (k - 1,) of the tolerance.
+
+        A corner that is passed early or late along the path isn't missed.
         """
         way, h, limits = self.way, self.segment, self.limits
         points, count = self.sampled.points, len(self.passed)
@@ -303,11 +317,13 @@ class _Look:
         velocity, spin = twist[:, :3], twist[:, 3:]
         miss = p - poses[:, :3, 3]
         square = np.maximum(np.einsum("ni,ni->n", velocity, velocity), _NOTHING)
+        # Move along the velocity to the instant nearest to the corner, by at most a segment, and turn the
+        # frame by the same time.
         late = np.clip(np.einsum("ni,ni->n", miss, velocity) / square, -h, h)[:, None]
         turned = poses[:, :3, :3] + late[:, :, None] * np.cross(spin[:, :, None], poses[:, :3, :3], axis=1)
         distance = np.linalg.norm(miss - late * velocity, axis=1)
         turned_by = angle_between(matrices(turns), turned) / np.minimum(limits.angle[1:], limits.angle[:-1])
-        # where the direction changes as well, the orientation is nearest at another instant
+        # If the direction changes as well, the orientation is nearest at another instant.
         turned_by *= self.sharper**_FOR_TURNS
         found: Array = self.sharper * np.maximum(
             distance / np.minimum(limits.position[1:], limits.position[:-1]), turned_by

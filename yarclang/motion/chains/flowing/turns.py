@@ -1,4 +1,4 @@
-"""Compute with orientations as quaternions, scalar first, in whole arrays."""
+"""Compute with orientations as quaternions, scalar first, on whole arrays."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from yarclang.hir import Array
 def quaternions(rotations: Array) -> Array:
     """Return quaternions (N, 4) of rotations (N, 3, 3).
 
-    All products of two components are sums of entries; those with the largest component give the others
-    (Shepperd, 1978).
+    All products of two components are sums of entries. The products with the largest component give the
+    components most accurately (Shepperd, 1978).
     """
     xx, yy, zz = (rotations[:, i, i] for i in range(3))
     wx, wy, wz = (rotations[:, j, i] - rotations[:, i, j] for i, j in ((1, 2), (2, 0), (0, 1)))
@@ -31,7 +31,7 @@ def quaternions(rotations: Array) -> Array:
 
 
 def product(one: Array, other: Array) -> Array:
-    """Return products (N, 4): turned first by `other`, then by `one`."""
+    """Return products (N, 4) of quaternions: the turn by `other`, followed by the turn by `one`."""
     a, b, c, d = one.T
     e, f, g, h = other.T
     return np.stack(
@@ -61,14 +61,14 @@ def matrices(turns: Array) -> Array:
 
 
 def steadied(turns: Array) -> Array:
-    """Return the same quaternions (N, 4) with signs chosen so that neighbours are near each other."""
+    """Return the quaternions (N, 4) with signs such that neighbours are near each other."""
     flips = np.where(np.einsum("ni,ni->n", turns[1:], turns[:-1]) < 0.0, -1.0, 1.0)
     return turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None]
 
 
 def angle_between(rotations: Array, others: Array) -> Array:
     """Return the angles (N,) [rad] between rotations (N, 3, 3)."""
-    # the Frobenius norm of the difference is √8 sin(angle / 2)
+    # The Frobenius norm of the difference is √8 sin(angle / 2).
     chord = np.linalg.norm((rotations - others).reshape(-1, 9), axis=1)
     found: Array = 2.0 * np.arcsin(np.clip(chord / np.sqrt(8.0), 0.0, 1.0))
     return found

@@ -22,17 +22,17 @@ RADIAN = 0.1
 """Length that counts for a radian of a pure turn [m]."""
 
 _SHORT = 0.05
-"""Joint motion below which joints are nearly linear on a motion [rad or m], and therefore good seeds."""
+"""Joint motion below which the joints are nearly linear along a motion [rad or m], and thus good seeds."""
 
 
 @frozen(eq=False)
 class Way:
     """The paths of k motions.
 
-    `lengths` (k,) [m] are their lengths, `begins` (k + 1,) [m] the places where they begin, and the end.
-    Lines and arcs are stored as whole arrays: from `start` (k, 3) by `shift` (k, 3) for a line, or about
-    `centre` (k, 3) by `sweep` (k,) for an arc with the axes `along` and `side` (k, 3) [m]. Both turn by
-    `angle` (k,) about `axis` (k, 3), from `turn` (k, 4).
+    `lengths` (k,) [m] are their lengths, `begins` (k + 1,) [m] the places at which they begin, and the end.
+    Lines and arcs are stored as arrays. A line goes from `start` (k, 3) by `shift` (k, 3). An arc goes about
+    `centre` (k, 3) by `sweep` (k,), in the plane of the axes `along` and `side` (k, 3) [m]. Both turn by
+    `angle` (k,) about `axis` (k, 3), from the orientation `turn` (k, 4).
     """
 
     paths: tuple[CartesianPath, ...]
@@ -52,7 +52,7 @@ class Way:
 
     @staticmethod
     def of(paths: Sequence[CartesianPath]) -> Way:
-        """Return the path of motions each of which begins where the one before ends."""
+        """Join paths, each of which begins at the end of the one before."""
         count = len(paths)
         extents = [extent_of(path.frame) for path in paths]
         lengths = [size * RADIAN if turns else size for size, turns in extents]
@@ -83,8 +83,9 @@ class Way:
         )  # fmt: skip
 
     def part(self, first: int, last: int) -> Way:
-        """Return the paths of the motions from `first` up to `last`, with the same results wherever they are
-        in a chain.
+        """Return the paths of the motions from `first` up to `last`.
+
+        The results don't depend on the place of these motions in a chain.
         """
         own = slice(first, last)
         return Way(
@@ -118,7 +119,7 @@ class Way:
         return p, turns
 
     def positions(self, own: Numbers, share: Array) -> Array:
-        """Return only the positions (N, 3) [m] that `poses` returns."""
+        """Return the positions (N, 3) [m] of `poses`, without the orientations."""
         p = self._plain_positions(own, share)
         for rows in self._rows(own, ~self.is_plain):
             frame = self.paths[own[rows[0]]].frame
@@ -132,7 +133,7 @@ class Way:
         return bool(self.is_plain.all()) and not self.sweep.any()
 
     def _plain_positions(self, own: Numbers, share: Array) -> Array:
-        """Return positions (N, 3) [m] on lines and arcs; for other motions they mean nothing."""
+        """Return positions (N, 3) [m] on lines and arcs. The results for other motions are meaningless."""
         p: Array = self.start[own] + share[:, None] * self.shift[own]
         if self.sweep.any():
             turned = (share * self.sweep[own])[:, None]
@@ -141,6 +142,7 @@ class Way:
 
     def seeds(self, own: Numbers, share: Array) -> Array:
         """Return joint positions (N, n) [rad or m] near those along the path."""
+        # Interpolate linearly between the ends; on motions with much joint motion, use the followed joints.
         q = self.ends[own] + share[:, None] * (self.ends[own + 1] - self.ends[own])
         for rows in self._rows(own, self.is_bent):
             q[rows] = self.paths[own[rows[0]]].followed.at(share[rows])

@@ -1,5 +1,5 @@
-"""Make the motions between two seams: a law, its control points, and a slower law where they demand too
-much.
+"""Plan the motions between two seams: compute a law and its control points, and slow the law down where they
+demand too much.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from yarclang.progress import go_on
 
 _ROUNDS = 16
 _SLOWER = 0.7
-"""The exponent with which an excess slows a law down, in the first round."""
+"""Exponent with which an excess slows a law down, in the first round."""
 _MORE = 0.3
 """Increase of that exponent in each round."""
 _LEAST = 0.5
 """Least factor of a single slow-down."""
 _BEYOND = 0.99
-"""Additional factor, so that a law is slowed down slightly more than demanded."""
+"""Additional factor by which a law is slowed down, so that it is slightly slower than demanded."""
 _SLOWEST = 2e-5
-"""A law that gets as slow as this on the way is given up [m/s]."""
+"""Speed within a window below which a law is given up [m/s]."""
 _MOST = 0.5
-"""A corner with this share of all turns near a place is blamed for an excess there."""
+"""Share of all changes of direction near a place that a corner must have to be blamed for an excess there."""
 _SAME = 1e-9
 _NOTHING = 1e-15
 _LITTLE = 1e-7
-"""Places nearer than this count as equal [m]."""
+"""Distance below which places count as equal [m]."""
 
 
 @frozen
 class Window:
-    """The motions from `first` up to `last` of a chain, and their speeds at the ends: 0 at rest, otherwise at
-    a seam [m/s].
+    """The motions from `first` up to `last` of a chain, and the speeds at both ends [m/s].
 
-    The result depends only on these motions and a few around them.
+    A speed is 0 at rest, and otherwise that of a seam. The result of a window depends only on these motions
+    and a few around them.
     """
 
     first: int
@@ -53,8 +53,9 @@ class Window:
         return self.speeds[0] > 0.0, self.speeds[1] > 0.0
 
     def around(self, way: Way, smoothing: Smoothing) -> tuple[int, int]:
-        """Return the motions, from the first up to the last, that have to be known: they contain everything
-        that is examined from both sides of a seam.
+        """Return the range of motions that must be known, from the first up to the last.
+
+        They contain everything that is examined from both sides of a seam.
         """
         begins, time = way.begins, (smoothing.around + smoothing.reach) * smoothing.segment
         back, ahead = (speed * time * (1.0 + _SAME) + _LITTLE for speed in self.speeds)
@@ -72,7 +73,7 @@ class Made:
     """The result of a window of k motions.
 
     `points` (n + 3, d) are the control points. `shares` has, for each motion, the shares of its path over
-    itself and its blends. `ends` (k + 1,) are the knots at which motions end, `halves` (k + 1,) half the
+    the motion and its blends. `ends` (k + 1,) are the knots at which motions end, `halves` (k + 1,) half the
     widths of the overlaps at all corners and seams. `least` (k,) are the shares of the requested speeds that
     are kept.
     """
@@ -86,17 +87,20 @@ class Made:
 
 @frozen(eq=False)
 class Failed:
-    """A window without a result; `seams` is True for ends at which it might succeed without a seam."""
+    """A window without a result.
+
+    `seams` is True for ends without whose seam there might be a result.
+    """
 
     seams: tuple[bool, bool]
 
 
 def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Made | Failed:
-    """Make the control points of a window of a chain.
+    """Compute the control points of a window of a chain.
 
     Args:
-        way: of the whole chain.
-        demands: its own.
+        way: the paths of the whole chain.
+        demands: the demands of the whole chain.
         window: the motions.
         smoothing: the segment time, and the means.
     """
@@ -153,8 +157,8 @@ class _Maker:
                 return Failed((False, False))
             if trial.is_good:
                 return self._whole(points, trial)
-            # a law that is slowed down here passes later places at other knots: the more rounds, the stronger
-            # the correction
+            # A law that is slowed down here passes later places at other knots. The correction therefore
+            # grows with the number of rounds.
             steeper = _SLOWER + _MORE * turn
             corner, elsewhere = self._blamed(pace, trial.way, nodes, steeper)
             softer = np.minimum(
@@ -168,15 +172,16 @@ class _Maker:
         return self.failed
 
     def _kept(self, s: Array, ceiling: Array) -> Marks | None:
-        """Return a mask of the nodes (N,) at which the speed is that of a seam, and set `ceiling` there; None
-        if that isn't possible.
+        """Return a mask of the nodes (N,) at which the speed is that of a seam, and set `ceiling` there.
+
+        The result is None if that isn't possible.
         """
         kept = np.zeros(len(s), dtype=np.bool_)
         for speed, away in zip(self.speeds, (s - s[0], s[-1] - s), strict=True):
             if speed == 0.0:
                 continue
             near = away <= speed * self.smoothing.kept * self.smoothing.segment
-            # between two nodes the speed would change
+            # Include the next nodes, since the speed would change between two nodes.
             near[1:] |= near[:-1].copy()
             near[:-1] |= near[1:].copy()
             if (kept & near).any() or (ceiling[near] < speed * (1.0 - _SAME)).any():
@@ -191,7 +196,7 @@ class _Maker:
         return -h if self.seams[0] else -np.inf, pace.duration + h if self.seams[1] else np.inf
 
     def _whole(self, points: Sampled, trial: Trial) -> Made | Failed:
-        """Return the result without the surroundings that were examined."""
+        """Return the result without the surroundings, which were only examined."""
         own, h, beyond = self.own, self.smoothing.segment, self.smoothing.around
         begin, end = (beyond if seam else 0 for seam in self.seams)
         ends = trial.ends[own.start : own.stop + 1] - begin
@@ -213,26 +218,30 @@ class _Maker:
         law, times = pace.law, pace.by_law(excess.times)
         allowed = np.full(len(law.s), np.inf)
         begin, end = _nodes(law, times, self.smoothing.segment)
+        # A speed is proportional to the law's speed, so the factor is known exactly.
         speeds = np.maximum(_BEYOND * law.speeds(times) / excess.shares, _SLOWEST)
         for at in np.argsort(-speeds).tolist():
             allowed[begin[at] : end[at]] = np.minimum(allowed[begin[at] : end[at]], speeds[at])
         return allowed
 
     def _blamed(self, pace: Pace, excess: Excess, nodes: slice, steeper: float) -> tuple[Array, Excess]:
-        """Return factors (N,) for the ceilings of corners that cause most of an excess, and the excess with
-        other causes.
+        """Assign excesses to the corners that cause most of them.
+
+        Returns:
+            Factors (N,) for the ceilings of these corners, and the excesses with other causes.
         """
         law, demands = pace.law, self.demands
         factors = np.ones(len(law.s))
         own = demands.corners[(demands.corners > nodes.start) & (demands.corners < nodes.stop - 1)]
         if not len(own) or not len(excess.times):
             return factors, excess
+        # The less room a corner has, the sharper it is.
         weight = 1.0 / np.maximum(demands.room()[own - 1], _NOTHING)
         reach, times = (self.smoothing.reach + 1) * self.smoothing.segment, pace.by_law(excess.times)
         passed = law.t[own - nodes.start]
         begin, end = np.searchsorted(passed, times - reach), np.searchsorted(passed, times + reach)
         total = np.concatenate(([0.0], np.cumsum(weight)))
-        # the worst corner near each time
+        # Find the worst corner near each time.
         order = np.argsort(np.argsort(weight))
         pairs = np.stack((begin, end), axis=1).ravel()
         worst = np.argsort(weight)[np.maximum.reduceat(np.append(order, 0), pairs)[::2]]
@@ -242,8 +251,9 @@ class _Maker:
         return factors, Excess(excess.times[~blamed], excess.shares[~blamed])
 
     def _slower(self, pace: Pace, excess: Excess, steeper: float) -> Array:
-        """Return factors (N,) for the ceilings of nodes: less than 1 if there was an excess while they
-        counted.
+        """Return factors (N,) for the ceilings of nodes.
+
+        A factor is less than 1 for a node that affected a time with an excess.
         """
         factors = np.ones(len(pace.law.s))
         if not len(excess.times):
@@ -251,7 +261,7 @@ class _Maker:
         reach = (self.smoothing.reach + 1) * self.smoothing.segment
         begin, end = _nodes(pace.law, pace.by_law(excess.times), reach)
         slower = _BEYOND * np.maximum(excess.shares**-steeper, _LEAST)
-        # the largest excess last, so that it wins
+        # Apply the largest excess last, so that it wins.
         for at in np.argsort(-slower).tolist():
             factors[begin[at] : end[at]] = slower[at]
         return factors

@@ -345,7 +345,7 @@ class CommandCertificate:
         zone_clearance: distance of the watched bodies from borders that they must not cross. Its two names
             are those of the watched body and of the zone.
         zone_speed: speed in the slow zone in which it is nearest to its limit.
-        torque: most used effort of a motor; None if the robot's masses or efforts are unknown.
+        torque: most used effort of a joint; None if the robot's masses or efforts are unknown.
         carries: parts that grippers hold during the motion.
         may_touch: bodies that are allowed to touch, so that their distance isn't checked.
         kept: rules of KEEP to which the command keeps.

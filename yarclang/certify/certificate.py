@@ -269,10 +269,9 @@ class KeptRule:
     """A rule of KEEP to which a command keeps.
 
     Attributes:
-        rule: the rule in words, such as {CUP} UPRIGHT 10 (deg) {B}.
-        limit: the largest allowed angle of UPRIGHT [rad], or the least allowed distance of ABOVE [m].
-        largest: proved upper bound of the angle of UPRIGHT [rad]; None for ABOVE, for which the distance from
-            a zone's border is proved.
+        rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
+        limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
+        largest: UPRIGHT: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
     """
 
     rule: str

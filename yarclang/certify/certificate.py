@@ -269,10 +269,9 @@ class KeptRule:
     """A rule of KEEP to which a command keeps.
 
     Attributes:
-        rule: the rule in words, such as {CUP} UPRIGHT 10 (deg) {B}.
-        limit: the largest allowed angle of UPRIGHT [rad], or the least allowed distance of ABOVE [m].
-        largest: proved upper bound of the angle of UPRIGHT [rad]; None for ABOVE, for which the distance from
-            a zone's border is proved.
+        rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
+        limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
+        largest: UPRIGHT: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
     """
 
     rule: str
@@ -345,7 +344,7 @@ class CommandCertificate:
         zone_clearance: distance of the watched bodies from borders that they must not cross. Its two names
             are those of the watched body and of the zone.
         zone_speed: speed in the slow zone in which it is nearest to its limit.
-        torque: most used effort of a motor; None if the robot's masses or efforts are unknown.
+        torque: most used effort of a joint; None if the robot's masses or efforts are unknown.
         carries: parts that grippers hold during the motion.
         may_touch: bodies that are allowed to touch, so that their distance isn't checked.
         kept: rules of KEEP to which the command keeps.

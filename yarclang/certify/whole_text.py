@@ -112,7 +112,7 @@ class Judge:
         """
         return any(CATALOGUE[one.code].sort == "limits" for one in self.findings)
 
-    # start, times, rest
+    # Checks of the start, the times and the rests.
 
     def start(self, content: ControllerText) -> Array:
         """Return the start of the text (n,) [rad or m].
@@ -281,7 +281,7 @@ class Judge:
                 place.step,
             )
 
-    # limits
+    # Checks of limits, speeds, distances, zones and torques.
 
     def limits(self, layout: Layout) -> dict[int, Loads]:
         """Return the loads of every step, and report each limit that a command breaks."""
@@ -364,7 +364,7 @@ class Judge:
         self.findings.extend(findings)
         return loads
 
-    # the table
+    # Rows of the certificate.
 
     def _own_tolerance(self, step: hir.Motion) -> Tolerance | None:
         """Return the tolerance of a motion that has its own; None otherwise."""

@@ -36,7 +36,7 @@ class Source:
         options: robot, start, tolerance, segment time, cell.
         program: for a compiled program, the path of the source against which it is verified; None: the file
             beside it.
-        approach: True if the motion to its start is wanted as well.
+        approach: True to prepare the motion to its start as well.
         present: returns the cell with its parts at their present places; None: as the program assumes them.
     """
 

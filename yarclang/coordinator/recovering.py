@@ -1,5 +1,5 @@
-"""Motions to a program from anywhere: a proved motion to the program's start, or to the nearest place at
-which the program can begin, as an offer.
+"""Motions to a program from any position of the robot: a proved motion to the program's start, or to the
+nearest place at which the program can begin, as an offer.
 """
 
 from __future__ import annotations

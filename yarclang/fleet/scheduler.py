@@ -1,9 +1,9 @@
 """Work on the workers of a dask scheduler, on machines that share no disk with this one.
 
-The first item is done in this process, which shows the files that the work reads. Each further item is sent
-with the answers to these questions and the contents of these files (consulted.py); each content is sent only
-once to each worker that needs it. If a worker has a question without an answer, it returns the item with the
-question. The item is then sent again with the answer.
+The first item is done in this process, to find the questions about files that the work asks (consulted.py).
+Each further item is sent with the answers to these questions and with the contents of the files; each content
+is sent only once to each worker that needs it. If a worker has a question without an answer, it returns the
+item with the question. The item is then sent again with the answer.
 """
 
 from __future__ import annotations

@@ -89,8 +89,8 @@ class PlannedMotion:
 class MotionPlan:
     """All motions of a program, one after the other, each as a curve that the controller can execute exactly.
 
-    The times of the plan count motions and dwells, with the branches of a WHEN one after the other. Waiting
-    for an input or for the operator takes no time.
+    Its times count motions and dwells, with the branches of a WHEN one after the other; waiting for an input
+    or the operator takes no time.
     """
 
     program: Program

@@ -149,7 +149,7 @@ def plan_in_part(
         as_one = planner.pieces(chain)
         pieces: Sequence[Piece | None] = as_one or ()
         if as_one is None:
-            # The chain can't be planned as one path: first plan each motion by itself.
+            # a chain that can't be planned as one path: first plan each motion by itself
             pieces = planner.pieces_of_known(numbers, chain, steps, router, found, links)
         for number, piece in zip(numbers, pieces, strict=True):
             if piece is None:
@@ -425,8 +425,8 @@ class _Planner:
         Args:
             numbers: the steps of its motions.
             chain: the motions.
-            steps: the steps of the program.
-            router: knows the paths of the motions.
+            steps: of the program.
+            router: knows their paths.
             found: the findings of each step; those of these motions are added.
             links: all motions; receives these ones, planned by themselves.
         """

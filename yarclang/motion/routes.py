@@ -158,7 +158,7 @@ class Router:
             return self.cell
         touches = handling.touches(number, self._grasps.get)
         if not step.leads_frame and before.q is not None:
-            # Only the certificate checks what a straight way of a frame meets.
+            # for straight ways of a frame, only the certificate checks what they meet
             flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
         return handling.around(before.parts.parts, touches, number)
@@ -344,8 +344,8 @@ class Router:
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> _Done:
-        """Check a motion from an unknown position as far as possible: are its poses in reach, and does its
-        frame have a path?
+        """Check a motion from an unknown position as far as possible: if its poses can be reached at all, and
+        the way of its frame.
         """
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)

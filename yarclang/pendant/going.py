@@ -23,20 +23,20 @@ Wanted = orders.Go | orders.Home
 class Going:
     """An offer or a home search that runs while a button is held, from its first press to its end.
 
-    The coordinator has a watchdog for it: if `keep` isn't called at least every 0.2 s, the robot comes to
-    rest on its path.
+    The coordinator has a watchdog for the motion: if `keep` isn't called at least every 0.2 s, the robot
+    comes to rest on its path.
 
     Args:
         order: the order to carry out.
         seat: client of the session that gives the order.
-        accounts: accounts, for the audit trail.
+        accounts: accounts with the audit trail.
         deed: creates the audit trail's entry of an order.
         moves: returns True if the robot is executing something.
         ended: called with the reason of the end; empty if the robot has reached the end.
 
     Attributes:
         order: the order.
-        ends: True as soon as it can't continue, because it is over or about to end.
+        ends: True as soon as the motion can't continue, because it is over or about to end.
     """
 
     def __init__(

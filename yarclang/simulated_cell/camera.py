@@ -31,8 +31,8 @@ class CameraForm:
 
     Attributes:
         name: name of the camera.
-        part: kind of part for which it looks.
-        frame: the frame in which it reports positions.
+        part: kind of the parts for which the camera looks.
+        frame: the frame in which the camera reports positions.
         registers: names of registers, by the values that they get: found, x, y, z, rz.
         unit: size of one count [mm; deg for rz].
         delay: time from a request to the reply [s].

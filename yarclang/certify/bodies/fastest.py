@@ -2,11 +2,11 @@
 
 The planner uses `yarclang.collision.zones.speed` instead; the two modules share no code.
 
-Pieces of segments are halved until each of them is settled: it is proved to be outside of the zone, or not
-faster than the largest speed known so far, or it is too short to decide. Three bounds settle a piece of
-duration d. A point moves by at most V d. In any direction, a point is lower than the lowest of its places at
-both ends and in the middle by at most A d^2 / 32. Its speed exceeds the larger one of both ends by at most
-J d^2 / 8. V, A and J bound the first three derivatives of all points of the body (`_derivatives`).
+Pieces of segments are halved until each is proved to be outside of the zone, or not faster than the known
+speed, or is too short to decide. Three bounds settle a piece of duration d. A point moves by at most V d. In
+any direction, a point is lower than the lowest of its places at both ends and in the middle by at most A d^2
+/ 32. Its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three
+derivatives of all points of the body (`_derivatives`).
 """
 
 from __future__ import annotations

@@ -176,7 +176,7 @@ class _Judge:
     def _borders(self) -> list[Clearance | None]:
         if not any(one.zone.rule != "slow" for one in self.watches):
             return [None] * len(self.places)
-        # Tilts are proved by `yarclang.certify.bodies.tilts`.
+        # Tilts have a proof of the judge's own.
         watches = [one for one in self.watches if not isinstance(one.zone.region, Tilt)]
         found = kept(self.scene, self.course, self.spans, watches)
         broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}

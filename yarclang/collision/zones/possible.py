@@ -136,7 +136,7 @@ def _within(inner: Place, outer: Place) -> bool:
 
 
 def _how(robot: Robot, watch: Watch, slack: float) -> str:
-    """Return a clause that describes how HOME breaks a watch."""
+    """Return a clause that says how HOME breaks a watch."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):

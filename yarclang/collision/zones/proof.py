@@ -136,7 +136,7 @@ class _Search:
         """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, JointWindow | Tilt)
-        # Compute each instant once, though it is both an end and a beginning.
+        # each instant once, though it is both an end and a beginning
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
         if watch.zone.rule == "allowed":
@@ -153,7 +153,6 @@ class _Search:
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
         assert not isinstance(region, JointWindow | Tilt)
-        # An item that is inside at both ends by more than the deviation from the chord is inside in between.
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
         before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)

@@ -23,7 +23,7 @@ from yarclang.shapes import Array
 SLACK = 1e-5
 """Distance beyond a border [m] up to which an item counts as on it."""
 TILT_SLACK = 1e-5
-"""Excess over its limit [rad] up to which an angle counts as within it."""
+"""Axes that exceed their angle by no more than this [rad] count as within it."""
 
 
 @frozen(eq=False)
@@ -55,10 +55,8 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
-    """Return the slack of a watch at joint positions (P, n): (P,) [m; rad or m for a joint window, rad for a
-    tilt].
-
-    The watch is broken if the slack is below `slack_of`.
+    """Return how far a watch is from being broken at joint positions (P, n), (P,) [m; rad or m for a joint
+    window, rad for a tilt]. Below `slack_of` it is broken.
     """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
     return _slack(scene, watch, q, arm, np.arange(len(q)))

@@ -3,7 +3,7 @@ with a motion to rest after them.
 
 At each instant there is a motion to rest that the judge has accepted. If a motion towards the target can't be
 proved, the robot follows the motion to rest instead, point by point. So the robot comes to rest before a
-limit, an obstacle or a zone. It can move away again if the target is in that direction.
+limit, an obstacle or a zone. From there it can move again if the target leads away.
 """
 
 from __future__ import annotations

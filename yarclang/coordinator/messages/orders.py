@@ -152,8 +152,8 @@ class Enable(Order[replies.Serviced]):
 
 
 class Disable(Order[replies.Serviced]):
-    """Open the loops of all motors, at rest. Then only the brakes of the machine, if it has any, hold the
-    robot.
+    """Open the loops of all motors, at rest. Then only the brakes of the machine hold the robot; without
+    brakes, nothing holds it.
     """
 
     order: Literal["disable"] = "disable"
@@ -355,7 +355,7 @@ class Go(Order[replies.Ended]):
 
 
 class Keep(Order[replies.Done]):
-    """Continue a held motion (`go` with `held`)."""
+    """Keep a held motion (`go` with `held`) going. To be sent at least every 0.2 s."""
 
     order: Literal["keep"] = "keep"
 

@@ -1,5 +1,5 @@
-"""Find a way of straight pieces along which an axis keeps its angle, by two search trees whose branches are
-pulled back into the angle at every step.
+"""Find a way of straight pieces along which an axis keeps its angle: two trees whose branches are pulled back
+into the angle at every step.
 
 The joint positions at which an axis is upright are a thin layer among all joint positions: samples hardly
 ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are projected onto it
@@ -25,9 +25,7 @@ from yarclang.progress import go_on
 _STEP = 0.1
 """Length of a step of a branch before it is pulled back [m, of bodies]."""
 _INSIDE = 0.7
-"""Share of the angle to which joint positions are pulled back, so that straight pieces between them stay
-within the angle.
-"""
+"""Share of the angle within which projected joint positions are, so that the pieces between them fit."""
 _ROUNDS = 12
 """Steps of Newton's method to pull a joint position back."""
 _MOST_STEPS = 60
@@ -39,13 +37,12 @@ _CUTS = 120
 
 
 def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Array | None:
-    """Return a joint position (n,) near another one at which all tilts are within the share `_INSIDE` of
-    their angles.
+    """Return a joint position (n,) near another one at which all tilts are within a share of their angles.
 
     Args:
         scene: has the arm.
         tilts: axes, directions and angles.
-        reach: (n,) scale of the joints [m/rad or 1]. Joints that move the bodies less turn more.
+        reach: (n,) scale of the joints [m/rad or 1]: joints that move bodies less turn more.
         q: (n,) [rad or m].
 
     Returns:
@@ -144,15 +141,13 @@ class _Tree:
 
 
 def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: Effort) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal along which tilts are kept.
-
-    The corners include start and goal. If no way is found, the result is the place at which the two trees
-    come nearest to each other.
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which tilts
+    are kept; or how near the search came.
 
     Args:
         scene: has the arm.
         tilts: axes, directions and angles.
-        question: starts and goals; its `free` checks the tilts too.
+        question: its `free` checks the tilts too.
         effort: parameters of the search.
     """
     random = np.random.default_rng(effort.seed)

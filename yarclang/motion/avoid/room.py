@@ -43,10 +43,8 @@ TOUCH = 1e-6
 
 @frozen(eq=False)
 class Obstruction:
-    """An obstruction at a joint position: two bodies that are too close, or a broken zone.
-
-    The names are those of two bodies, with their distance [m], or of a watched item and its zone, with the
-    amount by which the zone is broken [m; rad or m for joints; rad for a tilt].
+    """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
+    and by how much it is broken [m; rad or m for joints; rad for a tilt].
     """
 
     names: tuple[str, str]
@@ -70,7 +68,7 @@ class Room:
 
     @property
     def tilts(self) -> tuple[Tilt, ...]:
-        """The limits of angles that axes must keep along the way."""
+        """The angles that axes keep along the way."""
         regions = (watch.zone.region for watch in self.watches)
         return tuple(one for one in regions if isinstance(one, Tilt))
 

@@ -118,7 +118,7 @@ class _Maker:
         for place, shares in enumerate(self.inside):
             corner, room = self.links[place].corner, sum(segments)
             for side in (place, place + 1):
-                # the law of a motion with a given time depends on the overlap
+                # The law of a motion with a given time depends on the overlap.
                 if self.middles[side] is not None:
                     continue
                 room = min(room, segments[side])

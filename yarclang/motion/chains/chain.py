@@ -24,7 +24,7 @@ from yarclang.robot.model import Chain
 _LONGEST = 0.02
 """Longest segment of a chain [s]; an overlap is an integer number of segments.
 
-A controller that doesn't accept segments this short has a longer one.
+If the controller's shortest segment is longer than this, it is used instead.
 """
 
 _SHORTEST = 0.004

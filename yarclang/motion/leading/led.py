@@ -13,8 +13,8 @@ class Led:
     """The routing of a motion.
 
     `path` is None if the motion can't be done. `end` is its end, if known. `waypoints` (k, n) [rad or m] are
-    the joint positions chosen for its way-points. `broken` is True if the motion can't be done from the
-    robot's position, but perhaps from another one.
+    the joint positions chosen for its way-points. `broken` is True if it can't be done from the robot's
+    position, though perhaps from another one.
     """
 
     path: Path | None

@@ -14,7 +14,7 @@ from yarclang.ros.node.trajectory import Goal, Point, Tolerance
 
 
 def goal_of(goal: Any, now: Any) -> Goal:
-    """Return a goal of the action.
+    """Convert the goal of an action from its ROS message.
 
     Args:
         goal: control_msgs/FollowJointTrajectoryGoal.

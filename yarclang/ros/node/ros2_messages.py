@@ -36,7 +36,7 @@ def fill_duration(message: Any, seconds: float) -> None:
 
 
 def goal_of(goal: Any, now: Any) -> Goal:
-    """Return a goal of the action.
+    """Convert the goal of an action from its ROS message.
 
     Args:
         goal: control_msgs/action/FollowJointTrajectory.Goal.

@@ -30,7 +30,7 @@ _BESIDE = 0.011
 _OPEN = 1 / 250
 """Least angle [rad] by which an arc must be smaller than a full turn for the checker, with a reserve."""
 _NEAREST = 2e-4
-"""Least distance between way-points of a spline that the checker requires [rad or m], with a reserve."""
+"""Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
 _SHARP = 2e-4
 """Share of a programmed speed, approximately, that the bounds between the ends of pieces may take."""
 

@@ -1,4 +1,4 @@
-"""Paths of joints: straight lines, and natural cubic splines."""
+"""Paths of joints: natural cubic splines, of which straight lines are the simplest."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -31,27 +31,11 @@ class Joints:
         return [0] * len(self._motion.arm.turns)
 
 
-class Straight:
-    """The straight line between two joint positions."""
-
-    def __init__(self, start: Vector, goal: Vector) -> None:
-        self.start, self.goal = start, goal
-        self.way = [b - a for a, b in zip(start, goal, strict=True)]
-
-    def at(self, s: int) -> State:
-        """Return the joints at s, and their derivatives over s."""
-        return [([a + (s * way >> BITS)], [way]) for a, way in zip(self.start, self.way, strict=True)]
-
-    def bends(self, _: tuple[int, int]) -> Sequence[Sequence[int]]:
-        """Return bounds of the derivatives over s of order 2 to 4, and of the jumps of the third."""
-        return [(0, 0, 0, 0)] * len(self.way)
-
-
 class Spline:
     """The natural cubic spline through way-points in joint space, over the sum of their distances.
 
     All is in SI units: `s` are the parameters of its way-points `y`, `bend` its second derivatives there. The
-    path has the share of its `whole` length as its parameter.
+    path has the share of its `whole` length as its parameter. Through two points it is a straight line.
     """
 
     def __init__(self, points: Sequence[Vector]) -> None:
@@ -59,7 +43,7 @@ class Spline:
         self.y = [points[0]]
         self.s = [0]
         for one, other in pairwise(points):
-            apart = length(*(b - a for a, b in zip(one, other, strict=True)))
+            apart = ONE if len(points) == 2 else length(*(b - a for a, b in zip(one, other, strict=True)))
             if apart > _EQUAL:
                 need(apart > _NEAREST, "way-points of a spline are too near to each other for this checker")
                 self.y.append(other)

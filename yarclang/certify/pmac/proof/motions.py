@@ -76,7 +76,7 @@ class Motions:
 
         If it cannot be checked, a text with the reason is returned.
         """
-        motion, layout, robot = place.motion, self._layout, self._judged.robot
+        motion, robot = place.motion, self._judged.robot
         if isinstance(motion, hir.LineMove | hir.ArcMove):
             start, goal = goal_pose(motion.goal, begin.flange)
             return frame_proof(
@@ -84,13 +84,12 @@ class Motions:
             )
         if isinstance(motion, hir.JointMove):
             return self._of_joints(row, place, begin)
-        if place.before is not None or place.behind is not None:
-            return None
         if isinstance(motion, hir.SplineMove | hir.AvoidMove):
             through = [one["q"] for one in _through(place, begin, robot, self._judged.claims)]
             points = np.array([begin.q / robot.axis_units, *through]) * robot.axis_units
             weights = joint_weights(robot, self._judged.tolerance)
-            return spline_proof(layout, place, points, weights, self._judged.claims)
+            law = self._judged.claims.laws.get(place.step)
+            return spline_proof(self._own(row, place), points, weights, law)
         return None
 
     def _of_joints(self, row: int, place: Place, begin: Begin) -> dict[str, Any]:
@@ -134,7 +133,7 @@ class Motions:
         proof, other = (self.proofs.get(str(place.step)) for place in (first, second))
         if proof is None or other is None:
             return
-        if isinstance(second.motion, hir.JointMove) and not corner.joints:
+        if isinstance(second.motion, hir.JointMove | hir.SplineMove | hir.AvoidMove) and not corner.joints:
             other["start"] = (self._begins[corner.second].q / judged.robot.axis_units).tolist()
         if not corner.rounded:
             return

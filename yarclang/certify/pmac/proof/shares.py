@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.claims import Claims
 from yarclang.certify.motion.bounds import HERMITE, HERMITE_RATE, Cubics
 from yarclang.certify.motion.pieces import Pieces, arm_bounds, frame_motion
 from yarclang.certify.motion.programmed import Arcs, Lines, Motion
 from yarclang.certify.motion.project import guess_by_length, project
 from yarclang.certify.motion.spline import NaturalSpline
-from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
@@ -87,8 +85,7 @@ def frame_proof(
         axis, angle = np.array([0.0, 0.0, 1.0]), 0.0
     told |= {"axis": axis.tolist(), "angle": angle, **own.told}
     if not len(cubics.h):  # blends take the whole path
-        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
-        return told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+        return told | _nowhere(own)
     owner = np.zeros(len(cubics.h), dtype=np.int64)
     origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
     # A chord is about sqrt 2 times the angle; the programmed turn adds as much again as the executed one.
@@ -116,8 +113,7 @@ def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str
     cubics, way = own.cubics, (goal - start) * weights
     count = len(cubics.h)
     if not count:  # blends take the whole path
-        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
-        return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+        return _nowhere(own)
     cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
     square = float(way @ way)
     if square > 0.0:
@@ -157,38 +153,45 @@ def _projected(
     return paths.project(executed, cut.owner, *one)
 
 
-def spline_proof(
-    layout: Layout, place: Place, points: Array, weights: Array, claims: Claims
-) -> dict[str, Any] | str | None:
+def spline_proof(own: Own, points: Array, weights: Array, law: Array | None) -> dict[str, Any] | str | None:
     """Return the proof of a natural spline in joint space.
 
     It is None if the spline has length zero, and a text with the reason if its way-points are too close to
     each other.
 
     Args:
-        layout: the segments of the text.
-        place: the motion, with segments.
+        own: the segments that follow its path.
         points: (m, n) start of the motion, and its way-points [rad or m].
         weights: (n,) reciprocal of the tolerance of each joint.
-        claims: the planner's claims; a claimed law is used if it covers the motion.
+        law: the planner's claim of the share over time; it is used if it covers the segments.
     """
     spline = NaturalSpline.through(points)
     if len(spline.y) == 1:
         return None
-    if np.diff(spline.s).min() < _NEAREST:
+    if len(points) > 2 and np.diff(spline.s).min() < _NEAREST:
         return "its path, a spline with way-points side by side"
-    cubics = layout.cubics(place.first, place.last)
+    cubics = own.cubics
+    size = len(cubics.h)
+    if not size:  # blends take the whole path
+        return _nowhere(own)
+    owner = np.zeros(size, dtype=np.int64)
     count = _pieces(_spline_need(cubics, spline, weights))
-    cut = Pieces.cut(cubics, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))
-    end = float(spline.s[-1])
-    law = claims.laws.get(place.step)
-    if law is not None and law.shape == (place.size + 3,) and np.isfinite(law).all():
-        shares = Cubics.of_spline(law[:, None], np.arange(place.size), layout.time[place.first : place.last])
-        along = Pieces.cut(shares, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))
+    cut = Pieces.cut(cubics, owner, np.full(size, count))
+    if law is not None and law.shape == (size + 3,) and np.isfinite(law).all() and not own.told:
+        shares = Cubics.of_spline(law[:, None], np.arange(size), cubics.h)
+        along = Pieces.cut(shares, owner, np.full(size, count))
         return _growing(along.q[:, 0], along.rate[:, 0], cut.d, count)
-    guess, pace = guess_by_length(_Weighed(spline, weights), cut.q * weights, spline.s)
+    end = float(spline.s[-1])
+    free = own.ends[0] is None, own.ends[1] is None
+    guess, pace = guess_by_length(_Weighed(spline, weights), cut.q * weights, spline.s, free)
     s, rate = project(_Weighed(spline, weights), cut.q * weights, cut.rate * weights, guess, pace, cut.d)
-    return _growing(s / end, rate / end, cut.d, count)
+    return own.told | _growing(s / end, rate / end, cut.d, count, own.ends)
+
+
+def _nowhere(own: Own) -> dict[str, Any]:
+    """Return the proof of a motion of which blends take the whole path."""
+    share = own.ends[0] if own.ends[0] is not None else own.ends[1]
+    return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
 
 
 class _Weighed:

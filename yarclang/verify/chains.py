@@ -18,8 +18,8 @@ from typing import Any
 
 from yarclang.verify.arm import Arm, Frame, Step, Vector, beyond, derivative, dot, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, SLACK, fixed, length, need, times, whole
-from yarclang.verify.joints import Joints, Spline, in_joints
+from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
+from yarclang.verify.joints import Joints, Spline, Table, in_joints
 from yarclang.verify.paths import (
     SHARE,
     FramePath,
@@ -36,11 +36,12 @@ from yarclang.verify.paths import (
     span_of,
     speeds_on,
 )
+from yarclang.verify.poses import PoseSpline
 from yarclang.verify.reader import PRINTED, STEPS
 
 Told = dict[str, Any]
 Link = tuple[Moved, Told]
-FRAMED = ("line", "arc")
+FRAMED = ("line", "arc", "spline of poses")
 """Motions along the path of a frame; the others are those of joints."""
 _CHOSEN = Fraction(1, 1000)
 """Largest distance between a corner's pose and the joints that were chosen for it [mm or deg]."""
@@ -68,7 +69,7 @@ class Followed:
     motion: Motion
     told: Told
     what: Frames | Joints
-    path: FramePath | Spline
+    path: FramePath | PoseSpline | Spline
     begin: Fraction
     end: Fraction
     shares: tuple[int, int]
@@ -98,10 +99,12 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
             return str(told["unchecked"])
         if len(chain) > 1 and not row.control:
             return "a motion among them that leads nowhere"
+        if told["move"] == "timetable" and (len(chain) > 1 or not row.control):
+            return "a timetable that a motion flows into, or that leads nowhere"
         if row.control and str(row.entry.step) not in proofs:
             return "its path, of which the proof says nothing"
-        if not row.control and told["move"] == "arc":
-            return "an arc that leads nowhere"
+        if not row.control and told["move"] in FRAMED[1:]:
+            return f"its path, {told['move']}, which leads nowhere"
     for (_, one), (_, other) in pairwise(chain):
         changes = {one["move"], other["move"]} <= set(FRAMED) and one["tool"] != other["tool"]
         if changes and not {"speed", "ceiling"}.isdisjoint({*one, *other}):
@@ -126,6 +129,9 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
         if not row.control:
             _stays(row, told, arm)
             return
+        if told["move"] == "timetable":
+            _on_time(row, told, proofs[str(row.entry.step)], arm)
+            return
         found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
     first, last = found[0], found[-1]
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
@@ -144,6 +150,38 @@ def _stays(row: Moved, told: Told, arm: Arm) -> None:
     for point in _goals(row, told, {}, arm):
         there = zip(point, here, _per_joint(told["tolerance"], arm), strict=True)
         need(all(abs(a - b) <= allowed for a, b, allowed in there), f"{title}: it doesn't move")
+
+
+def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
+    """Check that each joint is where a timetable has it at the same time, within its own part of `within`.
+
+    Pieces end at the rows as well. The text's segments take the table's time but for the rounding of TM, over
+    which they are spread evenly.
+    """
+    title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
+    table = Table(in_joints(row.begin, PRINTED, arm.turns), rows, arm.turns)
+    need(not told.get("smooth") or table.is_smooth(), f"{title}: its velocities aren't those of one spline")
+    whole_time, size = table.times[-1], motion.end - motion.begin
+    need(abs(told["duration"] - whole_time) < Fraction(1, 10**9), f"{title}: its table takes another time")
+    limits, most = in_joints(told["within"], 1, arm.turns), _per_joint(told["tolerance"], arm)
+    need(
+        all(a <= b for a, b in zip(limits, most, strict=True)),
+        f"{title}: a joint's part beyond its tolerance",
+    )
+    if rows[0]["q"] is not None:  # where the table begins, the robot stands
+        stands = zip(in_joints(rows[0]["q"], 1, arm.turns), table.at(0), strict=True)
+        _within(
+            Joints(motion), limits, [abs(a - b) for a, ((b,), _) in stands], f"{title}, from its first row"
+        )
+    at_rows = [motion.begin + size * at / whole_time for at in table.times]
+    places = sorted({*cut(motion.begin, motion.end, whole(proof["pieces"])), *at_rows})
+    rate = above(1 / (size * row.seconds))
+    what, pieces = Joints(motion), list[Piece]()
+    for begin, end in pairwise(places):
+        s = fixed((begin - motion.begin) / size), fixed((end - motion.begin) / size)
+        pieces.append(Piece((end - begin) * row.seconds, s, (rate, rate), (rate, 0, 0), int(begin), end))
+    for piece in distances(what, table, pieces, what.at(motion.begin)):
+        _within(what, limits, piece.off, f"{title}, from its timetable")
 
 
 def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
@@ -189,18 +227,19 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
         proof[name] = [whole(one) for one in proof[name]]
     begin, end = span_of(motion, proof)
     what: Frames | Joints
-    path: FramePath | Spline
+    path: FramePath | PoseSpline | Spline
     if told["move"] in FRAMED:
         tool = placed(told["tool"])
         here = None if before is None else before.path
-        if before is not None and isinstance(here, FramePath):
+        if before is not None and isinstance(here, FramePath | PoseSpline):
             frame = beyond(Frame(here.goal[1], here.goal[0], _STILL, _STILL), _seen_from(before.told, tool))
             start = frame.axes, frame.origin
         else:
             q = in_joints(row.begin, PRINTED, arm.turns) if here is None else here.goal
             frame = arm.frame(q, [0] * len(q), tool)
             start = frame.axes, frame.origin
-        what, path = Frames(arm, tool, motion), FramePath(start, told, proof)
+        curve = PoseSpline if told["move"] == "spline of poses" else FramePath
+        what, path = Frames(arm, tool, motion), curve(start, told, proof)
         limits = [in_si(told["tolerance"][0], 1, False), chord_of(in_si(told["tolerance"][1], 1, True))]
     else:
         what, path = Joints(motion), _of_joints(row, told, proof, arm, before)
@@ -243,7 +282,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
     """
     if before is None:
         start = in_joints(row.begin, PRINTED, arm.turns)
-    elif isinstance(before.path, FramePath):
+    elif isinstance(before.path, FramePath | PoseSpline):
         start = in_joints(proof["start"], 1, arm.turns)
         what = f"{row.entry.title}: the joints that were chosen for the corner before, where the frame"
         _near(arm, start, before.told, [_CHOSEN, _CHOSEN], what)
@@ -251,7 +290,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
         start = before.path.goal
     points = [start, *_goals(row, told, proof, arm)]
     need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
-    return Spline(points)
+    return Spline.through(points)
 
 
 class _Corner:
@@ -332,15 +371,17 @@ def _left_out(
         limits: the ball.
         where: the place, for a message.
     """
-    arm, missing, turned = left.motion.arm, abs(end - share), 0
-    size = missing // _CORNER + 1
-    states = [left.path.at(share + (end - share) * k // _CORNER) for k in range(_CORNER + 1)]
-    bends = [bend[0] for bend in left.path.bends((min(share, end), max(share, end)))]
-    if isinstance(left.path, FramePath) and isinstance(one.what, Frames):
+    arm, size, turned = left.motion.arm, abs(end - share) // _CORNER + 1, 0
+    ends = [share + (end - share) * k // _CORNER for k in range(_CORNER + 1)]
+    states = [left.path.at(s) for s in ends]
+    parts = [left.path.bends((min(pair), max(pair))) for pair in pairwise(ends)]
+    bends = [max(bend[0] for bend in group) for group in zip(*parts, strict=True)]
+    if isinstance(left.path, FramePath | PoseSpline) and isinstance(one.what, Frames):
+        chords = (zip(a[1][0], b[1][0], strict=True) for a, b in pairwise(states))
+        turned = sum(length(*(b - a for a, b in chord)) for chord in chords) * 7071 // 10000
         _, offset = _seen_from(left.told, one.what.tool)
         states = [[(_moved(state, offset), [])] for state in states]
         bends = [bends[0] + times(bends[1], length(*offset))]
-        turned = times(missing, left.path.turn.angle)
     elif isinstance(one.what, Frames):
         fast = [
             max(abs(slope) for _, (slope,) in joint) + times(bend, size)
@@ -349,7 +390,9 @@ def _left_out(
         most = [max(abs(q) for (q,), _ in joint) for joint in zip(*states, strict=True)]
         slides = [a + times(b, size) for a, b in zip(most, fast, strict=True)]
         reach = arm.reaches(len(fast), arm.to_flange(one.what.tool[1]), slides)
-        turned = sum(times(missing, rate) for rate, turns in zip(fast, arm.turns, strict=True) if turns)
+        for joint in range(len(fast)):
+            ways = (abs(b[joint][0][0] - a[joint][0][0]) for a, b in pairwise(states))
+            turned += sum(ways) if arm.turns[joint] else 0
         bends = [derivative(2, arm.turns, reach, fast, bends, bends)[0]]
         places = ([q for (q,), _ in state] for state in states)
         states = [[(arm.frame(q, [0] * len(q), one.what.tool).origin, [])] for q in places]

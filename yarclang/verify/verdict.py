@@ -29,7 +29,8 @@ _OF_PROGRAM = "start outputs safe registers course steps"
 _OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unchecked "
 _OF_JOINTS = "through tool tolerance_of"
 _OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": _OF_JOINTS, "spline": _OF_JOINTS}
-_OF_GOAL = "q pose tool"
+_OF_MOVE |= {"timetable": "rows within smooth", "spline of poses": "pose tool poses"}
+_OF_GOAL = "q pose tool at v a"
 FORM = 3
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
@@ -273,7 +274,7 @@ def _check_motions(
         _tell(title, told, verdict)
         names = _OF_STEP + _OF_MOVE.get(told["move"], "poses") if "move" in told else "title unchecked"
         strange = unknown(told, names) or unknown(
-            {name: 0 for goal in told.get("through", []) for name in goal}, _OF_GOAL
+            {name: 0 for goal in (*told.get("through", []), *told.get("rows", [])) for name in goal}, _OF_GOAL
         )
         known = told.get("move", "line") in _OF_MOVE or told.get("unchecked")
         need(bool(known), f"{title}: a motion of a kind that isn't known")

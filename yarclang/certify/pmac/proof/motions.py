@@ -16,21 +16,33 @@ from yarclang.certify.kinematics.arm import flange_poses
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
+from yarclang.certify.motion.timed import programmed, timed_tolerance
 from yarclang.certify.pmac.proof.room import in_units, told_frame
-from yarclang.certify.pmac.proof.shares import Own, corner_pieces, frame_proof, joint_proof, spline_proof
+from yarclang.certify.pmac.proof.shares import (
+    Own,
+    corner_pieces,
+    frame_proof,
+    joint_proof,
+    pose_spline_proof,
+    spline_proof,
+)
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 from yarclang.verify.paths import GRID
 
+_PIECES_OF_TABLE = 4
+"""Pieces of a segment that keeps a timetable."""
+
 
 @frozen(eq=False)
 class Begin:
-    """Start of a motion: joints `q` (n,) [rad or m], and `flange` (4, 4) in {B}."""
+    """Start of a motion: joints `q` (n,) [rad or m], and `flange` (4, 4) in {B}; `stands` is as in the text."""
 
     q: Array
     flange: Array
+    stands: Array
 
 
 class Motions:
@@ -45,7 +57,7 @@ class Motions:
         self._judged, self._layout, self._firsts = judged, layout, firsts
         starts = find_starts(judged, layout, flange_poses(judged.robot.chain, layout.begins))
         self._flows = find_flows(judged, layout, starts)
-        self._begins = [Begin(q, flange) for q, flange in zip(starts.q, starts.flange, strict=True)]
+        self._begins = [Begin(*one) for one in zip(starts.q, starts.flange, layout.begins, strict=True)]
         self.told: dict[int, dict[str, Any]] = {}
         self.proofs: dict[str, Any] = {}
         for row, place in enumerate(layout.places):
@@ -84,6 +96,15 @@ class Motions:
             )
         if isinstance(motion, hir.JointMove):
             return self._of_joints(row, place, begin)
+        if isinstance(motion, hir.PoseSplineMove):
+            frame = motion.waypoints[0].flange_from_moving
+            poses = np.array([begin.flange @ frame, *(one.base_from_moving for one in motion.waypoints)])
+            own = self._own(row, place)
+            return pose_spline_proof(
+                own, poses, frame, robot, self._judged.tolerance_of(motion), motion.timing
+            )
+        if isinstance(motion, hir.TimedMove):
+            return {"pieces": _PIECES_OF_TABLE}
         if isinstance(motion, hir.SplineMove | hir.AvoidMove):
             through = [one["q"] for one in _through(place, begin, robot, self._judged.claims)]
             points = np.array([begin.q / robot.axis_units, *through]) * robot.axis_units
@@ -151,7 +172,11 @@ class Motions:
 def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims: Claims) -> dict[str, Any]:
     """Return the description of a motion in the proof."""
     motion = place.motion
-    own = tolerance_of(motion, tolerance)
+    own = (
+        timed_tolerance(motion, robot)
+        if isinstance(motion, hir.TimedMove)
+        else tolerance_of(motion, tolerance)
+    )
     told: dict[str, Any] = {"tolerance": in_units(np.array([own.position / MM, own.angle / DEG]))}
     timing = motion.timing
     if timing.duration is not None:
@@ -179,12 +204,38 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
             if motion.tolerance is not None and place.size:
                 told["tolerance_of"] = told_frame(moving_frame(motion))
         case hir.PoseSplineMove(waypoints=waypoints):
-            poses = [told_frame(one.base_from_moving) for one in waypoints]
-            told |= {"move": "spline of poses", "poses": poses, "unchecked": "its path, a spline of poses"}
+            *poses, goal = (told_frame(one.base_from_moving) for one in waypoints)
+            tool = told_frame(waypoints[0].flange_from_moving)
+            told |= {"move": "spline of poses", "pose": goal, "tool": tool, "poses": poses}
         case hir.TimedMove():
-            told |= {"move": "timetable", "unchecked": "its path and time, a timetable"}
-            told.pop("duration", None)
+            told |= {"move": "timetable", "within": in_units(motion.within / robot.axis_units)}
+            told |= _rows(motion, begin.stands, robot)
     return told
+
+
+def _rows(motion: hir.TimedMove, stands: Array, robot: Robot) -> dict[str, Any]:
+    """Return the rows of a timetable from the time 0; without velocities those of the clamped spline."""
+    table, units = motion.asked, robot.axis_units
+    way, later = programmed(table, stands), slice(int(table.begins), None)
+    columns = {"q": table.positions[later]}
+    if table.velocities is None:
+        h = np.diff(way.times)[:, None]
+        columns["v"] = np.vstack(
+            (3.0 * (way.bezier[1:, 1] - way.bezier[1:, 0]) / h[1:], np.zeros_like(stands))
+        )
+    else:
+        columns["v"] = table.velocities[later]
+    first: dict[str, Any] = {"at": 0, "q": None, "v": [0.0] * len(units)}
+    if table.begins:
+        first["q"] = (table.positions[0] / units).tolist()
+    if table.accelerations is not None:
+        columns["a"] = table.accelerations[later]
+        first["a"] = (table.accelerations[0] / units).tolist() if table.begins else first["v"]
+    rows = [first]
+    for number, at in enumerate(way.times[1:]):
+        row = {name: (column[number] / units).tolist() for name, column in columns.items()}
+        rows.append({"at": float(f"{at:.13g}"), **row})
+    return {"rows": rows} | ({"smooth": True} if table.velocities is None else {})
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:

@@ -13,6 +13,7 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.motion.bounds import HERMITE, HERMITE_RATE, Cubics
 from yarclang.certify.motion.pieces import Pieces, arm_bounds, frame_motion
+from yarclang.certify.motion.posespline import PoseSpline
 from yarclang.certify.motion.programmed import Arcs, Lines, Motion
 from yarclang.certify.motion.project import guess_by_length, project
 from yarclang.certify.motion.spline import NaturalSpline
@@ -29,6 +30,8 @@ _OPEN = 1 / 250
 """What an arc must lack of a full turn for the checker [rad], with a reserve."""
 _NEAREST = 2e-4
 """Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
+_COARSE = 4.0
+"""Approximate ratio of the checker's bounds of the fourth derivative of a spline of poses to the judge's."""
 _SHARP = 2e-4
 """Approximate share of a programmed speed that the bounds between the ends of pieces may cost."""
 
@@ -101,6 +104,48 @@ def frame_proof(
     return told | _growing(s, rate, cut.d, count, own.ends)
 
 
+def pose_spline_proof(
+    own: Own, poses: Array, frame: Array, robot: Robot, tolerance: Tolerance, timing: hir.Timing
+) -> dict[str, Any] | str:
+    """Return the proof of a spline of poses; a text with the reason if there is none.
+
+    Args:
+        own: the segments that follow its path.
+        poses: (m, 4, 4) base_from_moving at the start and at the way-points.
+        frame: (4, 4) flange_from_moving.
+        robot: the arm.
+        tolerance: tolerance of this motion.
+        timing: its timing.
+    """
+    cubics = own.cubics
+    spline = PoseSpline.through(poses, frame, (own.ends[0] is None, own.ends[1] is None))
+    if spline is None or len(spline.spline.y) < len(poses) or np.diff(spline.spline.s).min() < _NEAREST:
+        return "its path, a spline of poses with way-points side by side"
+    quaternions = spline.spline.y[:, 3:]
+    apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
+    turns = (4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))).tolist()
+    told = {"quaternions": quaternions.tolist(), "turns": turns, **own.told}
+    if not len(cubics.h):  # blends take the whole path
+        return told | _nowhere(own)
+    owner = np.zeros(len(cubics.h), dtype=np.int64)
+    origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
+    rough = Pieces.cut(cubics, owner, np.ones(len(cubics.h), dtype=np.int64))
+    _, rate = _projected(spline, frame_motion(robot.chain, rough, frame[None]), rough, tolerance)
+    w, a = float(np.abs(rate).max()), float((np.abs(np.diff(rate)) / rough.d).max())
+    most = spline.cells.max(axis=0) * spline.total ** np.arange(1.0, 5.0)[:, None]
+    along = _COARSE * (most[3] * w**4 + 6.0 * most[2] * w * w * a + 3.0 * most[1] * a * a)
+    need = np.maximum(
+        (origin + along[0]) / tolerance.position, math.sqrt(2.0) * (rotation + along[1]) / tolerance.angle
+    )
+    count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
+    if timing.speed is not None and timing.speed.length:
+        sharp = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * timing.speed.length))).max())
+        count = min(max(count, math.ceil(sharp)), _MOST_PIECES)
+    cut = Pieces.cut(cubics, owner, np.full(len(cubics.h), count))
+    s, rate = _projected(spline, frame_motion(robot.chain, cut, frame[None]), cut, tolerance)
+    return told | _growing(s, rate, cut.d, count, own.ends)
+
+
 def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
     """Return the proof of a straight motion of joints: at each instant the nearest share of its way.
 
@@ -147,7 +192,7 @@ def _arc(paths: Arcs, via: Array) -> dict[str, Any]:
 
 
 def _projected(
-    paths: Lines | Arcs, executed: Motion, cut: Pieces, tolerance: Tolerance
+    paths: Lines | Arcs | PoseSpline, executed: Motion, cut: Pieces, tolerance: Tolerance
 ) -> tuple[Array, Array]:
     one = np.array([tolerance.position]), np.array([tolerance.angle])
     return paths.project(executed, cut.owner, *one)

@@ -19,7 +19,7 @@ from typing import Any
 from yarclang.verify.arm import Arm, Frame, Step, Vector, beyond, derivative, dot, in_si, placed
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
-from yarclang.verify.joints import Joints, Spline, Table, in_joints
+from yarclang.verify.joints import Joints, Pieces, in_joints, through, timetable
 from yarclang.verify.paths import (
     SHARE,
     FramePath,
@@ -69,7 +69,7 @@ class Followed:
     motion: Motion
     told: Told
     what: Frames | Joints
-    path: FramePath | PoseSpline | Spline
+    path: FramePath | PoseSpline | Pieces
     begin: Fraction
     end: Fraction
     shares: tuple[int, int]
@@ -159,10 +159,13 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
     which they are spread evenly.
     """
     title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
-    table = Table(in_joints(row.begin, PRINTED, arm.turns), rows, arm.turns)
-    need(not told.get("smooth") or table.is_smooth(), f"{title}: its velocities aren't those of one spline")
-    whole_time, size = table.times[-1], motion.end - motion.begin
-    need(abs(told["duration"] - whole_time) < Fraction(1, 10**9), f"{title}: its table takes another time")
+    table, size = (
+        timetable(in_joints(row.begin, PRINTED, arm.turns), rows, arm.turns),
+        motion.end - motion.begin,
+    )
+    need(
+        abs(told["duration"] - rows[-1]["at"]) < Fraction(1, 10**9), f"{title}: its table takes another time"
+    )
     limits, most = in_joints(told["within"], 1, arm.turns), _per_joint(told["tolerance"], arm)
     need(
         all(a <= b for a, b in zip(limits, most, strict=True)),
@@ -173,7 +176,7 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
         _within(
             Joints(motion), limits, [abs(a - b) for a, ((b,), _) in stands], f"{title}, from its first row"
         )
-    at_rows = [motion.begin + size * at / whole_time for at in table.times]
+    at_rows = [motion.begin + size * Fraction(edge, ONE) for edge in table.edges]
     places = sorted({*cut(motion.begin, motion.end, whole(proof["pieces"])), *at_rows})
     rate = above(1 / (size * row.seconds))
     what, pieces = Joints(motion), list[Piece]()
@@ -227,7 +230,7 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
         proof[name] = [whole(one) for one in proof[name]]
     begin, end = span_of(motion, proof)
     what: Frames | Joints
-    path: FramePath | PoseSpline | Spline
+    path: FramePath | PoseSpline | Pieces
     if told["move"] in FRAMED:
         tool = placed(told["tool"])
         here = None if before is None else before.path
@@ -275,7 +278,7 @@ def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], wh
         need(one <= limit, f"{where}: {who} away")
 
 
-def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Spline:
+def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Pieces:
     """Return the path of a motion of joints.
 
     After a motion of a frame it begins at joint positions that the proof has chosen for the frame's goal.
@@ -290,7 +293,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
         start = before.path.goal
     points = [start, *_goals(row, told, proof, arm)]
     need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
-    return Spline.through(points)
+    return through(points)
 
 
 class _Corner:

@@ -13,7 +13,7 @@ from typing import Any
 
 from yarclang.verify.arm import Step, Vector, placed
 from yarclang.verify.exact import BITS, ONE, PI, SLACK, above, fixed, length, need, sine_and_cosine, times
-from yarclang.verify.joints import Spline
+from yarclang.verify.joints import smooth
 from yarclang.verify.paths import State
 
 _SAME = ONE >> 30
@@ -42,7 +42,7 @@ class PoseSpline:
             need(0 <= turn < PI - _SAME, "a spline of poses with half a turn between neighbours")
             need(abs(chord - 2 * sine_and_cosine(turn // 4)[0]) < _SAME, "another turn between two poses")
             steps.append(length(*(y - x for x, y in zip(here, then, strict=True)), turn // _CHORD))
-        self._spline = Spline([[*p, *q] for (_, p), q in zip(poses, quaternions, strict=True)], steps)
+        self._spline = smooth([[*p, *q] for (_, p), q in zip(poses, quaternions, strict=True)], steps)
 
     def at(self, s: int) -> State:
         """Return origin and rotation at s, and their derivatives over s."""

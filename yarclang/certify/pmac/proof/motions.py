@@ -16,7 +16,7 @@ from yarclang.certify.kinematics.arm import flange_poses
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
-from yarclang.certify.motion.timed import programmed, timed_tolerance
+from yarclang.certify.motion.timed import timed_tolerance
 from yarclang.certify.pmac.proof.room import in_units, told_frame
 from yarclang.certify.pmac.proof.shares import (
     Own,
@@ -38,11 +38,10 @@ _PIECES_OF_TABLE = 4
 
 @frozen(eq=False)
 class Begin:
-    """Start of a motion: joints `q` (n,) [rad or m], and `flange` (4, 4) in {B}; `stands` is as in the text."""
+    """Start of a motion: joints `q` (n,) [rad or m], and `flange` (4, 4) in {B}."""
 
     q: Array
     flange: Array
-    stands: Array
 
 
 class Motions:
@@ -57,7 +56,7 @@ class Motions:
         self._judged, self._layout, self._firsts = judged, layout, firsts
         starts = find_starts(judged, layout, flange_poses(judged.robot.chain, layout.begins))
         self._flows = find_flows(judged, layout, starts)
-        self._begins = [Begin(*one) for one in zip(starts.q, starts.flange, layout.begins, strict=True)]
+        self._begins = [Begin(q, flange) for q, flange in zip(starts.q, starts.flange, strict=True)]
         self.told: dict[int, dict[str, Any]] = {}
         self.proofs: dict[str, Any] = {}
         for row, place in enumerate(layout.places):
@@ -209,33 +208,21 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
             told |= {"move": "spline of poses", "pose": goal, "tool": tool, "poses": poses}
         case hir.TimedMove():
             told |= {"move": "timetable", "within": in_units(motion.within / robot.axis_units)}
-            told |= _rows(motion, begin.stands, robot)
+            told["rows"] = _rows(motion, robot)
     return told
 
 
-def _rows(motion: hir.TimedMove, stands: Array, robot: Robot) -> dict[str, Any]:
-    """Return the rows of a timetable from the time 0; without velocities those of the clamped spline."""
+def _rows(motion: hir.TimedMove, robot: Robot) -> list[dict[str, Any]]:
+    """Return the rows of a timetable; the first is at the time 0, perhaps without a position."""
     table, units = motion.asked, robot.axis_units
-    way, later = programmed(table, stands), slice(int(table.begins), None)
-    columns = {"q": table.positions[later]}
-    if table.velocities is None:
-        h = np.diff(way.times)[:, None]
-        columns["v"] = np.vstack(
-            (3.0 * (way.bezier[1:, 1] - way.bezier[1:, 0]) / h[1:], np.zeros_like(stands))
-        )
-    else:
-        columns["v"] = table.velocities[later]
-    first: dict[str, Any] = {"at": 0, "q": None, "v": [0.0] * len(units)}
+    columns = {"q": table.positions, "v": table.velocities, "a": table.accelerations}
+    given = {name: (column / units).tolist() for name, column in columns.items() if column is not None}
+    times = [float(f"{at:.13g}") for at in table.times]
+    rows = [{"at": at, **{name: given[name][number] for name in given}} for number, at in enumerate(times)]
+    still = [0.0] * len(units)
     if table.begins:
-        first["q"] = (table.positions[0] / units).tolist()
-    if table.accelerations is not None:
-        columns["a"] = table.accelerations[later]
-        first["a"] = (table.accelerations[0] / units).tolist() if table.begins else first["v"]
-    rows = [first]
-    for number, at in enumerate(way.times[1:]):
-        row = {name: (column[number] / units).tolist() for name, column in columns.items()}
-        rows.append({"at": float(f"{at:.13g}"), **row})
-    return {"rows": rows} | ({"smooth": True} if table.velocities is None else {})
+        return [rows[0] | ({"v": still} if "v" in given else {}), *rows[1:]]
+    return [{"at": 0.0} | {name: None if name == "q" else still for name in given}, *rows]
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:

@@ -77,6 +77,15 @@ def test_a_timetable_that_is_told_as_another_motion_is_not_checked():
     assert any("doesn't know its rows, within" in one for one in verdict.unchecked)
 
 
+def test_a_timetable_with_a_ceiling_is_not_checked():
+    text, _ = made(TIMED)
+    for name, value in (("ceiling", 1), ("speed", [1, None]), ("blend", [1, 0])):
+        forged = table(TIMED)
+        forged["program"]["steps"][2][name] = value
+        verdict = verify(text.encode(), json.dumps(forged).encode())
+        assert any("a timetable with a speed" in one for one in verdict.unchecked), name
+
+
 def test_a_table_may_begin_where_the_robot_stands():
     text, _ = made(TIMED)
     forged = table(TIMED)

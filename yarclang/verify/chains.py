@@ -99,8 +99,9 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
             return str(told["unchecked"])
         if len(chain) > 1 and not row.control:
             return "a motion among them that leads nowhere"
-        if told["move"] == "timetable" and (len(chain) > 1 or not row.control):
-            return "a timetable that a motion flows into, or that leads nowhere"
+        strange = not {"speed", "ceiling", "blend"}.isdisjoint(told)
+        if told["move"] == "timetable" and (strange or len(chain) > 1 or not row.control):
+            return "a timetable with a speed, or that a motion flows into, or that leads nowhere"
         if row.control and str(row.entry.step) not in proofs:
             return "its path, of which the proof says nothing"
         if not row.control and told["move"] in FRAMED[1:]:

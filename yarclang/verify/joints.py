@@ -6,6 +6,7 @@ All are polynomials from one point to the next, over the share of a parameter: a
 from bisect import bisect, bisect_left
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import lru_cache
 from itertools import accumulate, pairwise
 from math import perm
 from typing import Any
@@ -52,6 +53,7 @@ class Pieces:
         self.edges = [(one << BITS) // whole for one in accumulate(steps, initial=0)]
         self.points = points
         self.goal = [one[-1] for one in points[-1]]
+        self._bounds = lru_cache(64)(self._bounds_of)
 
     def at(self, s: int) -> State:
         """Return the numbers at a share, and their derivatives over it (de Casteljau)."""
@@ -72,11 +74,14 @@ class Pieces:
         The Hermite cubic misses a jump of a function's third derivative by at most d^3 / 192 times the jump.
         """
         first = min(bisect(self.edges, share[0]), len(self.points)) - 1
-        pieces = range(first, max(bisect_left(self.edges, share[1]), first + 1))
+        return self._bounds(first, max(bisect_left(self.edges, share[1]), first + 1))
+
+    def _bounds_of(self, first: int, last: int) -> Sequence[Sequence[int]]:
+        """Return these bounds on the pieces from `first` to the one before `last`."""
         found = []
         for number in range(len(self.goal)):
             bounds, thirds = [0, 0, 0, 0], list[tuple[int, int]]()
-            for k in pieces:
+            for k in range(first, last):
                 of_order = _derivatives(self.points[k][number], self.edges[k + 1] - self.edges[k])
                 for order in (2, 3, 4):
                     bounds[order - 2] = max(bounds[order - 2], *(abs(one) + 1 for one in of_order[order]))

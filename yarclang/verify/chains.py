@@ -235,13 +235,12 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
     if told["move"] in FRAMED:
         tool = placed(told["tool"])
         here = None if before is None else before.path
-        if before is not None and isinstance(here, FramePath | PoseSpline):
-            frame = beyond(Frame(here.goal[1], here.goal[0], _STILL, _STILL), _seen_from(before.told, tool))
-            start = frame.axes, frame.origin
-        else:
+        if before is None or here is None or isinstance(here, Pieces):
             q = in_joints(row.begin, PRINTED, arm.turns) if here is None else here.goal
             frame = arm.frame(q, [0] * len(q), tool)
-            start = frame.axes, frame.origin
+        else:
+            frame = beyond(Frame(here.goal[1], here.goal[0], _STILL, _STILL), _seen_from(before.told, tool))
+        start = frame.axes, frame.origin
         curve = PoseSpline if told["move"] == "spline of poses" else FramePath
         what, path = Frames(arm, tool, motion), curve(start, told, proof)
         limits = [in_si(told["tolerance"][0], 1, False), chord_of(in_si(told["tolerance"][1], 1, True))]

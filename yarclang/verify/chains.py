@@ -233,13 +233,14 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
     what: Frames | Joints
     path: FramePath | PoseSpline | Pieces
     if told["move"] in FRAMED:
-        tool = placed(told["tool"])
-        here = None if before is None else before.path
-        if before is None or here is None or isinstance(here, Pieces):
-            q = in_joints(row.begin, PRINTED, arm.turns) if here is None else here.goal
-            frame = arm.frame(q, [0] * len(q), tool)
+        tool, still = placed(told["tool"]), [0] * len(arm.turns)
+        if before is None:
+            frame = arm.frame(in_joints(row.begin, PRINTED, arm.turns), still, tool)
+        elif isinstance(before.path, Pieces):
+            frame = arm.frame(before.path.goal, still, tool)
         else:
-            frame = beyond(Frame(here.goal[1], here.goal[0], _STILL, _STILL), _seen_from(before.told, tool))
+            axes, origin = before.path.goal
+            frame = beyond(Frame(origin, axes, _STILL, _STILL), _seen_from(before.told, tool))
         start = frame.axes, frame.origin
         curve = PoseSpline if told["move"] == "spline of poses" else FramePath
         what, path = Frames(arm, tool, motion), curve(start, told, proof)

@@ -108,7 +108,7 @@ def test_splines_of_poses_by_chance_are_decided():
                     f"{one:.4f}"
                     for one in (*(here + random.uniform(-90, 90, 3)), *random.uniform(-25, 25, 3))
                 )
-                for _ in range(int(random.integers(1, 5)))
+                for _ in range(int(random.integers(2, 5)))
             ]
             timing = random.choice(["[12]", "[20]", "[V 15]"])
             lines.append(f"P{20 + 10 * number:04d} MOVEL_SPLINE {'; '.join(poses)} {timing}")

@@ -48,7 +48,7 @@ class Stretch:
 
     Attributes:
         links: the links in the middle of the room, or at both ends of the curve.
-        rates: for each joint, half the widths of the room, or bounds of its first three derivatives over time.
+        rates: for each joint, half the widths of the room, or bounds of its first three derivatives.
         order: 1 for a room, 2 for a curve.
         part: 1 for a room, d^2 / 8 for a curve.
     """

@@ -43,8 +43,8 @@ class Pieces:
 
     Attributes:
         edges: shares at which pieces begin and end.
-        points: for each piece, the Bezier points of each number; the k-th derivative lies in the hull of their
-            k-th differences, times degree! / (degree - k)! / width^k.
+        points: for each piece, the Bezier points of each number; the k-th derivative lies in the hull of
+            their k-th differences, times degree! / (degree - k)! / width^k.
         goal: the end of the path.
     """
 
@@ -134,7 +134,7 @@ def _bend(h: list[int], slope: list[int]) -> list[int]:
 
 
 def through(points: Sequence[Vector]) -> Pieces:
-    """Return the natural spline through joint positions over the sum of their distances; a line through two."""
+    """Return the natural spline through joint positions over the sum of distances; a line through two."""
     y, steps = [points[0]], list[int]()
     for one, other in pairwise(points):
         apart = ONE if len(points) == 2 else length(*(b - a for a, b in zip(one, other, strict=True)))

@@ -213,8 +213,8 @@ def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: 
 class Curve:
     """The curve middle + s way + cos(s angle) spoke + sin(s angle) side, for s from 0 to 1.
 
-    It is a line or an arc of a point, or the columns of a frame that turns about an axis. `bends` are bounds of
-    its derivatives over s of order 2 to 4, and of the jumps of the third.
+    It is a line or an arc of a point, or the columns of a frame that turns about an axis. `bends` are bounds
+    of its derivatives over s of order 2 to 4, and of the jumps of the third.
     """
 
     def __init__(self, middle: Vector, way: Vector, spoke: Vector, side: Vector, angle: int) -> None:

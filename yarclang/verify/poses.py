@@ -1,8 +1,8 @@
 """The curve of a frame through poses: natural splines of its origin and of a quaternion, which is normalised.
 
-The rotation is R = M / n, with M and n of degree 2 in the quaternion Q: n = |Q|^2, and the Frobenius norm of M
-is sqrt 3 n. From bounds of Q and its derivatives follow those of n, N_k, and of M, sqrt 3 N_k. By Leibniz' rule
-for R n = M, the k-th derivative of R is at most (sqrt 3 N_k + sum over j < k of comb(k, j) G_j N_(k-j)) / n.
+The rotation is R = M / n, with M and n of degree 2 in the quaternion Q: n = |Q|^2, and the Frobenius norm of
+M is sqrt 3 n. From bounds of Q and its derivatives follow those of n, N_k, and of M, sqrt 3 N_k. By Leibniz'
+rule for R n = M, the k-th derivative of R is at most (sqrt 3 N_k + sum over j < k of comb(k, j) G_j N_(k-j)) / n.
 """
 
 from collections.abc import Sequence
@@ -88,7 +88,7 @@ class PoseSpline:
 
 
 def _matrix(a: Vector, b: Vector) -> Vector:
-    """Return the columns of the symmetric bilinear form whose value for a = b = q is |q|^2 times q's rotation."""
+    """Return the columns of the symmetric bilinear form that for a = b = q is |q|^2 times q's rotation."""
 
     def both(i: int, j: int) -> int:
         return (a[i] * b[j] + a[j] * b[i]) >> BITS

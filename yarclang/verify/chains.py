@@ -472,7 +472,7 @@ def _speed(told: Told) -> Fraction | None:
 
 
 def _larger(one: Told, other: Told) -> dict[str, Fraction]:
-    """Return the ceiling in the blend of two motions [mm/s]: the larger speed or ceiling, if both have one."""
+    """Return the ceiling in a blend of two motions [mm/s]: the larger speed or ceiling, if both have one."""
     own, besides = _speed(one), _speed(other)
     tops = [] if own is None or besides is None else [max(own, besides)]
     if "ceiling" in one and "ceiling" in other and {one["move"], other["move"]} <= set(FRAMED):

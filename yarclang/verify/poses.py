@@ -2,7 +2,8 @@
 
 The rotation is R = M / n, with M and n of degree 2 in the quaternion Q: n = |Q|^2, and the Frobenius norm of
 M is sqrt 3 n. From bounds of Q and its derivatives follow those of n, N_k, and of M, sqrt 3 N_k. By Leibniz'
-rule for R n = M, the k-th derivative of R is at most (sqrt 3 N_k + sum over j < k of comb(k, j) G_j N_(k-j)) / n.
+rule for R n = M, the k-th derivative of R is at most G_k = (sqrt 3 N_k + the sum over j < k of
+comb(k, j) G_j N_(k-j)) / n.
 """
 
 from collections.abc import Sequence

@@ -252,7 +252,7 @@ def compiled(folder: Path) -> dict[str, str | None]:
     found: dict[str, str | None] = {}
     for case in cases():
         try:
-            made = yarclang.compile(case.text, **_place(case, folder))
+            made = yarclang.compile(case.text, **place_of(case, folder))
             found[case.name] = made.value.text if made.ok and made.value is not None else None
         except Exception:
             found[case.name] = None
@@ -266,14 +266,15 @@ def refused(texts: dict[str, str], folder: Path) -> list[str]:
     seen = []
     for case in cases():
         if case.name in texts:
-            judged = yarclang.prove(texts[case.name], case.text, **_place(case, folder))
+            judged = yarclang.prove(texts[case.name], case.text, **place_of(case, folder))
             codes = sorted({one.code for one in judged.diagnostics if one.severity == "error"})
             if codes or not judged.ok:
                 seen.append(f"{case.name} ({' '.join(codes)})")
     return seen
 
 
-def _place(case: Case, folder: Path) -> dict[str, Any]:
+def place_of(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the robot, cell and folder with which a program is compiled."""
     robot = str(folder / case.robot) if "/" in case.robot else case.robot
     cell = str(folder / case.cell) if case.cell else None
     return {"robot": robot, "name": case.name, "folder": folder, "cell": cell}

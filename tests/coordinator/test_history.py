@@ -8,6 +8,8 @@ import pytest
 from coordinator.virtual import codes, coordinating, done, run
 from programs import compiled
 
+from yarclang.coordinator.loading import Source
+
 READY = "MOVEJ 0 10 10 0 40 0 [1.5] (deg,s)"
 
 MOTIONS = {
@@ -81,6 +83,45 @@ def test_back_from_where_a_line_was_stopped():
             back = (await client.motion.offer_back()).value
             assert (await client.motion.go(back)).well
             assert world.stands() == pytest.approx(before, abs=1e-4)
+
+    run(session())
+
+
+BRANCHES = """ROBOT INDUSTRIAL6
+DEFAULT [2] (deg,s)
+INPUT PART M11
+P0010 MOVEJ 5 0 0 0 0 0
+WHEN PART ON
+  P0030 MOVEJ 5 5 0 0 0 0 [1]
+ELSE
+  P0040 MOVEJ 5 9 0 0 0 0 [2]
+  P0050 MOVEJ 5 5 0 0 0 0 [2]
+END
+P0070 MOVEJ 40 5 0 0 0 0 [4]
+"""
+
+
+@pytest.mark.parametrize(
+    ("part", "places"), [(1, [(5, 5), (5, 0), (0, 0)]), (0, [(5, 5), (5, 9), (5, 0), (0, 0)])]
+)
+def test_back_from_where_a_program_was_stopped_takes_the_same_branch(part, places, tmp_path):
+    (tmp_path / "branches.yarc").write_text(BRANCHES)
+
+    async def session():
+        async with coordinating(folder=tmp_path) as (world, coordinator, client):
+            world.machine.command("M11->*", 9)
+            world.machine.command(f"M11={part}", 9)
+            program = (await client.files.load(Source(str(tmp_path / "branches.yarc")))).value
+            running = asyncio.create_task(client.motion.run(program, approach=True))
+            await world.until(
+                lambda: coordinator.progress is not None and coordinator.progress.command.startswith("P0070")
+            )
+            await asyncio.sleep(0.5)
+            client.motion.stop()
+            assert not (await running).well
+            for place in places:
+                assert (await client.motion.go((await client.motion.offer_back()).value)).well
+                assert world.stands()[:2] == pytest.approx(place, abs=1e-3)
 
     run(session())
 

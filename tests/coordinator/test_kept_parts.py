@@ -182,6 +182,18 @@ def test_a_run_that_is_stopped_leaves_them_as_it_came(project, at, expected):
     run(ran())
 
 
+def test_a_run_from_a_set_on_begins_where_the_robot_stands(project):
+    async def ran():
+        async with session(project) as (_, _, client):
+            await done(client, "MOVEJ READY")
+            await lines(client, "\n".join(PICK.splitlines()[:2]))
+            rest = await loaded(client, project, first="P0030")
+            assert (await client.motion.run(rest, approach=True)).well
+            assert where(client) == {"BOX": tuple(PUT_AT)}
+
+    run(ran())
+
+
 def test_a_run_that_is_killed_at_any_instant_agrees_with_the_gripper(project):
     """What the coordinator believes is what the controller's output has done, at the place where it did it."""
 

@@ -308,8 +308,11 @@ def file_of_cell(cell: Cell) -> Path:
 
 def _start(plan: MotionPlan, begin: int) -> Array:
     """Return the position of the robot (n,) [rad or m] before the first step of a part of a plan."""
-    motion = next((one for one in plan.motions if one.step == begin), None)
-    return plan.program.start if begin == 0 or motion is None else motion.curve.points[0]
+    if begin == 0 or not plan.motions:
+        return plan.program.start
+    # The robot moves only in motions, so it is at the start of the next one.
+    following = next((motion for motion in plan.motions if motion.step >= begin), None)
+    return plan.motions[-1].waypoints[-1] if following is None else following.curve.points[0]
 
 
 def _output(step: Step) -> str | None:

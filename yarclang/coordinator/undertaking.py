@@ -272,18 +272,19 @@ class Undertaking:
             return
         begin, end = self._span(number)
         if ended.well:
-            for at, one in list(enumerate(passed(plan)))[begin:end]:
-                if plan.motions[at].step in self._taken:
-                    self._done.append(replace(one, start=self._done[-1].end) if self._done else one)
-            return
-        if ended.joints is None or not ended.command:
-            return
-        there = resting_place(plan, loaded.program, ended.joints, ended.done)
-        if there is None:
-            return
-        at = loaded.program.commands.index(there.command)
-        time = float(plan.begins[at]) + there.done - there.command.begins
-        self._done += passed(plan, ended.joints, time)[begin:]
+            carried_out = passed(plan)[:end]
+        else:
+            if ended.joints is None or not ended.command:
+                return
+            there = resting_place(plan, loaded.program, ended.joints, ended.done)
+            if there is None:
+                return
+            at = loaded.program.commands.index(there.command)
+            time = float(plan.begins[at]) + there.done - there.command.begins
+            carried_out = passed(plan, ended.joints, time)
+        for motion, one in list(zip(plan.motions, carried_out, strict=False))[begin:]:
+            if motion.step in self._taken:
+                self._done.append(replace(one, start=self._done[-1].end) if self._done else one)
 
     def _span(self, number: int) -> tuple[int, int]:
         """Return the range of a job's motions in the plan: the first, and one after the last."""

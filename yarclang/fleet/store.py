@@ -146,10 +146,10 @@ class Store:
                 self._file.with_name(self._file.name + ending).unlink()
 
     def _code(self, key: str, value: bytes) -> bytes:
-        return signature(self._secret, (key.encode(), b"\0", value))
+        return signature(self._secret, (key.encode(), value))
 
     def _is_ours(self, key: str, value: bytes, code: bytes) -> bool:
-        return is_signed(code, self._secret, (key.encode(), b"\0", value))
+        return is_signed(code, self._secret, (key.encode(), value))
 
 
 def _value(base: sqlite3.Connection, number: int) -> object:

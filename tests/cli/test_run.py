@@ -219,6 +219,12 @@ def test_an_abort_is_the_runs_reason(workshop, simulator):
     assert simulator.complaints() == []
 
 
+def test_steps_without_a_terminal_end_at_once(workshop):
+    text = workshop.yarc("run", "p.yarc", "--step", "--no-log", status=2)
+    assert "--step waits for Enter after each command, and standard input isn't a terminal" in text
+    assert "init" not in text
+
+
 @pytest.mark.parametrize("options", [[], ["--step"]])
 def test_nothing_is_done_after_a_stop_in_a_way(workshop, simulator, options):
     """Step by step the WHEN belongs to another piece than the motion after it."""

@@ -17,7 +17,7 @@ from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Robot
 from yarclang.robot.placements import placements
-from yarclang.robot.visuals import visual_shapes
+from yarclang.robot.visuals import sticks, visual_shapes
 from yarclang.shapes import Shape
 from yarclang.units import MM
 
@@ -88,7 +88,9 @@ _Placed = tuple[str, Kind, Array, Shape]
 
 
 def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
-    """Yield the links: their visual shapes, or, if one has none that can be read, its collision shapes."""
+    """Yield the links: their visual shapes, or, if one has none that can be read, its collision shapes; bars
+    from joint to joint if no link has a shape.
+    """
     moved = _moved(robot, q)
     visuals = [(one, solid_of(one.shape)) for one in visual_shapes(robot)]
     spoilt = {one.link for one, solid in visuals if solid is None}
@@ -96,6 +98,9 @@ def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
     for one, _ in visuals:
         if one.link in seen:
             yield one.link, "robot", moved[one.joint] @ one.base_from_shape, one.shape
+    if not seen and not robot.shapes:
+        for bar in sticks(robot):
+            yield bar.link, "robot", moved[bar.joint] @ bar.base_from_shape, bar.shape
     for link in robot.shapes:
         if link.link not in seen:
             yield link.link, "robot", moved[link.joint] @ link.base_from_shape, link.shape

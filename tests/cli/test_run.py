@@ -73,7 +73,9 @@ def test_a_wait_comes_first(workshop, simulator, options):
 
 def test_a_wait_on_the_simulator_says_what_sets_inputs(workshop):
     workshop.write("q.yarc", WAITS)
-    words = "inputs of a simulated robot stay OFF until something sets them: a sensor of the cell, --set INPUT=ON"
+    words = (
+        "inputs of a simulated robot stay OFF until something sets them: a sensor of the cell, --set INPUT=ON"
+    )
     assert words in workshop.yarc("run", "q.yarc", "--no-log", "--rate", "8", status=1)
     assert words not in workshop.yarc(
         "run", "q.yarc", "--no-log", "--rate", "8", "--set", "READY=OFF", status=1

@@ -109,7 +109,9 @@ def heavy(center, effort=500):
     return robot(arm(effort=effort)).replace("</collision></link>", f"</collision>{inside}</link>")
 
 
-@pytest.mark.parametrize(("center", "joints"), [("0 0 0.1", ""), ("0 0 3", "joint_1"), ("0 2.5 0", "joint_4")])
+@pytest.mark.parametrize(
+    ("center", "joints"), [("0 0 0.1", ""), ("0 0 3", "joint_1"), ("0 2.5 0", "joint_4")]
+)
 def test_centres_of_mass_far_from_their_links(center, joints, tmp_path):
     yarc("robot", "new", written(tmp_path, heavy(center)), "--yes", "-o", tmp_path / "r")
     items = [one for one in check_robot(str(tmp_path / "r")).items if one.subject == "centres of mass"]

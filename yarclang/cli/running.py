@@ -265,7 +265,11 @@ class _Run:
                 self._wrong(log.problem, log.help, ending)
             for line in ending.lines(ended, status):
                 self.screen.say(line)
-            if ended.code == "Y1604" and self.place.own and not (self.options["set"] or self.options["inputs"]):
+            if (
+                ended.code == "Y1604"
+                and self.place.own
+                and not (self.options["set"] or self.options["inputs"])
+            ):
                 self.screen.say(_SETS_INPUTS)
             return 1
         self.screen.close()  # the rest goes to standard output

@@ -87,6 +87,7 @@ def test_nothing_is_drawn_of_files_that_are_gone(bare):
     lost = replace(made, folder=Path("/nowhere"))
     assert joint_points(lost) is None
     assert sticks(lost) == ()
+    assert robot_items(lost) == ((), ())
 
 
 def test_arms_with_shapes_have_no_bars(tmp_path):

@@ -55,7 +55,8 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
             if solid is not None:
                 colour = _link_colour(bar.joint)
                 items.append(Item(bar.link, "robot", bar.joint, bar.base_from_shape, solid, colour, 1.0))
-        notes.append("bars lead from joint to joint: no link of the robot has a shape that can be read")
+        if items:
+            notes.append("bars lead from joint to joint: no link of the robot has a shape that can be read")
     for tool in robot.tools:
         for part in tool.shapes if tool.mounted else ():
             solid = solid_of(part.shape)

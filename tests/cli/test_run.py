@@ -71,6 +71,17 @@ def test_a_wait_comes_first(workshop, simulator, options):
     assert simulator.complaints() == []
 
 
+def test_a_wait_on_the_simulator_says_what_sets_inputs(workshop):
+    workshop.write("q.yarc", WAITS)
+    words = (
+        "inputs of a simulated robot stay OFF until something sets them: a sensor of the cell, --set INPUT=ON"
+    )
+    assert words in workshop.yarc("run", "q.yarc", "--no-log", "--rate", "8", status=1)
+    assert words not in workshop.yarc(
+        "run", "q.yarc", "--no-log", "--rate", "8", "--set", "READY=OFF", status=1
+    )
+
+
 def test_stopped_at_a_hold(workshop, simulator):
     """What goes on begins with it, where the robot stands."""
     workshop.write("q.yarc", WAITS)
@@ -217,6 +228,12 @@ def test_an_abort_is_the_runs_reason(workshop, simulator):
     assert "to go on" not in text
     assert simulator.stands()[0] != 0.0
     assert simulator.complaints() == []
+
+
+def test_steps_without_a_terminal_end_at_once(workshop):
+    text = workshop.yarc("run", "p.yarc", "--step", "--no-log", status=2)
+    assert "--step waits for Enter after each command, and standard input isn't a terminal" in text
+    assert "init" not in text
 
 
 @pytest.mark.parametrize("options", [[], ["--step"]])

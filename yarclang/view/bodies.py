@@ -11,7 +11,7 @@ from yarclang.cell.model import Cell, HalfSpace, ShapeRegion, Zone
 from yarclang.hir import FrameLink, Gap, Program
 from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.model import Array, Robot
-from yarclang.robot.visuals import visual_shapes
+from yarclang.robot.visuals import sticks, visual_shapes
 from yarclang.view import colours
 from yarclang.view.stage import Axes, Colour, Item
 
@@ -26,7 +26,7 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return the items of a robot, and notes about shapes that can't be read.
 
     The items are the visual shapes of the links, or their collision shapes if there are none, and the mounted
-    tools.
+    tools. If no link has a shape, bars from joint to joint show the arm.
     """
     visuals: dict[str, list[Item]] = {}
     spoilt: set[str] = set()
@@ -49,6 +49,14 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
             continue
         colour = _link_colour(link.joint)
         items.append(Item(link.link, "robot", link.joint, link.base_from_shape, solid, colour, 1.0))
+    if not items and not robot.shapes:
+        for bar in sticks(robot):
+            solid = solid_of(bar.shape)
+            if solid is not None:
+                colour = _link_colour(bar.joint)
+                items.append(Item(bar.link, "robot", bar.joint, bar.base_from_shape, solid, colour, 1.0))
+        if items:
+            notes.append("bars lead from joint to joint: no link of the robot has a shape that can be read")
     for tool in robot.tools:
         for part in tool.shapes if tool.mounted else ():
             solid = solid_of(part.shape)

@@ -11,6 +11,8 @@ from yarclang.cli.options import Numbers
 from yarclang.robot.joint_names import joint_number, listed_joints
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from yarclang.diagnostics import Diagnostic
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
@@ -345,8 +347,24 @@ def _notes(made: NewRobot) -> list[str]:
         notes.append(
             f"of large collision meshes, the convex hull is copied, which is what counts: {listed(urdf.hulls)}"
         )
-    for name, why in urdf.unseen[:6]:
-        notes.append(f"the visual mesh {name} {why}: pictures show the collision shapes")
-    if len(urdf.unseen) > 6:
-        notes.append(f"and {len(urdf.unseen) - 6} more visual meshes")
-    return notes
+    return [*notes, *_unseen(urdf.unseen)]
+
+
+def _unseen(meshes: tuple[tuple[str, str], ...]) -> Iterator[str]:
+    """Yield a note for each reason why visual meshes aren't copied.
+
+    Args:
+        meshes: name of each mesh, and its reason.
+    """
+    from yarclang.robot.checklist.item import listed
+
+    for reason in dict.fromkeys(why for _, why in meshes):
+        names = [name for name, why in meshes if why == reason]
+        what = "the visual mesh" if len(names) == 1 else f"{len(names)} visual meshes:"
+        missing = reason == "isn't there"
+        said = "aren't there" if missing and len(names) > 1 else reason
+        where = "; --package-path or --meshes says where to look for it" if missing else ""
+        yield (
+            f"{what} {listed(names, 3)} {said}: pictures show the collision shapes of such links, "
+            f"or bars from joint to joint if no link has a shape{where}"
+        )

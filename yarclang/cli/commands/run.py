@@ -56,6 +56,14 @@ def command(file: str, to: Address | None, first: str | None, job: int | None, *
     source = source_of(file, first, options)
     if (status := _served(source, to, options)) is not None:
         raise SystemExit(status)
+    if options["step"] and to is None:
+        from yarclang.cli.terminal import has_keys
+
+        if not has_keys():
+            raise click.UsageError(
+                "--step waits for Enter after each command, and standard input isn't a terminal; leave --step out, "
+                "or use `yarc sim` and --to, where `yarc resume` goes on"
+            )
     loaded, diagnostics = load(source)
     if is_compiled(file):
         show_findings(diagnostics)

@@ -19,7 +19,7 @@ from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Robot
 from yarclang.robot.placements import placements
-from yarclang.robot.visuals import visual_shapes
+from yarclang.robot.visuals import sticks, visual_shapes
 from yarclang.shapes import Shape
 from yarclang.units import MM
 
@@ -93,7 +93,7 @@ _Placed = tuple[str, Kind, Array, Shape]
 
 def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
     """Yield the links with their visual shapes. If a link has no visual shape that can be read, its collision
-    shapes are used.
+    shapes are used. If no link has a shape, bars from joint to joint are used.
     """
     moved = _moved(robot, q)
     visuals = [(one, solid_of(one.shape)) for one in visual_shapes(robot)]
@@ -102,6 +102,9 @@ def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
     for one, _ in visuals:
         if one.link in seen:
             yield one.link, "robot", moved[one.joint] @ one.base_from_shape, one.shape
+    if not seen and not robot.shapes:
+        for bar in sticks(robot):
+            yield bar.link, "robot", moved[bar.joint] @ bar.base_from_shape, bar.shape
     for link in robot.shapes:
         if link.link not in seen:
             yield link.link, "robot", moved[link.joint] @ link.base_from_shape, link.shape

@@ -318,7 +318,7 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
     """Yield the item about the direction of z of TCP relative to the tool: places of PICKPLACE and PALLET
     depend on it.
     """
-    out = _outwards(robot)
+    out = outwards(robot)
     if out is None:
         return
     z = (robot.chain.base_from_flange @ robot.flange_from_frame["TCP"])[:3, 2]
@@ -338,7 +338,7 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
     yield Item("tool axis", "note", f"z of TCP leads {way}; PICKPLACE and PALLET want it back", remedy)
 
 
-def _outwards(robot: Robot) -> Array | None:
+def outwards(robot: Robot) -> Array | None:
     """Return the unit direction (3,) in {B} in which the arm points outwards with all joints at 0, or None if
     it can't be determined.
 

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.cell.keeping import Keep, Tilt
+from yarclang.cell.keeping import Height, Keep, Pointed, Sight, Tilt
 from yarclang.frozen import frozen
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from yarclang.source import SourceFile, Span
@@ -365,7 +365,9 @@ class StartZone:
     window: JointWindow
 
 
-Region = ShapeRegion | HalfSpace | JointWindow | Tilt
+Region = ShapeRegion | HalfSpace | JointWindow | Tilt | Sight
+Unplaced = JointWindow | Pointed
+"""Regions that aren't places in the cell."""
 
 
 @frozen(eq=False)
@@ -380,8 +382,8 @@ class Zone:
     that a command moves, `tool` is that and all bodies that the robot carries, `elbow` is a point
     (`yarclang.robot.kinematics.elbow`), `arm` is all links that the joints move. Everything watched keeps
     `margin` [m] from the border of an allowed or forbidden zone; slow and posture zones begin `margin` before
-    their border. A joint window that is allowed or forbidden watches only the joints. A `Tilt` is allowed, and
-    watches the orientation of the flange. `keep` is the rule of the program from which the zone was made.
+    their border. A joint window that is allowed or forbidden watches only the joints. A `Tilt` and a `Sight`
+    are allowed, and watch the pose of the flange. `keep` is the rule of the program from which the zone was made.
     """
 
     name: str
@@ -396,12 +398,12 @@ class Zone:
     @staticmethod
     def of(keep: Keep) -> Zone:
         """Return the zone of a rule."""
-        name = f"KEEP {keep.words}"
-        if keep.kind == "UPRIGHT":
-            return Zone(name, "allowed", Tilt(keep.own, keep.up, keep.limit), watch=(), keep=keep)
-        normal = np.array(keep.up)
+        name, region = f"KEEP {keep.words}", keep.region
+        if not isinstance(region, Height):
+            return Zone(name, "allowed", region, watch=(), keep=keep)
+        normal = np.array(region.up)
         normal.flags.writeable = False
-        return Zone(name, "allowed", HalfSpace(normal, keep.level + keep.limit), watch=(), keep=keep)
+        return Zone(name, "allowed", HalfSpace(normal, region.level + region.limit), watch=(), keep=keep)
 
 
 @frozen(eq=False)

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
-from yarclang.cell.model import Cell, HalfSpace, JointWindow, ShapeRegion, Zone
+from yarclang.cell.model import Cell, HalfSpace, JointWindow, ShapeRegion, Unplaced, Zone
 from yarclang.collision.zones.regions import Place, coal_of, faces_of, reach
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.collision.zones.windows import room
@@ -91,8 +90,8 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
         joint = _joint_without(robot, one, other) if rules == {"allowed"} else None
         return f"its window for {joint} has nothing in common with that of {first.name}" if joint else None
     if (
-        isinstance(one, JointWindow | Tilt)
-        or isinstance(other, JointWindow | Tilt)
+        isinstance(one, Unplaced)
+        or isinstance(other, Unplaced)
         or not set(first.watch) & set(second.watch)
     ):
         return None

@@ -162,6 +162,8 @@ def inside(one: Obstruction) -> str:
     moving, other = one.names
     if one.is_tilt:
         return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"
+    if one.is_sight:
+        return f"{moving} breaks {other}: the angle or the distance is beyond it"
     if one.is_zone:
         return (
             f"{JOINTS} break the zone {other}"

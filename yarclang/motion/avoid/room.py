@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed, Sight, Tilt
 from yarclang.cell.model import Cell, JointWindow
 from yarclang.collision.course import Course
 from yarclang.collision.free import free_space, gaps, plain_free_space
@@ -44,13 +44,14 @@ TOUCH = 1e-6
 @frozen(eq=False)
 class Obstruction:
     """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
-    and by how much it is broken [m; rad or m for joints; rad for a tilt].
+    and by how much it is broken [m; rad or m for joints; rad for a tilt; either for a sight].
     """
 
     names: tuple[str, str]
     distance: float
     is_zone: bool = False
     is_tilt: bool = False
+    is_sight: bool = False
 
 
 @frozen(eq=False)
@@ -65,10 +66,10 @@ class Room:
     flange_from_moving: Array
 
     @property
-    def tilts(self) -> tuple[Tilt, ...]:
-        """The angles that axes keep along the way."""
+    def rules(self) -> tuple[Pointed, ...]:
+        """The angles that axes keep along the way, and the cones in which points stay."""
         regions = (watch.zone.region for watch in self.watches)
-        return tuple(one for one in regions if isinstance(one, Tilt))
+        return tuple(one for one in regions if isinstance(one, Pointed))
 
     def obstruction(self, q: Array) -> Obstruction | None:
         """Return the worst obstruction at a joint position (n,) [rad or m]; None if nothing is in the way."""
@@ -215,6 +216,9 @@ class Room:
 def _broken(watch: Watch, by: float) -> Obstruction:
     if isinstance(watch.zone.region, Tilt) and watch.zone.keep is not None:
         return Obstruction((f"{{{watch.zone.keep.frame}}}", watch.zone.name), by, is_zone=True, is_tilt=True)
+    if isinstance(watch.zone.region, Sight) and watch.zone.keep is not None:
+        names = f"{{{watch.zone.keep.frame}}}", watch.zone.name
+        return Obstruction(names, by, is_zone=True, is_sight=True)
     watched = watch.item.name if watch.item is not None else JOINTS
     return Obstruction((watched, watch.zone.name), by, is_zone=True)
 

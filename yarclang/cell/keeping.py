@@ -169,7 +169,12 @@ class Keep:
 
 
 def region_of(
-    kind: KeepKind, carried: Array, standing: Array, limit: float, near: float = LEAST_SIGHT, far: float = np.inf
+    kind: KeepKind,
+    carried: Array,
+    standing: Array,
+    limit: float,
+    near: float = LEAST_SIGHT,
+    far: float = np.inf,
 ) -> Tilt | Height | Sight:
     """Return the region of a rule.
 

@@ -287,7 +287,7 @@ class KeptRule:
         if self.largest is not None:
             told["largest_deg"] = _number(most(self.largest, DEG))
         if self.nearest is not None and self.farthest is not None:
-            told["nearest_mm"] = _number(self.nearest / MM)
+            told["nearest_mm"] = _number(least(self.nearest, MM))
             told["farthest_mm"] = _number(most(self.farthest, MM))
         return told
 

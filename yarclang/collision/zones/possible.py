@@ -89,11 +89,7 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
     if isinstance(one, JointWindow) and isinstance(other, JointWindow):
         joint = _joint_without(robot, one, other) if rules == {"allowed"} else None
         return f"its window for {joint} has nothing in common with that of {first.name}" if joint else None
-    if (
-        isinstance(one, Unplaced)
-        or isinstance(other, Unplaced)
-        or not set(first.watch) & set(second.watch)
-    ):
+    if isinstance(one, Unplaced) or isinstance(other, Unplaced) or not set(first.watch) & set(second.watch):
         return None
     if rules == {"allowed"} and _apart(one, other, first.margin + second.margin):
         return f"it has no room in common with {first.name}, which is allowed as well"

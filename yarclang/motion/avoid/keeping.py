@@ -148,7 +148,9 @@ class _Tree:
         return found[::-1]
 
 
-def along_rules(scene: Scene, rules: tuple[Pointed, ...], question: Question, effort: Effort) -> Array | Apart:
+def along_rules(
+    scene: Scene, rules: tuple[Pointed, ...], question: Question, effort: Effort
+) -> Array | Apart:
     """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which rules
     are kept; or how near the search came.
 

@@ -82,7 +82,7 @@ def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | Non
 def _kind(head: Statement, values: list[Value], findings: Collector) -> KeepKind | None:
     spec = word_specs()["KEEP"]
     help_ = f"for example {spec.example}"
-    if len(values) < 2 or not isinstance(values[0], Word):
+    if len(values) < 2 or not isinstance(values[0], Word) or len(head.waypoints) > 1:
         findings.add("Y0401", f"KEEP wants {spec.wants}", head.whole_span, help_)
         return None
     word = values[0]
@@ -113,12 +113,15 @@ def _limits(
     """
     wanted = _VALUES[kind]
     if len(values) > len(wanted):
-        names = " and ".join(name for _, name in wanted)
-        message = f"{kind} takes {names if len(wanted) == 1 else f'{len(wanted)} values at most, {names}'}: {len(values)} values stand here"
+        *names, last = (name for _, name in wanted)
+        names_ = f"{', '.join(names)} and {last}" if names else last
+        message = f"{kind} takes {f'{len(wanted)} values at most, {names_}' if names else names_}, and {len(values)} values stand here"
         span = head.span(values[len(wanted)].place)
         findings.add("Y0401", message, span, f"for example {word_specs()['KEEP'].example}")
         return None
-    limits = [_value(head, one, each, scope, defaults, findings) for one, each in zip(values, wanted, strict=False)]
+    limits = [
+        _value(head, one, each, scope, defaults, findings) for one, each in zip(values, wanted, strict=False)
+    ]
     found = [one for one in limits if one is not None]
     if len(found) < len(limits):
         return None
@@ -126,6 +129,8 @@ def _limits(
     if kind != "ABOVE" and not LEAST_TILT <= angle <= MOST_TILT:
         message = f"{kind} takes an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg, and this is {angle / DEG:.6g}"
         help_ = "0 would be a motion without any deviation: write 1 (deg)"
+        if angle > MOST_TILT:
+            help_ = "180 (deg) would forbid nothing: take the KEEP away, or write a smaller angle"
         findings.add("Y0480", message, head.span(values[0].place), help_)
         return None
     near, far = (*found[1:], *(LEAST_SIGHT, np.inf)[len(found) - 1 :])[:2]

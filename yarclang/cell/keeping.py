@@ -122,6 +122,7 @@ class Keep:
         region: the poses of the flange at which the rule is kept.
         carried: the declarations of the carried frame, from which the judge computes `region` again.
         standing: those of the frame that stands still.
+        of_cell: True if the rule is that of a cell.toml, for all motions: its frames are those of cell or robot.
     """
 
     kind: KeepKind
@@ -130,6 +131,7 @@ class Keep:
     region: Tilt | Height | Sight
     carried: Link | None = field(default=None, compare=False)
     standing: Link | None = field(default=None, compare=False)
+    of_cell: bool = field(default=False, compare=False)
 
     @property
     def limit(self) -> float:

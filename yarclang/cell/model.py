@@ -442,6 +442,11 @@ class Cell:
     allowed: frozenset[tuple[str, str]] = frozenset()
 
     @property
+    def rules(self) -> tuple[Keep, ...]:
+        """The rules to which all motions keep."""
+        return tuple(zone.keep for zone in self.zones if zone.keep is not None)
+
+    @property
     def grips(self) -> Mapping[str, Grip]:
         """The grippers, by the variables of their outputs."""
         return {one.variable: one.grip for one in self.outputs.values() if one.grip is not None}

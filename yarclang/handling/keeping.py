@@ -20,7 +20,13 @@ def has_keeps(steps: Sequence[Step]) -> bool:
 
 
 def kept_to(program: Program) -> tuple[KeptTo, ...]:
-    """Return the rules of all motions of a program, as the map of a controller text states them."""
+    """Return the rules of all motions of a program, as the map of a controller text states them: those of its
+    cell first.
+    """
+    rules = () if program.cell is None else program.cell.rules
     return tuple(
-        KeptTo(number, one.told) for number, step in enumerate(program.steps) for one in keeps_of(step)
+        KeptTo(number, one.told)
+        for number, step in enumerate(program.steps)
+        if isinstance(step, Motion)
+        for one in dict.fromkeys((*rules, *step.keeps))
     )

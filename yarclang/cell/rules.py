@@ -103,7 +103,9 @@ def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) 
         return None
     angle = entry.angle * factor
     if not LEAST_TILT <= angle <= MOST_TILT:
-        message = f"{spoken((*path, 'angle'))} is {angle / DEG:.6g} deg: no motion could be proved to keep to it."
+        message = (
+            f"{spoken((*path, 'angle'))} is {angle / DEG:.6g} deg: no motion could be proved to keep to it."
+        )
         remedy = f"It is from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg."
         file.say("Y1308", (*path, "angle"), message, remedy)
         return None

@@ -203,6 +203,7 @@ class CellTable(Document):
         "outputs": OutputTable,
         "obstacles": ObstacleTable,
         "zones": ZoneTable,
+        "keep": KeepTable,
         "parts": PartTable,
         "tools": RackTable,
         "sensors": SensorTable,

@@ -193,7 +193,7 @@ class _Judge:
         )
         interval = (stay.begin, stay.end)
         self._find(
-            code, message, place, *remedy(place.motion, _REMEDIES[code], interval, self.sweep.lasts(row))
+            code, message, place, *remedy(place.motion, _remedy(code, rule), interval, self.sweep.lasts(row))
         )
 
     def _too_tilted(self, row: int, rule: Keep, tilt: Tilt, when: float) -> None:
@@ -208,7 +208,10 @@ class _Judge:
         )
         when_ = (stay.begin, stay.end)
         self._find(
-            "Y0955", message, place, *remedy(place.motion, _REMEDIES["Y0955"], when_, self.sweep.lasts(row))
+            "Y0955",
+            message,
+            place,
+            *remedy(place.motion, _remedy("Y0955", rule), when_, self.sweep.lasts(row)),
         )
 
     def _borders(self) -> list[Clearance | None]:
@@ -307,7 +310,12 @@ class _Judge:
             f"{pose_text(self.robot, place.motion.origin, q)}{more}"
         )
         when = (min(one.begin for _, one in stays), max(one.end for _, one in stays))
-        self._find(code, message, place, *remedy(place.motion, _REMEDIES[code], when, self.sweep.lasts(row)))
+        self._find(
+            code,
+            message,
+            place,
+            *remedy(place.motion, _remedy(code, watch.zone.keep), when, self.sweep.lasts(row)),
+        )
 
     def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
         """Return the code of a violation, and its description where it is worst."""
@@ -363,6 +371,12 @@ def _mm(length: float) -> str:
 
 def _called(watch: Watch) -> str:
     return watch.item.name if watch.item is not None else "the arm"
+
+
+def _remedy(code: str, rule: Keep | None) -> str:
+    """Return the remedy of a finding; that of a rule names the place where it stands."""
+    told = _REMEDIES[code]
+    return told.replace("in the KEEP", "in [[keep]] of the cell.toml") if rule and rule.of_cell else told
 
 
 _REMEDIES = {

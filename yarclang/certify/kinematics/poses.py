@@ -132,7 +132,7 @@ def _is_region(keep: Keep, carried: Array, standing: Array) -> bool:
         case "ABOVE", Height() as height:
             level = standing[:3, 2] @ standing[:3, 3]
             pairs = [(height.own, carried[:3, 3]), (height.up, standing[:3, 2]), ((height.level,), level)]
-        case ("FACING" | "SEEN"), Sight() as sight:
+        case (("FACING" | "SEEN"), Sight() as sight):
             if sight.is_carried != (keep.kind == "FACING") or not sight.near > 0.0:
                 return False
             axis = carried[:3, 2] if sight.is_carried else standing[:3, 2]

@@ -180,6 +180,32 @@ def test_a_wrong_head_is_one_finding(rule, code):
     assert [one.code for one in found if one.is_error] == [code]
 
 
+@pytest.mark.parametrize(
+    ("outer", "inner", "is_needless"),
+    [
+        ("UPRIGHT 100 (deg)", "UPRIGHT 100 (deg)", True),
+        ("UPRIGHT 100 (deg)", "UPRIGHT 120 (deg)", True),
+        ("UPRIGHT 120 (deg)", "UPRIGHT 100 (deg)", False),
+        ("ABOVE 200 (mm)", "ABOVE 100 (mm)", True),
+        ("ABOVE 100 (mm)", "ABOVE 200 (mm)", False),
+        ("SEEN 100 200 3000 (deg,mm)", "SEEN 100 (deg)", True),
+        ("SEEN 100 (deg)", "SEEN 120 200 (deg,mm)", False),
+        ("SEEN 100 (deg)", "UPRIGHT 100 (deg)", False),
+        ("SEEN 100 (deg) {B}", "SEEN 100 (deg) {PART}", False),
+    ],
+)
+def test_a_rule_inside_of_a_narrower_one_is_a_warning(outer, inner, is_needless):
+    inside = f"KEEP {{TCP}} {outer}\n  KEEP {{TCP}} {inner}\n    P0010 MOVEJ 0 0 0 0 30 0\n  END\nEND\n"
+    _, found = compiled(HEAD % "0 0 -500" + inside)
+    assert codes(found) == ["Y0483"] * is_needless
+
+
+def test_a_rule_in_a_sub_is_not_needless_where_it_is_called_in_another():
+    sub = "SUB GO\n  KEEP {TCP} UPRIGHT 120 (deg)\n    P0010 MOVEJ 0 0 0 0 30 0\n  END\nEND\n"
+    program = HEAD % "0 0 0" + sub + "KEEP {TCP} UPRIGHT 100 (deg)\n  P0020 CALL GO\nEND\n"
+    assert codes(compiled(program)[1]) == []
+
+
 def test_the_words_of_a_rule_are_what_was_written():
     for rule in ("FACING 40 (deg) {B}", "SEEN 40 200 (deg,mm) {B}", "FACING 40.5 1 3000 (deg,mm) {B}"):
         line = f"KEEP {{TCP}} {rule}"

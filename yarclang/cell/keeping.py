@@ -147,6 +147,22 @@ class Keep:
             link = link.parent
         return tuple(found)
 
+    def is_within(self, other: Keep) -> bool:
+        """Return True if every place that keeps to another rule keeps to this one as well, as far as the limits
+        of two rules for the same frames show it.
+        """
+        mine, its = self.region, other.region
+        if self.kind != other.kind or not np.allclose(
+            mine.numbers[:6], its.numbers[:6], rtol=0.0, atol=1e-12
+        ):
+            return False
+        if isinstance(mine, Height) and isinstance(its, Height):
+            return mine.level + mine.limit <= its.level + its.limit
+        if isinstance(mine, Sight) and isinstance(its, Sight):
+            is_same = np.allclose(mine.axis, its.axis, rtol=0.0, atol=1e-12)
+            return is_same and its.limit <= mine.limit and mine.near <= its.near and its.far <= mine.far
+        return its.limit <= mine.limit
+
     @property
     def amount(self) -> str:
         """The limit with its unit, as a program writes it: 20 200 600 (deg,mm)."""

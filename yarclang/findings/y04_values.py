@@ -361,6 +361,15 @@ FINDINGS = (
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 170 200 3000 (deg,mm)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
     ),
     Finding(
+        "Y0483",
+        "needless-rule",
+        "warning",
+        "a KEEP asks for nothing that the KEEP around it doesn't",
+        "All rules around a motion hold. A KEEP for the same frames with a wider limit, inside of one with a narrower limit, changes nothing, and its motions may still not use what it seems to allow.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\n  KEEP {TCP} UPRIGHT 120 (deg)\n    P0020 MOVEJ 0 0 0 0 0 0\n  END\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND\nKEEP {TCP} UPRIGHT 120 (deg)\n  P0020 MOVEJ 0 0 0 0 0 0\nEND",
+    ),
+    Finding(
         "Y0481",
         "keeps-nothing",
         "warning",

@@ -117,9 +117,10 @@ class _Cone:
     def excess(self, aim: Aim) -> Array:
         """Return by how much the rule is exceeded at each instant (P,) [rad or m]; not positive if it is kept."""
         sight = self.sight
-        return np.maximum.reduce(
+        found: Array = np.maximum.reduce(
             [aim.angle - sight.limit, sight.near - aim.distance, aim.distance - sight.far]
         )
+        return found
 
     def bounds(
         self, segment: NDArray[np.int64], long: Array, before: Aim, after: Aim

@@ -151,15 +151,16 @@ class _Judge:
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
             rule = zone.keep
             assert rule is not None
-            if isinstance(zone.region, Sight):
-                self._keep_in_sight(rule, zone.region, told)
+            region = rule.region
+            if isinstance(region, Sight):
+                self._keep_in_sight(rule, region, told)
                 continue
-            found = tilted(self.motions, zone.region) if isinstance(zone.region, Tilt) else None
+            found = tilted(self.motions, region) if isinstance(region, Tilt) else None
             for row in range(len(self.places)):
                 most_ = None if found is None else float(found.most[row])
                 told[row].append(KeptRule(rule.words, rule.limit, most_))
-                if isinstance(zone.region, Tilt) and found is not None and found.exceeds[row]:
-                    self._too_tilted(row, rule, zone.region, float(found.when[row]))
+                if isinstance(region, Tilt) and found is not None and found.exceeds[row]:
+                    self._too_tilted(row, rule, region, float(found.when[row]))
         return [tuple(one) for one in told]
 
     def _keep_in_sight(self, rule: Keep, sight: Sight, told: list[list[KeptRule]]) -> None:
@@ -179,9 +180,9 @@ class _Judge:
         angle, distance = seen_at(self.scene.chain, sight, q)
         cone, point = (rule.frame, rule.of) if sight.is_carried else (rule.of, rule.frame)
         if angle - sight.limit >= max(sight.near - distance, distance - sight.far):
-            code, limit = "Y0957", f"{sight.limit / DEG:.10g} deg of KEEP"
+            code, told = "Y0957", f"{sight.limit / DEG:.10g} deg of KEEP"
             over = up_to(max(angle - sight.limit, 1e-7) / DEG, 3)
-            how = f"{{{point}}} is {up_to(angle / DEG, 4)} deg off the z axis of {{{cone}}}, {over} deg more than the {limit}"
+            how = f"{{{point}}} is {up_to(angle / DEG, 4)} deg off the z axis of {{{cone}}}, {over} deg more than the {told}"
         else:
             is_near = sight.near > distance
             code, limit = "Y0958", sight.near if is_near else sight.far

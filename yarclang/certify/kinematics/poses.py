@@ -126,6 +126,7 @@ def _is_region(keep: Keep, carried: Array, standing: Array) -> bool:
         carried: flange_from_frame (4, 4) [m].
         standing: base_from_frame (4, 4) [m].
     """
+    pairs: list[tuple[tuple[float, ...], Array]]
     match keep.kind, keep.region:
         case "UPRIGHT", Tilt() as tilt:
             pairs = [(tilt.own, carried[:3, 2]), (tilt.up, standing[:3, 2])]

@@ -138,7 +138,7 @@ class _Maker(NameMaker):
                 yield from self._arguments()
             case "frames":
                 yield from self.frames()
-                if not self.cursor.values:
+                if all(one.kind == "frame" for one in self.cursor.values):
                     for first, summary in word.first:
                         yield self.make(first, "word", summary, "", first)
             case "values":

@@ -39,19 +39,20 @@ _CUTS = 120
 """Shortcuts that are tried."""
 
 
-def _excesses(rule: Pointed, scene: Scene, q: Array) -> Array:
-    """Return by how much a rule's inner limits are exceeded at joint positions (P, n), (C, P) [rad or m]."""
+def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]]:
+    """Return by how much a rule's inner limits are exceeded at the first of several joint positions (P, n), each
+    with the measured values (P,) at all of them [rad or m].
+    """
     if not isinstance(rule, Sight):
-        return (angles_at(rule, scene, q) - rule.limit * _INSIDE)[None]
+        seen = angles_at(rule, scene, q)
+        return [(float(seen[0]) - rule.limit * _INSIDE, seen)]
     aim = aimed_at(rule, scene, q)
     spare = min(_SPARE, (rule.far - rule.near) * (1.0 - _INSIDE) / 2.0)
-    return np.stack(
-        (
-            aim.angle - rule.limit * _INSIDE,
-            rule.near + spare - aim.distance,
-            np.maximum(aim.distance - rule.far + spare, -1.0),
-        )
-    )
+    return [
+        (float(aim.angle[0]) - rule.limit * _INSIDE, aim.angle),
+        (rule.near + spare - float(aim.distance[0]), -aim.distance),
+        (float(aim.distance[0]) - rule.far + spare, aim.distance),
+    ]
 
 
 def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> Array | None:
@@ -70,9 +71,9 @@ def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> 
     for _ in range(_ROUNDS):
         worst, slopes = 0.0, None
         for rule in rules:
-            for seen in _excesses(rule, scene, q + around):
-                if float(seen[0]) > worst:
-                    worst, slopes = float(seen[0]), (seen[1:] - seen[0]) / _DELTA / reach
+            for over, seen in _excesses(rule, scene, q + around):
+                if over > worst:
+                    worst, slopes = over, (seen[1:] - seen[0]) / _DELTA / reach
         if slopes is None:
             return q
         size = float(slopes @ slopes)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import checked
 
-from yarclang.cell.keeping import keep
+from yarclang.cell.keeping import Keep, region_of
 from yarclang.hir import (
     Allowed,
     ArcMove,
@@ -89,7 +89,7 @@ OTHERS = {
     "search": (None, Search("M12", 1.0, "TOUCH")),
     "file": ("", "path.csv"),
     "allowed": ((), (Allowed("BOX", "GRIPPER"),)),
-    "keeps": ((), (keep("UPRIGHT", ("TCP", "B"), np.eye(4), np.eye(4), 0.2),)),
+    "keeps": ((), (Keep("UPRIGHT", "TCP", "B", region_of("UPRIGHT", np.eye(4), np.eye(4), 0.2)),)),
 }
 """Two values of each field of a motion. A new field needs a pair here."""
 

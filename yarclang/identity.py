@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.cell.keeping import Keep, Sight
 from yarclang.decisions import simple
 from yarclang.hir import (
     FrameLink,
@@ -204,6 +205,12 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
     kind: Any = type(value)
     if value is None or kind is float or kind is str:  # by far the most frequent kinds
         feed(f"{value!r};".encode())
+    elif kind is Keep and not isinstance(value.region, Sight):  # type: ignore[attr-defined]
+        # the form of all rules before there were cones
+        keep: Keep = value  # type: ignore[assignment]
+        feed(b"Keep(")
+        _feed(feed, (keep.kind, keep.frame, keep.of, *keep.region.numbers))
+        feed(b")")
     elif (known := _known_fields(kind)) is not None:
         head, names = known
         feed(head)

@@ -57,6 +57,8 @@ def behind(half: str, view_of=looked_at) -> list[str]:
         ("P0100 MOVEJ_", ["MOVEJ_AVOID", "MOVEJ_RPY_AVOID_POLY5"], []),
         ("P0100 MOVEL ", ["{TOOL}", "{TCP}", "SPOT"], ["READY", "BLEND", "MOVEJ"]),
         ("P0100 MOVEL 1 ", [], ["SPOT"]),
+        ("KEEP {TOOL} ", ["UPRIGHT", "ABOVE", "FACING", "SEEN", "{TABLE}"], ["MOVEJ"]),
+        ("KEEP {TOOL} FACING 20 ", ["{TABLE}"], ["UPRIGHT"]),
         ("P0100 MOVEL_SPLINE SPOT; ", ["SPOT"], []),
         ("P0100 MOVEJ_RPY ", ["READY", "SPOT"], []),
         ("P0100 DMOVE ", [], ["SPOT"]),

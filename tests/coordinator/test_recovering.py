@@ -336,6 +336,19 @@ def found_from(folder, text, degrees, cell=POST, **options):
     return find_recovery(robot, made.value, np.radians(degrees), lambda cell, start: None)
 
 
+@pytest.mark.parametrize(("angle", "place"), [(80, "the start"), (50, None)])
+def test_the_way_to_a_program_keeps_to_the_rules_of_the_cell(tmp_path, angle, place):
+    """The tool stands 65 degrees tilted."""
+    rule = f'units = "mm,deg"\n[[keep]]\nframe = "TCP"\nrule = "upright"\nangle = {angle}\n'
+    made = found_from(tmp_path, SKIPPING, [40.0, 0, 0, 0, 65.0, 0], rule)
+    assert (made.value and made.value.place.title) == place
+    if place is None:
+        assert any("KEEP {TCP} UPRIGHT 50 (deg) {B}" in one.message for one in made.diagnostics)
+    else:
+        (command,) = made.value.made.certificate.commands
+        assert command.kept[0].largest >= np.radians(64.9)
+
+
 @pytest.mark.parametrize(("off", "place"), [(0.01, None), (1e-6, "the start"), (0.0, "the start")])
 def test_a_joint_beyond_its_limit_is_named(tmp_path, off, place):
     """J1 goes to 170 deg; what is off by rounding stands on the limit."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from yarclang.cell.bodies import Surroundings, Units, belong, mounted, simple_shape
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import PARTS, Array, HalfSpace, JointWindow, Mount, Region, ShapeRegion, Zone
 from yarclang.cell.schema import ZoneTable
@@ -87,7 +87,7 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
     """Return the fault and the remedy of a zone that is so thin that a motion could cross it unnoticed;
     None for other zones.
     """
-    if zone.rule == "allowed" or isinstance(zone.region, HalfSpace | Tilt):
+    if zone.rule == "allowed" or isinstance(zone.region, HalfSpace | Pointed):
         return None
     if isinstance(zone.region, JointWindow):
         if float((zone.region.upper - zone.region.lower).min()) >= NARROWEST:

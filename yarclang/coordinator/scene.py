@@ -225,6 +225,8 @@ def _described(one: Obstacle | Zone, base: str, flange: str) -> replies.SceneIte
             return _item(one.name, "zone", shape, Mount(pose, False), (base, flange), one)
         case HalfSpace() as region:
             return _item(one.name, "zone", None, Mount(region.base_from_plane, False), (base, flange), one)
+    if one.keep is not None:
+        return f"the rule {one.name} is about directions, which have no place to be shown"
     return f"the zone {one.name} is a window of the joints, which has no place to be shown"
 
 

@@ -346,10 +346,28 @@ FINDINGS = (
         "unknown-rule",
         "error",
         "KEEP doesn't know this rule, or its angle can't be kept",
-        "KEEP takes UPRIGHT with an angle, by which the z axis of a carried frame may turn away from that of a frame that stands still, or ABOVE with a distance from the plane of that frame. "
+        "KEEP takes UPRIGHT with an angle, by which the z axis of a carried frame may turn away from that of a frame that stands still, ABOVE with a distance from the plane of that frame, or FACING and SEEN with the angle of a cone. "
         "An angle is at least 0.1 deg, since no executed motion is exact, and at most 175 deg.",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} LEVEL 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0482",
+        "impossible-distance",
+        "error",
+        "a range of distances of KEEP can't be kept",
+        "FACING and SEEN may have two distances after the angle, the least and the largest one. At the apex of a cone nothing has a direction, so that the least distance is 1 mm or more; and the largest one is at least 1 mm more, since no executed motion is exact.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 170 3000 200 (deg,mm)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 170 200 3000 (deg,mm)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0483",
+        "needless-rule",
+        "warning",
+        "a KEEP asks for nothing that the KEEP around it doesn't",
+        "All rules around a motion hold. A KEEP for the same frames with a wider limit, inside of one with a narrower limit, changes nothing, and its motions may still not use what it seems to allow.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\n  KEEP {TCP} UPRIGHT 120 (deg)\n    P0020 MOVEJ 0 0 0 0 0 0\n  END\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND\nKEEP {TCP} UPRIGHT 120 (deg)\n  P0020 MOVEJ 0 0 0 0 0 0\nEND",
     ),
     Finding(
         "Y0481",

@@ -45,6 +45,25 @@ FINDINGS = (
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} ABOVE 500 (mm)\n  P0010 MOVEJ 0 0 20 0 0 0\nEND",
     ),
     Finding(
+        "Y0957",
+        "out-of-sight",
+        "error",
+        "a point would leave the cone of a KEEP",
+        "Inside of a KEEP ... FACING, the origin of a frame that stands still stays in the cone around the z axis of the carried frame; inside of a KEEP ... SEEN, the origin of the carried frame stays in the cone of one that stands still. It holds on the whole way, and is checked at every instant of what the controller executes. "
+        "The message says how far the point is off the axis, when, and where the robot is then. Bodies between the two aren't looked at.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 10 (deg)\n  P0010 MOVEJ 0 0 0 0 30 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 60 (deg)\n  P0010 MOVEJ 0 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0958",
+        "out-of-range-of-sight",
+        "error",
+        "a point would come too near to the apex of a cone, or too far from it",
+        "A KEEP ... FACING or SEEN may have a least and a largest distance after its angle, between the origins of both frames. They hold on the whole way.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 90 200 1000 (deg,mm)\n  P0010 MOVEJ 0 0 0 0 30 0\nEND",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} SEEN 90 200 3000 (deg,mm)\n  P0010 MOVEJ 0 0 0 0 30 0\nEND",
+    ),
+    Finding(
         "Y0908",
         "into-a-zone",
         "error",

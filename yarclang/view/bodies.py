@@ -120,7 +120,9 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
         items.append(Item(one.name, kind, joint, placed, solid, colour, 1.0))  # type: ignore[arg-type]
     for zone in cell.zones:
         border = _border(zone)
-        if border is None:
+        if border is None and zone.keep is not None:
+            notes.append(f"the rule {zone.name} is about directions, which have no place to be shown")
+        elif border is None:
             notes.append(f"zone {zone.name} is a window of the joints, which has no place to be shown")
         else:
             placed, solid = border

@@ -162,6 +162,9 @@ def inside(one: Obstruction) -> str:
     moving, other = one.names
     if one.is_tilt:
         return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"
+    if one.aim is not None:
+        angle, distance = one.aim
+        return f"{moving} breaks {other}, {angle / DEG:.4g} deg off the axis and {distance / MM:,.4g} mm away"
     if one.is_zone:
         return (
             f"{JOINTS} break the zone {other}"

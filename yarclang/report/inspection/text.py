@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
-from yarclang.certify.outward import most, percent, up_to
+from yarclang.certify.outward import down_to, least, most, percent, up_to
 from yarclang.decisions import in_words, shown_variable, simple
 from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
@@ -108,6 +108,11 @@ def _command(inspected: Inspected) -> Iterator[str]:
         reached = (
             "" if rule.largest is None else f": it tilts at most {up_to(most(rule.largest, DEG), 4)} deg"
         )
+        if rule.largest is not None and rule.nearest is not None and rule.farthest is not None:
+            reached = (
+                f": at most {up_to(most(rule.largest, DEG), 4)} deg off the axis, "
+                f"{down_to(least(rule.nearest, MM), 6)} to {up_to(most(rule.farthest, MM), 6)} mm away"
+            )
         yield f"keeps to {printable(rule.rule)}{reached}"
     for one in () if inspected.certificate is None else inspected.certificate.may_touch:
         needed = "they touch, or come nearer than a margin" if one.needed else "they keep apart all the same"

@@ -355,7 +355,11 @@ class AvoidMove(MotionHead):
 
 @frozen(eq=False)
 class LineMove(MotionHead):
-    """A motion of the moving frame along a straight line, turning about one fixed axis the short way."""
+    """A motion of the moving frame along a straight line, turning about one fixed axis the short way.
+
+    If it `avoids`, the planner replaces it by LineMoves that don't: one if the straight line is free, otherwise
+    several around what is in the way. The last of them has its goal.
+    """
 
     leads_frame = True
     origin: Origin
@@ -367,6 +371,7 @@ class LineMove(MotionHead):
     search: Search | None = None
     allowed: tuple[Allowed, ...] = ()
     keeps: tuple[Keep, ...] = ()
+    avoids: bool = False
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:

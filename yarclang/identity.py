@@ -79,6 +79,8 @@ def key_of(step: Motion) -> bytes:
         *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
         # Written only if the motion keeps to rules, likewise.
         *((tuple([("keep", one.told) for one in step.keeps]),) if step.keeps else ()),
+        # Written only if the line may be left, likewise.
+        *(("avoids",) if isinstance(step, LineMove) and step.avoids else ()),
     )
 
 
@@ -240,6 +242,7 @@ _LATER: dict[str, object] = {
     "pieces": 0,
     "keeps": (),
     "keep": None,
+    "avoids": False,
 }
 """Fields added after programs had been hashed, with their default values.
 

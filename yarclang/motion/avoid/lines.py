@@ -40,16 +40,16 @@ class Effort:
     legs: int
 
 
-EFFORTS = (Effort(0.02, 0.03, 500), Effort(0.005, 0.015, 500), Effort(0.0005, 0.01, 300))
+EFFORTS = (Effort(0.02, 0.03, 350), Effort(0.005, 0.015, 250), Effort(0.0005, 0.01, 150))
 """Searches made one after the other: first with room to spare, finally close to obstacles."""
 
-QUICK = EFFORTS[:1]
+QUICK = (Effort(0.01, 0.03, 100),)
 """Searches for motions that are routed once more."""
 
 _DISTANCES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7)
 """Lengths of the first and the last of three legs [m]."""
 
-_ACROSS = 60
+_ACROSS = 40
 """Number of legs across, from the shortest way on, that are tried at most."""
 
 _BRANCH = 0.5

@@ -131,7 +131,9 @@ def on_lines() -> None:
     """
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
-    print("| INDUSTRIAL6, MOVEL_AVOID | found | of | legs, mean | computing: median | slowest |\n|---|---|---|---|---|---|")
+    print(
+        "| INDUSTRIAL6, MOVEL_AVOID | found | of | legs, mean | computing: median | slowest |\n|---|---|---|---|---|---|"
+    )
     for what, problems in (("past a box", past_a_box(robot)), ("hidden walks", solvable(robot, LINES))):
         tried = [found for one in problems if (found := _on_lines(robot, one)) is not None]
         times = [took for took, _ in tried]

@@ -199,6 +199,7 @@ def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
         # a WAIT stands after the last one drawn if a timetable follows
         flows = step != (steps[-3] if program.said[steps[-1]].kind == "timed" else steps[-1])
         beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and flows}
+        beside |= {"_AVOID": one.avoids, "KEEP": bool(one.rules)}
         if one.kind == "timed":
             yield step, ("motions", kind)
             continue

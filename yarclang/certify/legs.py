@@ -32,7 +32,9 @@ def strayed(asked: Program, planned: Program) -> Diagnostic | None:
     same = replace(planned, steps=asked.steps)
     for one in fields(Program):
         if getattr(same, one.name) is not getattr(asked, one.name):
-            return _finding(f"{one.name} of the program differ", asked.steps[0] if asked.steps else Gap(), asked)
+            return _finding(
+                f"{one.name} of the program differ", asked.steps[0] if asked.steps else Gap(), asked
+            )
     at = 0
     for step in asked.steps:
         if not (isinstance(step, LineMove) and step.avoids):

@@ -14,9 +14,9 @@ from yarclang import __version__
 from yarclang.backend import Backend, Written, backend_of
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
-from yarclang.certify.legs import strayed
 from yarclang.certify.certifying import certify
 from yarclang.certify.claims import Claims
+from yarclang.certify.legs import strayed
 from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
 from yarclang.emitted.header import Header
 from yarclang.emitted.seal import sealed

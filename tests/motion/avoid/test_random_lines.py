@@ -58,7 +58,9 @@ def test_what_is_found_is_straight_and_free(tally, seed):
         assert worst(q, *boxes) > 0.0
         end = step.goal.base_from_moving[:3, 3]
         places = flange_poses(ROBOT.chain, q)[:, :3, 3]
-        along = np.clip((places - begin) @ (end - begin) / max((end - begin) @ (end - begin), 1e-12), 0.0, 1.0)
+        along = np.clip(
+            (places - begin) @ (end - begin) / max((end - begin) @ (end - begin), 1e-12), 0.0, 1.0
+        )
         off = places - begin - along[:, None] * (end - begin)
         assert np.linalg.norm(off, axis=1).max() < ROBOT.tolerance.position
         begin = end

@@ -16,7 +16,6 @@ from yarclang.motion.avoid.room import TOUCH, Room, reaches
 from yarclang.motion.cartesian import CartesianPath, along
 from yarclang.motion.paths.line import Line, line_between
 from yarclang.motion.rotation import turned
-from yarclang.motion.singular import NEAR
 from yarclang.progress import go_on
 from yarclang.robot.kinematics.singularity import smallest_singular_values
 from yarclang.transforms import constant, pose_matrix, roll_pitch_yaw

@@ -353,9 +353,7 @@ _AXES = [
 ]  # fmt: skip
 
 
-def _shortened(
-    legs: Legs, start: Array, corners: list[Array], effort: Effort, limits: Limits
-) -> list[Array]:
+def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, limits: Limits) -> list[Array]:
     """Return a shorter way: corners that aren't needed are left out, the others are moved inwards."""
 
     def follow(way: list[Array]) -> float | None:

@@ -44,7 +44,13 @@ def way_of_lines(course: Course, step: Motion) -> Message:
         f"the straight line isn't free: {why}; a way round was found, with {count} corner{'s' * (count != 1)} "
         f"at {places}{more} (mm) {{B}}"
     )
-    return "Y0920", message, step.origin.span, "MOVEL to these places goes the same way, whatever the cell becomes", None
+    return (
+        "Y0920",
+        message,
+        step.origin.span,
+        "MOVEL to these places goes the same way, whatever the cell becomes",
+        None,
+    )
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:

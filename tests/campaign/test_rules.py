@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -93,10 +94,10 @@ def test_legs_that_lead_elsewhere_are_found():
     assert len(said) == len(value.plan.motions)
     # the last of the legs has the goal that is written in the program
     steps = re.findall(r"^; command (\d+) (\S+) MOVEL_AVOID ", value.text, re.MULTILINE)
-    (first, index), (second, _) = next(pair for pair in zip(steps, steps[1:]) if pair[0][1] == pair[1][1])
-    number = [step for step in sorted(program.said)][int(index[1:]) // 10 - 1]
+    first, index = next(one for one, other in pairwise(steps) if one[1] == other[1])
+    number = sorted(program.said)[int(index[1:]) // 10 - 1]
     point, turn = program.said[number].goals[0]
-    program.said[number].goals[0] = point + [0.0, 0.0, 0.1], turn
+    program.said[number].goals[0] = np.add(point, (0.0, 0.0, 0.1)), turn
     assert judged(program, value, found).faults
     program.said[number].goals[0] = point, turn
     # a corner that isn't where the leg leads

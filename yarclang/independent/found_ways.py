@@ -38,14 +38,17 @@ def unfolded(
     lasting: list[tuple[list[int], float]] = []
     for (_, one), (_, steps) in zip(sorted(said.items()), groups, strict=True):
         *before, last = steps
+        new[last] = one
         if one.kind == "line" and before:
+            leg = one
             if one.seconds is not None:
                 lasting.append((steps, one.seconds))
-                one = replace(one, time="[MIN]")
+                leg = replace(one, time="[MIN]")
             for step in before:
                 points, turns = arm.poses(chosen[step] / arm.si)
-                new[step] = replace(one, goals=[(points[-1], turns[-1])])
+                new[step] = replace(leg, goals=[(points[-1], turns[-1])])
+            new[last] = leg
         elif one.avoids and one.kind == "joints" and len(chosen[last]) > 1:
-            one = replace(one, kind="joint_spline", goals=[*(chosen[last][:-1] / arm.si), *one.goals])
-        new[last] = one
+            way = [*(chosen[last][:-1] / arm.si), *one.goals]
+            new[last] = replace(one, kind="joint_spline", goals=way)
     return new, lasting

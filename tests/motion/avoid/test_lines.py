@@ -44,7 +44,7 @@ def test_every_form_goes_round_and_is_proved(line):
     value, found = made(line)
     assert not errors(found), found
     assert "Y0920" in codes(found)
-    first, *legs = value.certificate.commands
+    _, *legs = value.certificate.commands
     assert len(legs) == len(value.plan.motions) - 1 > 1
     for leg in legs:
         assert leg.kind == "line"

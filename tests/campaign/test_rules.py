@@ -19,7 +19,7 @@ from yarclang.robot.description import load_robot
 
 ROBOT = load_robot("INDUSTRIAL6").value
 ARM = arm_of(ROBOT)
-BLOCK = box("BLOCK", [0, 1.15, 1.25], [0.06, 0.06, 0.06], 0.003)
+BLOCK = box("BLOCK", [0.0, 1.2, 1.44], [0.05, 0.05, 0.05], 0.003)
 REFUSALS = {
     "Y0501",
     "Y0502",
@@ -51,7 +51,7 @@ def judged(program, value, found):
 @pytest.mark.parametrize("obstacles", [(), (BLOCK,)], ids=["free", "block"])
 def test_rules_and_ways_round_hold_by_another_reading(obstacles):
     tally = Tally()
-    for seed in range(10):
+    for seed in range(14):
         program, value, found = made(seed, *obstacles)
         errors = {one.code for one in found if one.is_error}
         assert errors <= REFUSALS, found

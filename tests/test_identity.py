@@ -89,6 +89,7 @@ OTHERS = {
     "search": (None, Search("M12", 1.0, "TOUCH")),
     "file": ("", "path.csv"),
     "allowed": ((), (Allowed("BOX", "GRIPPER"),)),
+    "avoids": (False, True),
     "keeps": ((), (Keep("UPRIGHT", "TCP", "B", region_of("UPRIGHT", np.eye(4), np.eye(4), 0.2)),)),
 }
 """Two values of each field of a motion. A new field needs a pair here."""

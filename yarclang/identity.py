@@ -84,6 +84,8 @@ def key_of(step: Motion) -> bytes:
         *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
         # Add the rules only if there are any, for the same reason.
         *((tuple([("keep", one.told) for one in step.keeps]),) if step.keeps else ()),
+        # Written only if the line may be left, likewise.
+        *(("avoids",) if isinstance(step, LineMove) and step.avoids else ()),
     )
 
 
@@ -252,6 +254,7 @@ _LATER: dict[str, object] = {
     "pieces": 0,
     "keeps": (),
     "keep": None,
+    "avoids": False,
 }
 """Fields added after programs had been hashed, with their default values.
 

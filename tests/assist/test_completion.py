@@ -52,7 +52,7 @@ def behind(half: str, view_of=looked_at) -> list[str]:
         (
             "P0100 MOVEL",
             ["MOVEL", "MOVEL_QUAT", "MOVEL_POLY5", "MOVEL_RPY_SCURVE"],
-            ["MOVEJ_RPY", "MOVEL_AVOID"],
+            ["MOVEJ_RPY", "MOVEC_AVOID"],
         ),
         ("P0100 MOVEJ_", ["MOVEJ_AVOID", "MOVEJ_RPY_AVOID_POLY5"], []),
         ("P0100 MOVEL ", ["{TOOL}", "{TCP}", "SPOT"], ["READY", "BLEND", "MOVEJ"]),

@@ -8,10 +8,19 @@ FINDINGS = (
         "way-round",
         "note",
         "a motion goes round something",
-        "The straight path in joint space of a motion with _AVOID isn't free, so that another path was found. The same program, cell "
-        "and version always give the same path; a change of the cell may change it. The fix writes the path as MOVEJ_SPLINE, which stays unchanged.",
+        "The straight path of a motion with _AVOID isn't free, so that another path was found. The same program, cell "
+        "and version always give the same path; a change of the cell may change it. The fix writes the path of a MOVEJ_AVOID as MOVEJ_SPLINE, which stays unchanged; "
+        "for a MOVEL_AVOID the message has the corners.",
         "P0010 MOVEJ_AVOID 60 0 0 0 0 0 [MIN] (deg)      ! a POST stands at 30 deg",
         "JOINTS P0010_VIA1 31.2 -42.5 12.07 0.4 -3.11 0 (deg)\nP0010 MOVEJ_SPLINE P0010_VIA1; 60 0 0 0 0 0 [MIN] (deg)",
+    ),
+    Finding(
+        "Y0964",
+        "legs-astray",
+        "error",
+        "the legs that were planned for a MOVEL_AVOID aren't legs of this command",
+        "The planner replaces a MOVEL_AVOID by straight legs. Before they are proved, they are compared with the command: they must end at its goal, move its frame, "
+        "keep its options and its time, and leave all other commands as they are. This is a fault of the planner, not of the program.",
     ),
     Finding(
         "Y0921",

@@ -205,8 +205,12 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
     request, source, project = begun.opened.request, begun.source, begun.project
     planned = plan_checked(begun.program, request)
     found, compiled, said = (*begun.found, *planned.diagnostics), None, dict(begun.said)
+    program, around = begun.program.value, begun.around
     if planned.value is not None:
-        said |= remarks((planned.value,), begun.around, _silent(project))
+        # lines around obstacles are several steps from here on
+        program = planned.value.program
+        around = replace(around, steps=program.steps)
+        said |= remarks((planned.value,), around, _silent(project))
         if not has_errors(begun.found):
             if early is not None:
                 early(_before_the_proof(begun, planned.value, found, said))
@@ -214,15 +218,15 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
             found, compiled = (*found, *made.diagnostics), made.value
             if compiled is not None:
                 tell("looking for what else is worth saying", 0)
-                said |= remarks((compiled.certificate,), begun.around, _silent(project))
+                said |= remarks((compiled.certificate,), around, _silent(project))
                 if begun.boxes:
                     found = (*found, *box_findings(compiled.plan, request))
     go_on()
-    found = (*found, *findings_of(said, begun.around, found))
+    found = (*found, *findings_of(said, around, found))
     is_whole = compiled is not None and not has_errors(found)
     diagnostics = settled(found, source, project, begun.opened, is_whole=is_whole)
     proved = None if has_errors(diagnostics) else compiled
-    return Checked(diagnostics, source, begun.opened, begun.program.value, planned.value, proved)
+    return Checked(diagnostics, source, begun.opened, program, planned.value, proved)
 
 
 def _before_the_proof(
@@ -231,7 +235,7 @@ def _before_the_proof(
     """Return the intermediate result for a program whose motions are planned but not proved yet."""
     found = (*found, *findings_of(said, begun.around, found))
     diagnostics = settled(found, begun.source, begun.project, begun.opened)
-    return Checked(diagnostics, begun.source, begun.opened, begun.program.value, plan)
+    return Checked(diagnostics, begun.source, begun.opened, plan.program, plan)
 
 
 def _silent(project: Project) -> set[str]:

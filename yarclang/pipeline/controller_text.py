@@ -130,7 +130,7 @@ def judge_text(
             return Result(None, (*told, Diagnostic("Y1373", message, given.source, given.span, given.remedy)))
         meant = replace(meant, cell=given.loaded.value)
     tolerance = tolerance_of(robot, options.tolerance) or robot.tolerance
-    does_the_same = fingerprint(plan.program) == header.program_fingerprint
+    does_the_same = fingerprint(plan.source_program) == header.program_fingerprint
     judged = certify(text.text, meant, robot, tolerance, claims_of(plan), any_line=does_the_same)
     # Other findings about the program are reported by yarcc and yarc check.
     errors = tuple(one for one in judged.diagnostics if one.is_error)

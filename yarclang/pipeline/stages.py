@@ -16,6 +16,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.certifying import certify
 from yarclang.certify.claims import Claims
+from yarclang.certify.legs import strayed
 from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
 from yarclang.emitted.header import Header
 from yarclang.emitted.seal import sealed
@@ -123,7 +124,10 @@ def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
     settings = _settings(request)
     if settings.value is None:
         return Result(None, settings.diagnostics)
-    return plan(program, request.robot, settings.value)
+    planned = plan(program, request.robot, settings.value)
+    if planned.value is None or (fault := strayed(program, planned.value.program)) is None:
+        return planned
+    return Result(None, (*planned.diagnostics, fault))
 
 
 def shown_plan(program: Program, request: Request) -> MotionPlan | None:
@@ -266,7 +270,10 @@ def _no_target(backend: Backend, target: str) -> Diagnostic:
 def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
     """Return the header, which describes the text to a reader. Certificate and seal are added later."""
     robot = planned.robot
-    searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
+    searches = any(
+        isinstance(step, AvoidMove) or (isinstance(step, LineMove) and step.avoids)
+        for step in planned.source_program.steps
+    )
     return Header(
         version=__version__,
         source=_printable(PurePath(planned.program.source.name).name),
@@ -274,7 +281,7 @@ def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
         loading=written.loading,
         robot=robot.name,
         robot_fingerprint=robot.fingerprint,
-        program_fingerprint=fingerprint(planned.program, request.memory),
+        program_fingerprint=fingerprint(planned.source_program, request.memory),
         made_with=_made_with(searches),
         start=written.start,
         units=", ".join(dict.fromkeys(robot.axis_unit_names)),

@@ -135,7 +135,15 @@ def test_nothing_found_is_said_with_the_samples(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "name", ["MOVEL_AVOID", "MOVEJ_LSPB_AVOID", "MOVEJ_AVOID_RPY", "DMOVEJ_AVOID", "MOVEJ_AVOID_AVOID"]
+    "name",
+    [
+        "MOVEC_AVOID",
+        "MOVEL_AVOID_RPY",
+        "MOVEJ_LSPB_AVOID",
+        "MOVEJ_AVOID_RPY",
+        "DMOVEJ_AVOID",
+        "MOVEJ_AVOID_AVOID",
+    ],
 )
 def test_it_stands_only_where_it_belongs(name):
     assert codes(planned(f"DEFAULT {{TCP}} [9] (mm,deg,s) {{B}}\nP0010 {name} 1 2 3 4 5 6")[1]) == ["Y0203"]

@@ -49,9 +49,13 @@ def _correction(otherwise: str) -> str:
 
 
 def round_it(motion: hir.Motion) -> Fix | None:
-    """Return a fix that turns a straight motion in joint space into an AvoidMove; None for other motions."""
+    """Return a fix that adds _AVOID to a motion that is straight in joint space or on a line to a pose; None for
+    other motions.
+    """
     origin = motion.origin
-    if not isinstance(motion, hir.JointMove) or isinstance(motion.goal, hir.JointDelta):
+    if not isinstance(motion, hir.JointMove | hir.LineMove) or motion.search is not None:
+        return None
+    if isinstance(motion.goal, hir.JointDelta | hir.PoseDelta) or "AVOID" in origin.name.split("_"):
         return None
     if origin.name_span is None or origin.source.is_installed:
         return None

@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, AvoidMove, Motion, Origin, PoseGoal
 from yarclang.motion.avoid.changes import FARTHEST, Change, change_fix, changes_text
+from yarclang.motion.avoid.lines import Course
 from yarclang.motion.avoid.parting import Barrier, Parting
 from yarclang.motion.avoid.room import JOINTS, Obstruction
 from yarclang.motion.avoid.way import NoWay, Way
@@ -30,6 +31,26 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
     message = f"the straight way isn't free: {in_way}; a way round was found, through {count} way-point{'s' * (count != 1)}"
     help_ = "MOVEJ_SPLINE with these way-points goes the same way, whatever the cell becomes"
     return "Y0920", message, step.origin.span, help_, _as_spline(robot, way, step)
+
+
+def way_of_lines(course: Course, step: Motion) -> Message:
+    """Return the finding that a line goes round obstacles, with the places of its corners."""
+    why = inside(course.between) if course.between is not None else "the arm can't follow it"
+    corners = course.poses[:-1, :3, 3] / MM
+    count = len(corners)
+    places = ", ".join(" ".join(f"{value + 0.0:.1f}" for value in one) for one in corners[:_SHOWN])
+    more = f", and {count - _SHOWN} more" if count > _SHOWN else ""
+    message = (
+        f"the straight line isn't free: {why}; a way round was found, with {count} corner{'s' * (count != 1)} "
+        f"at {places}{more} (mm) {{B}}"
+    )
+    return (
+        "Y0920",
+        message,
+        step.origin.span,
+        "MOVEL to these places goes the same way, whatever the cell becomes",
+        None,
+    )
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:

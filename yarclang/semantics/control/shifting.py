@@ -215,6 +215,10 @@ def _fault_of(step: Step) -> str:
         return "the point that its arc passes isn't shifted"
     if isinstance(step, JointMove | LineMove) and step.search is not None:
         return "where it ends is known only when it has ended"
+    if isinstance(step, LineMove) and step.avoids:
+        return (
+            "its way is found where the file has the frame; write it as MOVEL by the places that Y0920 tells"
+        )
     if isinstance(step, Motion | Gap | _Standing):
         return ""
     return "its lines are planned as a whole when the program runs, so they have one way"

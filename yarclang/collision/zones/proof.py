@@ -111,7 +111,9 @@ class _Search:
             return
         item = watch.item
         assert item is not None
-        bounds = self.bounds.setdefault(id(item), rates(self.scene.chain, self.course, item))
+        if id(item) not in self.bounds:
+            self.bounds[id(item)] = rates(self.scene.chain, self.course, item)
+        bounds = self.bounds[id(item)]
         look = self._inside if watch.zone.rule == "allowed" else self._outside
         near = self._rough(watch, item, bounds)
         done = 0
@@ -223,7 +225,7 @@ class _Search:
                 # joint.
                 surely, seen = -most.min(axis=1), -seen
             self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
-            open_ = (surely < -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
+            open_ = ~(surely >= -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
             pieces = pieces.take(np.flatnonzero(open_)).halves()
 
     def _tilt(self, number: int, tilt: Tilt, hit: Flags) -> None:
@@ -244,7 +246,7 @@ class _Search:
             most = np.minimum(by_chord, (before + behind + speed[pieces.segment] * long) / 2.0)
             when = np.where(before > behind, pieces.begin, pieces.end)
             self._break(number, pieces.segment, worst > tilt.limit + TILT_SLACK / 2.0, when, hit)
-            open_ = np.flatnonzero((most > tilt.limit + TILT_SLACK) & ~hit[self.motion[pieces.segment]])
+            open_ = np.flatnonzero(~(most <= tilt.limit + TILT_SLACK) & ~hit[self.motion[pieces.segment]])
             done += len(open_)
             pieces = pieces.take(open_)
             if done > MOST:

@@ -312,7 +312,8 @@ def _start(plan: MotionPlan, begin: int) -> Array:
         return plan.program.start
     # The robot moves only in motions, so it is at the start of the next one.
     following = next((motion for motion in plan.motions if motion.step >= begin), None)
-    return plan.motions[-1].waypoints[-1] if following is None else following.curve.points[0]
+    position: Array = plan.motions[-1].waypoints[-1] if following is None else following.curve.points[0]
+    return position
 
 
 def _output(step: Step) -> str | None:

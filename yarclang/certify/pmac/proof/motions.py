@@ -205,9 +205,9 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
             if motion.tolerance is not None and place.size:
                 told["tolerance_of"] = told_frame(moving_frame(motion))
         case hir.PoseSplineMove(waypoints=waypoints):
-            *poses, goal = (told_frame(one.base_from_moving) for one in waypoints)
+            *poses, last = (told_frame(waypoint.base_from_moving) for waypoint in waypoints)
             tool = told_frame(waypoints[0].flange_from_moving)
-            told |= {"move": "spline of poses", "pose": goal, "tool": tool, "poses": poses}
+            told |= {"move": "spline of poses", "pose": last, "tool": tool, "poses": poses}
         case hir.TimedMove():
             told |= {"move": "timetable", "within": in_units(motion.within / robot.axis_units)}
             told["rows"] = _rows(motion, robot)

@@ -115,7 +115,7 @@ def _listener(place: Place) -> socket.socket:
     except (OSError, OverflowError) as error:
         reason = (getattr(error, "strerror", None) or str(error)).lower()
         what = f"{place.host} port {place.port} can't be listened on: {reason}"
-        raise Trouble(what, "choose another --port or --host", "") from None
+        raise Trouble(what, "choose another --port (0 takes a free one) or --host", "") from None
 
 
 def _config(service: Service, place: Place) -> uvicorn.Config:

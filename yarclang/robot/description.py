@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -69,6 +70,9 @@ def load_robot(name_or_path: str) -> Result[Robot]:
     path, near = find_robot(name_or_path)
     if path is None:
         names = ", ".join(robot.name for robot in list_robots())
+        folder = name_or_path.lower()
+        if not near and os.path.basename(folder) == folder and os.path.isfile(f"{folder}/robot.toml"):
+            near = f"./{folder}"
         remedy = f"The robots are {names}; a robot of yours is named by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy
         message, subject = f"There is no robot {name_or_path[:80]!r}.", Name(name_or_path, near)

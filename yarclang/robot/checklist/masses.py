@@ -28,17 +28,17 @@ def mass_items(robot: Robot) -> Iterator[Item]:
         yield Item("torques", "note", f"torques aren't checked: {reason}", remedy)
         return
     total = f"{dynamics.mass.sum():.3g} kg move"
-    known = np.isfinite(dynamics.effort)
+    is_known = np.isfinite(dynamics.effort)
     q = within(robot.chain, robot.limits, POSITIONS)
-    held = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
-    joint = int(np.argmax(held.max(axis=0)))
+    torques = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
+    joint = int(np.argmax(torques.max(axis=0)))
     most = (
-        f"to stand, {robot.joint_names[joint]} needs up to {held.max():.0%} of its effort in "
+        f"to stand, {robot.joint_names[joint]} needs up to {torques.max():.0%} of its effort in "
         f"{POSITIONS} positions"
     )
-    free = [name for name, one in zip(robot.joint_names, known, strict=True) if not one]
+    free = [name for name, one in zip(robot.joint_names, is_known, strict=True) if not one]
     without = f"; {listed(free)} have no effort" if free else ""
-    if held.max() > 1.0:
+    if torques.max() > 1.0:
         remedy = "check masses (kg), effort (N m), gravity, and what the tools weigh"
         yield Item("torques", "note", f"{total}; {most}{without}", remedy)
     else:

@@ -67,12 +67,12 @@ def numbered(module: Module, before: int, first: int) -> Module:
     """
     numbers = {True: first, False: _STEP}
     statements: list[Statement] = []
-    for command in module.statements:
-        if command.index is None and command.name.name not in DECLARATIONS:
-            own = command.line > before
-            command = replace(command, index=Word(f"P{numbers[own]:04d}", command.name.place))  # noqa: PLW2901
+    for placed in module.statements:
+        if placed.index is None and placed.name.name not in DECLARATIONS:
+            own = placed.line > before
+            placed = replace(placed, index=Word(f"P{numbers[own]:04d}", placed.name.place))  # noqa: PLW2901
             numbers[own] += _STEP
-        statements.append(command)
+        statements.append(placed)
     return replace(module, statements=tuple(statements))
 
 

@@ -124,7 +124,9 @@ def judge_text(
     plan = plan_or_reason.value
     verified = plan.program
     if surroundings is not None:  # the program may be in another place with other surroundings, or none
-        if verified.cell is not None and not is_same_file(Path(verified.cell.source.name), Path(surroundings.path)):
+        if verified.cell is not None and not is_same_file(
+            Path(verified.cell.source.name), Path(surroundings.path)
+        ):
             named = verified.cell.source.name
             message = f"the program keeps to the cell {named}, {surroundings.giver} names {surroundings.path}"
             return Result(

@@ -90,34 +90,34 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
         if "name" not in material.attributes:  # an empty one, as CAD exports write it, does no harm
             urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
         _check_color(urdf, material)
-    body_text = f"A <{body.tag}> of link {link.attributes.get('name', '')}"
+    subject = f"A <{body.tag}> of link {link.attributes.get('name', '')}"
     kinds = ", ".join((*_SIZES, "mesh"))
     if geometry is None:
         remedy = f"Add <geometry> with one of {kinds}, or remove the <{body.tag}>."
-        urdf.say("Y1356", f"{body_text} has no <geometry>.", remedy, body)
+        urdf.say("Y1356", f"{subject} has no <geometry>.", remedy, body)
         return ""
     if not geometry.children:
         remedy = f"Put one of {kinds} into it, or remove the <{body.tag}>."
-        urdf.say("Y1356", f"{body_text} has an empty <geometry>.", remedy, geometry)
+        urdf.say("Y1356", f"{subject} has an empty <geometry>.", remedy, geometry)
         return ""
     for extra in geometry.children[1:]:
-        message = f"{body_text} has more than one shape, and readers of URDF take only the first."
+        message = f"{subject} has more than one shape, and readers of URDF take only the first."
         urdf.say("Y1361", message, f"Put <{extra.tag}> into a <{body.tag}> of its own.", extra)
     shape = geometry.children[0]
     if shape.tag == "mesh":
         # a missing visual mesh does no harm, a missing collision mesh does
-        return f"mesh {_check_mesh(urdf, body_text, shape, folder if body.tag == 'collision' else None)} at {place}"
+        return f"mesh {_check_mesh(urdf, subject, shape, folder if body.tag == 'collision' else None)} at {place}"
     if shape.tag not in _SIZES:
-        message = f"{body_text} has the shape <{shape.tag}>, which URDF doesn't know."
+        message = f"{subject} has the shape <{shape.tag}>, which URDF doesn't know."
         urdf.say("Y1356", message, f"Use one of {kinds}.", shape)
         return ""
     version = urdf.root.attributes.get("version", "1.0") if urdf.root else "1.0"
     if shape.tag == "capsule" and version == "1.0":
         message = (
-            f"{body_text} is a <capsule>, which a URDF of version 1.0 doesn't have: the link would lose it."
+            f"{subject} is a <capsule>, which a URDF of version 1.0 doesn't have: the link would lose it."
         )
         urdf.say("Y1358", message, 'Write <robot name="..." version="1.1">.', shape)
-    sizes = [_positive(urdf, body_text, shape, key, count) for key, count in _SIZES[shape.tag]]
+    sizes = [_positive(urdf, subject, shape, key, count) for key, count in _SIZES[shape.tag]]
     return f"{shape.tag} {sizes} at {place}"
 
 

@@ -185,8 +185,8 @@ class ProjectFolder:
             known_hash: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written. The
-                file is unchanged.
+            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written.
+                The file is unchanged.
         """
         with self.draft(name, len(data)) as draft, in_words(name):
             draft.write(data)
@@ -202,8 +202,8 @@ class ProjectFolder:
             user: user who changes the file.
 
         Raises:
-            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written or its
-                old version can't be kept. The file is unchanged.
+            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written or
+                its old version can't be kept. The file is unchanged.
         """
         with self._changing, in_words(name):
             before, told = self.read(name)

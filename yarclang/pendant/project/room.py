@@ -24,6 +24,7 @@ def check_room(disk: os.statvfs_result, size: int, subject: str) -> None:
     free = disk.f_bavail * disk.f_frsize
     if size + KEPT > free:
         raise Trouble(
-            f"{subject} {size:,} bytes, and {free:,} are free on the disk, of which {KEPT:,} are kept for logs",
+            f"{subject} {size:,} bytes, and {free:,} are free on the disk, "
+            f"of which {KEPT:,} are kept for logs",
             "make room on the disk", "",
         )  # fmt: skip

@@ -71,24 +71,22 @@ def with_limits(source: SourceFile, limits: Sequence[LimitChange]) -> tuple[str,
     data = _data(source)
     tables = data.get("joints", {})
     text, descriptions = source.text, []
-    for joint_limits in limits:
-        table = tables.get(joint_limits.joint) if isinstance(tables, dict) else None
+    for row in limits:
+        table = tables.get(row.joint) if isinstance(tables, dict) else None
         if not isinstance(table, dict):
-            raise Trouble(f"{source.name} has no joint {joint_limits.joint[:40]}", "open the page again", "")
-        if not joint_limits.lower < joint_limits.upper:
-            what = f"the lower limit {joint_limits.lower:g} of {joint_limits.joint} isn't below the upper limit {joint_limits.upper:g}"
+            raise Trouble(f"{source.name} has no joint {row.joint[:40]}", "open the page again", "")
+        if not row.lower < row.upper:
+            what = f"the lower limit {row.lower:g} of {row.joint} isn't below the upper limit {row.upper:g}"
             raise Trouble(what, "exchange the two", "Y1316")
-        limits_asked = [joint_limits.lower, joint_limits.upper]
+        limits_asked = [row.lower, row.upper]
         if table.get("position") == limits_asked:
             continue
         try:
-            text = with_value(
-                SourceFile(source.name, text), ("joints", joint_limits.joint, "position"), limits_asked
-            )
+            text = with_value(SourceFile(source.name, text), ("joints", row.joint, "position"), limits_asked)
         except ChangeError as error:
             raise Trouble(f"{source.name} can't be changed here: {error}", _BY_HAND, "") from None
         descriptions.append(
-            f"position of {joint_limits.joint} from {table.get('position', 'none')} to {_plain(limits_asked)}"
+            f"position of {row.joint} from {table.get('position', 'none')} to {_plain(limits_asked)}"
         )
     return text, "; ".join(descriptions)[:_LONGEST]
 

@@ -308,14 +308,14 @@ def _time(inspected: Inspected) -> Iterator[str]:
         yield f"{inspected.begins:.3f}{ends} of {inspected.total.text()}"
     if inspected.motion is not None and isinstance(inspected.step, Motion):
         curve, timing = inspected.motion.curve, inspected.step.timing
-        asked_duration = _asked_time(timing)
+        asked_time = _asked_time(timing)
         law = f"{inspected.motion.profile}, " if inspected.motion.profile else ""
         if any(one.is_error for one in inspected.findings):
-            yield f"the time that is asked for, {asked_duration}, can't be held; below, the shortest is looked at"
-            asked_duration = "the shortest"
+            yield f"the time that is asked for, {asked_time}, can't be held; below, the shortest is looked at"
+            asked_time = "the shortest"
         if isinstance(inspected.step, TimedMove):
             yield from _table(inspected.step)
-        yield f"{law}asked for {asked_duration}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
+        yield f"{law}asked for {asked_time}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
     yield from flow_lines(inspected.flows)
     speed = inspected.certificate.zone_speed if inspected.certificate is not None else None
     if speed is not None and speed.share > _AT_ITS_SPEED:

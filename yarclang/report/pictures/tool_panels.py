@@ -90,8 +90,8 @@ def _joined(requested: Array) -> Array:
 
 
 def _scale(axes: Axes, requested: float, top: float) -> str:
-    """Choose the scale of the speeds up to `top`. If `requested` is much smaller, the requested speeds get most
-    of the height.
+    """Choose the scale of the speeds up to `top`. If `requested` is much smaller, the requested speeds get
+    most of the height.
 
     Returns:
         A remark on the scale.

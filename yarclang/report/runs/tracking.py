@@ -185,8 +185,8 @@ class _Course:
 
 
 def _course(planned: Planned, logged: Array) -> _Course:
-    """Return the course that a pass with program times `logged` (M,) [s] can have followed: without dwells, and
-    without branches in which none of these times is.
+    """Return the course that a pass with program times `logged` (M,) [s] can have followed: without dwells,
+    and without branches in which none of these times is.
     """
     ways = np.concatenate((planned.ways[:, :2], planned.ways[:, 1:]))
     when = np.sort(logged)

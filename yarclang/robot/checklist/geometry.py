@@ -197,18 +197,18 @@ def _lines(robot: Robot, q: Array) -> Item:
         (way, track(robot.chain, robot.limits, _line(robot, best, way * length), best, reason="any"))
         for way in DIRECTIONS[~most]
     ]
-    end_texts = [
-        f"{'-' if way.min() < 0.0 else '+'}{'xyz'[int(np.argmax(np.abs(way)))]} {_end_text(robot, end, length)}"
+    ended = [
+        f"{'-' if way.min() < 0.0 else '+'}{'xyz'[int(np.argmax(np.abs(way)))]} {_end(robot, end, length)}"
         for way, end in ends
         if isinstance(end, Broken)
     ]
-    if len(end_texts) == len(DIRECTIONS):
-        result = f"no {lines} are followed, from the best of {TRIED} places; {'; '.join(end_texts)}"
+    if len(ended) == len(DIRECTIONS):
+        result = f"no {lines} are followed, from the best of {TRIED} places; {'; '.join(ended)}"
         remedy = (
             "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
         )
         return Item("lines", "to do", result, remedy)
-    result = f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; {'; '.join(end_texts)}"
+    result = f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; {'; '.join(ended)}"
     return Item("lines", "note", result, "see yarc reach where the arm can hold its orientation")
 
 
@@ -253,7 +253,7 @@ def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
     return pose_at
 
 
-def _end_text(robot: Robot, end: Broken, length: float) -> str:
+def _end(robot: Robot, end: Broken, length: float) -> str:
     """Return a sentence that names the place at which a line ends, and the reason."""
     place = f"ends after {end.s * length / MM:.0f} mm"
     if end.joint is None:

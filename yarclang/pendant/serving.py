@@ -120,7 +120,7 @@ def _listener(place: Place) -> socket.socket:
 
 def _config(service: Service, place: Place) -> uvicorn.Config:
     try:
-        made = uvicorn.Config(
+        config = uvicorn.Config(
             application(service, place.names | {place.host}),
             log_config=None,
             access_log=False,
@@ -139,11 +139,11 @@ def _config(service: Service, place: Place) -> uvicorn.Config:
             ssl_certfile=place.certificate,
             ssl_keyfile=place.key,
         )
-        made.load()
+        config.load()
     except (OSError, ssl.SSLError) as error:
         reason = str(error).lower()
         raise Trouble(
             f"{place.certificate} and {place.key} can't be used for TLS: {reason}",
             "name a certificate and its key in PEM form", "",
         ) from None  # fmt: skip
-    return made
+    return config

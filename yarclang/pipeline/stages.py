@@ -169,14 +169,14 @@ def _shortened(program: Program) -> Program:
     """Return the part of a program with errors that is planned. Repeated lines in loops and SUBs are included
     only up to a number of motions.
     """
-    left, steps = ENOUGH_MOTIONS, list[Step]()
+    remaining, steps = ENOUGH_MOTIONS, list[Step]()
     for step in program.steps:
         if isinstance(step, Motion) and step.origin.place:
-            left -= 1
-            steps.append(step if left >= 0 else Gap())
+            remaining -= 1
+            steps.append(step if remaining >= 0 else Gap())
         else:
             steps.append(step)
-    return program if left >= 0 else replace(program, steps=tuple(steps), is_cut=True)
+    return program if remaining >= 0 else replace(program, steps=tuple(steps), is_cut=True)
 
 
 def compile_module(module: Module, request: Request) -> Result[Compiled]:
@@ -196,23 +196,23 @@ def certified_whole(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Certify a complete program: its text, and the ways out of its ONs from all places at which they may
     begin.
     """
-    made = certified(planned, request)
-    if made.value is None:
-        return made
+    compiled = certified(planned, request)
+    if compiled.value is None:
+        return compiled
 
-    asked = Request(
+    part_request = Request(
         request.robot, tm=request.tm, tolerance=request.tolerance, avoid_effort=request.avoid_effort
     )
 
     def refused(program: Program) -> str:
-        plan = plan_program(program, asked)
-        found = plan.diagnostics
+        plan = plan_program(program, part_request)
+        findings = plan.diagnostics
         if plan.value is not None:
-            found = (*found, *certified(plan.value, asked).diagnostics)
-        return next((one.message for one in found if one.is_error), "")
+            findings = (*findings, *certified(plan.value, part_request).diagnostics)
+        return next((one.message for one in findings if one.is_error), "")
 
-    found = tuple(unreachable_ways_out(planned, refused))
-    return Result(None, (*made.diagnostics, *found)) if found else made
+    findings = tuple(unreachable_ways_out(planned, refused))
+    return Result(None, (*compiled.diagnostics, *findings)) if findings else compiled
 
 
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
@@ -222,14 +222,14 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     backend = backend_of(planned.robot)
     if request.target and request.target not in backend.targets:
         return Result(None, (_no_target(backend, request.target),))
-    made = backend.write(planned, request.target or backend.targets[0], tolerance, request.memory)
-    if made.value is None:
-        return Result(None, made.diagnostics)
-    header = _header(made.value, planned, request)
+    written = backend.write(planned, request.target or backend.targets[0], tolerance, request.memory)
+    if written.value is None:
+        return Result(None, written.diagnostics)
+    header = _header(written.value, planned, request)
     tell("certifying: reading the text", 0)
-    text = made.value.text(header.lines())
+    text = written.value.text(header.lines())
     # For a long text, this takes as much memory as all data of the proof.
-    del made
+    del written
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)

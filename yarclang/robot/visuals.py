@@ -71,15 +71,15 @@ def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
                 if path is None or scale is None:
                     continue
                 digest = hashlib.sha256(path.read_bytes()).hexdigest()
-                made: Shape = Mesh(path.absolute(), 1.0, digest, (scale[0], scale[1], scale[2]))
+                result: Shape = Mesh(path.absolute(), 1.0, digest, (scale[0], scale[1], scale[2]))
             else:
-                made = shape_of(urdf, shape, folder)
+                result = shape_of(urdf, shape, folder)
             placed = base_from_root @ root_from_link @ placed_at(urdf, body.first("origin"))
             material = body.first("material")
             colour = None
             if material is not None:
                 colour = _colour(urdf, material) or colours.get(material.attributes.get("name", ""))
-            visuals.append(Visual(name, joint, constant(placed), made, colour))
+            visuals.append(Visual(name, joint, constant(placed), result, colour))
     return tuple(visuals)
 
 

@@ -120,7 +120,7 @@ class Database:
         try:
             connection.execute("BEGIN IMMEDIATE")
             try:
-                made = do(connection, *arguments, **named)
+                result = do(connection, *arguments, **named)
             except BaseException:
                 if connection.in_transaction:
                     connection.execute("ROLLBACK")
@@ -130,7 +130,7 @@ class Database:
             if connection.in_transaction:
                 connection.execute("ROLLBACK")
             raise self._trouble(str(error)) from None
-        return made
+        return result
 
     def close(self) -> None:
         """Write pending changes and close the file."""

@@ -52,9 +52,9 @@ async def _logged_in(service: Service, request: Request, user: str, password: st
     session, token, device = await service.accounts.login(
         user, password, address_of(request), request.headers.get("user-agent", ""), device
     )
-    made = answer(_me(service, session))
+    response = answer(_me(service, session))
     for name, value, lasts in ((COOKIE, token, int(LONGEST)), (DEVICE, device, _YEAR)):
-        made.set_cookie(
+        response.set_cookie(
             cookie(request, name),
             value,
             max_age=lasts,
@@ -63,7 +63,7 @@ async def _logged_in(service: Service, request: Request, user: str, password: st
             samesite="strict",
             secure=is_secure(request),
         )
-    return made
+    return response
 
 
 async def _logout(service: Service, request: Request) -> Response:
@@ -76,7 +76,7 @@ async def _logout(service: Service, request: Request) -> Response:
     return made
 
 
-async def _who(service: Service, request: Request) -> Response:
+async def _names_of_users(service: Service, request: Request) -> Response:
     found = service.accounts.session_of(request.cookies.get(cookie(request, COOKIE), ""))
     if found is None:
         first = bool(service.accounts.first)
@@ -199,7 +199,7 @@ async def _end_session(service: Service, request: Request) -> Response:
 async def _audit(service: Service, request: Request) -> Response:
     service.session(request, Role.SERVICE)
     before, count = (number_in(request, name) for name in ("before", "count"))
-    found = await service.accounts.deeds(before, min(max(count or 100, 1), _MOST_ENTRIES))
+    deeds = await service.accounts.deeds(before, min(max(count or 100, 1), _MOST_ENTRIES))
     return answer(
         Audit(
             entries=tuple(
@@ -212,14 +212,14 @@ async def _audit(service: Service, request: Request) -> Response:
                     detail=deed.detail,
                     outcome=deed.outcome,
                 )
-                for number, when, deed in found
+                for number, when, deed in deeds
             )
         )
     )
 
 
 ROUTES = (
-    Route("GET", "/api/me", _who, "Return who is logged in here.", None, Me, ""),
+    Route("GET", "/api/me", _names_of_users, "Return who is logged in here.", None, Me, ""),
     Route("POST", "/api/first", _first, "Make the first user, with the token of the one-time link, and log in.", First, Me, ""),
     Route("POST", "/api/login", _login, "Log in: sets the cookie of the session.", Login, Me, ""),
     Route("POST", "/api/logout", _logout, "End this session.", None, Done, "viewer"),

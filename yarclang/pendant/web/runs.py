@@ -52,15 +52,15 @@ async def _download(service: Service, request: Request) -> Response:
     service.session(request)
     opening = ExitStack()
     try:
-        handle, told, name = await asyncio.to_thread(opening.enter_context, _opened(service, request))
+        handle, status, name = await asyncio.to_thread(opening.enter_context, _opened(service, request))
     except Trouble as trouble:
         return _missing(trouble)
     headers = {
         "content-disposition": disposition(name),
-        "content-length": str(told.st_size),
+        "content-length": str(status.st_size),
         "cache-control": "no-store",
     }
-    content = pieces(opening, handle, told.st_size)
+    content = pieces(opening, handle, status.st_size)
     return StreamingResponse(content, headers=headers, media_type="application/octet-stream")
 
 

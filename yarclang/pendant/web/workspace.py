@@ -25,7 +25,7 @@ from yarclang.pendant.web.routes import Route
 from yarclang.pendant.web.service import Service, address_of
 
 
-async def _shown(service: Service, request: Request) -> Response:
+async def _workspace_shown(service: Service, request: Request) -> Response:
     service.session(request)
     return answer(await service.workspace.shown())
 
@@ -89,7 +89,7 @@ async def _distances(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/workspace", _shown, "Return zones, obstacles and limits as cell.toml and robot.toml have them.", None, WorkspaceShown, "viewer"),
+    Route("GET", "/api/workspace", _workspace_shown, "Return zones, obstacles and limits as cell.toml and robot.toml have them.", None, WorkspaceShown, "viewer"),
     Route("POST", "/api/workspace/draft", _propose, "Return what changes make of the files; nothing is written.", WorkspaceDraft, Proposed, "programmer"),
     Route("POST", "/api/workspace/save", _save, "Write what changes make of the files: at rest, with the PIN; 409 with the code `changed` if a "
             "file is another one.", WorkspaceDraft, SavedWorkspace, "service"),

@@ -169,7 +169,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         certificate=certificate,
         stretches=stretches,
         text=text,
-        findings=_own(studied, step),
+        findings=_own_findings(studied, step),
         flows=flows,
         carries=() if certificate is None else certificate.carries,
         deeds=() if carried is None else carried.deeds(number),
@@ -187,7 +187,7 @@ def _way(studied: Studied, number: int) -> Way:
     return way_to(program, number, studied.request)
 
 
-def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
+def _own_findings(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
     """Return the findings about this command."""
     assert not isinstance(step, Gap)
     origin = step.origin
@@ -247,15 +247,15 @@ def _waypoint(
     robot = studied.request.robot
     reference = near if near is not None else stands if stands is not None else robot.home
     flange = pose @ np.linalg.inv(flange_from_moving)
-    known: dict[bytes, str] = {}
+    labels: dict[bytes, str] = {}
 
     def follow(q: Array) -> str:
         if not (last and in_joints):
             return ""
         key = q.tobytes()
-        if key not in known:
-            known[key] = trouble_behind(studied.program, number, q, studied.request)
-        return known[key]
+        if key not in labels:
+            labels[key] = trouble_behind(studied.program, number, q, studied.request)
+        return labels[key]
 
     solutions = solutions_of(robot, flange, reference, chosen, follow, along_path=not in_joints)
     unreachable = None

@@ -34,18 +34,18 @@ def mass_items(robot: Robot) -> Iterator[Item]:
         return
     yield from _centers(robot, dynamics)
     total = f"{dynamics.mass.sum():.3g} kg move"
-    known = np.isfinite(dynamics.effort)
+    is_known = np.isfinite(dynamics.effort)
     q = within(robot.chain, robot.limits, POSITIONS)
-    held = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
-    joint = int(np.argmax(held.max(axis=0)))
+    torques = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
+    joint = int(np.argmax(torques.max(axis=0)))
     most = (
-        f"to stand, {robot.joint_names[joint]} needs up to {held.max():.0%} of its effort in "
+        f"to stand, {robot.joint_names[joint]} needs up to {torques.max():.0%} of its effort in "
         f"{POSITIONS} positions"
     )
-    free = [name for name, one in zip(robot.joint_names, known, strict=True) if not one]
+    free = [name for name, one in zip(robot.joint_names, is_known, strict=True) if not one]
     without = f"; {listed(free)} have no effort" if free else ""
-    if held.max() > 1.0:
-        often = float((held > 1.0).any(axis=1).mean())
+    if torques.max() > 1.0:
+        often = float((torques > 1.0).any(axis=1).mean())
         most = f"{most}, and in {often:.0%} of them a joint needs more than all of its effort"
         remedy = (
             "motions there are refused: check masses (kg), effort (N m), gravity, and what the tools weigh; "

@@ -69,7 +69,8 @@ FINDINGS = (
         "controller-text",
         "error",
         "this is the controller's text, not a program",
-        "A .pmc file is what yarcc makes of a program. To read it as a program would give a finding a line.",
+        "A .pmc file is the text that yarcc makes of a program. Read as a program, it would give a "
+        "finding for each line.",
     ),
     Finding(
         "Y0109",
@@ -86,8 +87,9 @@ FINDINGS = (
         "function-arguments",
         "error",
         "the function takes another number of arguments",
-        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; a FUNC takes those of its declaration, the others one. Commas separate "
-        "arguments, so a decimal comma turns one number into two.",
+        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; a FUNC takes those of "
+        "its declaration; all other functions take one. Commas separate arguments, so a decimal comma "
+        "turns one number into two.",
         "P0010 MOVEJ $(ABS(0,5)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(ABS(0.5)) 0 0 0 0 0 [5] (deg,s)",
     ),

@@ -37,7 +37,8 @@ FINDINGS = (
         "old-name",
         "warning",
         "a name of the first public release",
-        "Programs of the first release are read (MOVJ, MOVL, DMOVJ, DMOV; frames {t}, {tool}, {root}); today's names say the same.",
+        "Programs of the first release are accepted (MOVJ, MOVL, DMOVJ, DMOV; frames {t}, {tool}, "
+        "{root}). The names of today have the same meaning.",
         "P0010 MOVJ_LSPB HOME [5] (s)",
         "P0010 MOVEJ_LSPB HOME [5] (s)",
         tag="outdated",
@@ -58,7 +59,8 @@ FINDINGS = (
         "declared-twice",
         "error",
         "a declaration that is allowed once stands twice",
-        "DEFAULT, START and ROBOT hold for the whole file; a second one would change what the lines above it mean.",
+        "DEFAULT, START and ROBOT hold for the whole file. A second declaration would change the meaning "
+        "of the lines above it.",
         "DEFAULT (mm,deg,s)\nDEFAULT (m,rad,s)\nP0010 STOP",
         "DEFAULT (mm,deg,s)\nP0010 STOP",
         follows=(Follows("Y0116", "here"),),

@@ -60,7 +60,8 @@ FINDINGS = (
         "two-units-of-a-kind",
         "error",
         "two units of the same kind",
-        "A line has at most one unit of length, one of angle and one of time: of two, it isn't known which one is meant.",
+        "A line has at most one unit of length, one of angle and one of time. Of two units it isn't "
+        "known which one is meant.",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,rad,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,s)",
     ),

@@ -17,8 +17,9 @@ FINDINGS = (
         "not-a-number",
         "error",
         "this is not a number",
-        "A number is an optional sign, digits with an optional decimal point, and an optional exponent; blanks stand between numbers. "
-        "`30-5` may be meant as two values, `0,5` as 0.5: neither is guessed.",
+        "A number is an optional sign, digits with an optional decimal point, and an optional exponent, "
+        "with blanks between numbers. `30-5` may mean two values, and `0,5` may mean 0.5: neither is "
+        "guessed.",
         "P0010 MOVEJ 0 0 0 0 30-5 0 [5] (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 -5 [5] (deg,s)",
     ),
@@ -82,8 +83,9 @@ FINDINGS = (
         "half-turn",
         "error",
         "a turn by half a revolution has no short way",
-        "A straight motion turns about one axis, the short way. At half a turn both ways are equally long, and beyond it the other "
-        "way is the short one: a via pose says which is meant.",
+        "A straight motion turns about one axis, the short way. At half a turn both ways are equally "
+        "long, and beyond half a turn the other way is the short one. A via pose shows which way is "
+        "meant.",
         "P0010 DMOVE {TCP} 0 0 0 0 180 0 [5] (mm,deg,s) {B}",
         "P0010 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}\nP0020 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}",
     ),
@@ -112,7 +114,8 @@ FINDINGS = (
         "bad-option",
         "error",
         "an option has the wrong argument, or doesn't belong to this command",
-        "ACC takes a percentage, TOL a distance, NEAR the name of a joint position; each stands once.",
+        "ACC takes a percentage, TOL a distance, NEAR the name of a joint position. Each option is given "
+        "once.",
         "P0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg) ACC 30",
         "P0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg) ACC 30%",
     ),
@@ -242,7 +245,8 @@ FINDINGS = (
         "leaves-nothing",
         "error",
         "an EXIT or a RETURN stands where there is nothing to leave",
-        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB and all loops in it. Without a loop or a SUB around it the line has no meaning.",
+        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB and "
+        "all loops in the SUB. Without a loop or a SUB around it, the line has no meaning.",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 EXIT",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 STOP",
     ),
@@ -278,7 +282,7 @@ FINDINGS = (
         "uneven-table",
         "error",
         "the rows of a table aren't equally long",
-        "A missing number would shift all numbers after it. All rows have as many numbers as the first one.",
+        "A missing number would shift all numbers after it. All rows have as many numbers as the first row.",
         "TABLE SPOTS 0 0; 60\nLET X = SPOTS[0, 0]\nP0010 STOP",
         "TABLE SPOTS 0 0; 60 40\nLET X = SPOTS[0, 0]\nP0010 STOP",
     ),
@@ -317,8 +321,10 @@ FINDINGS = (
         "unplannable-in-offset",
         "error",
         "the lines of an OFFSET can't be planned as a whole when the program runs",
-        "The lines of an OFFSET are planned and proved as a whole where its frame is, before the robot moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor another OFFSET. "
-        "They end where the lines after them are proved to begin: at a MOVEL or MOVEJ to a place that isn't shifted.",
+        "The lines of an OFFSET are planned and proved as a whole at the shifted frame, before the robot "
+        "moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor "
+        "another OFFSET. They end at the place from which the lines after END are proved: at a MOVEL or "
+        "MOVEJ to a place that isn't shifted.",
         "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nEND\nP0020 MOVEJ 0 0 0 0 30 0",
         "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
     ),
@@ -327,8 +333,10 @@ FINDINGS = (
         "no-way-out",
         "error",
         "the SUB that an ON calls isn't a way on which the robot can leave",
-        "A way out is planned and proved as a whole while the robot stands, and ends the program. So it has motions, SET of outputs and DWELL; "
-        "what waits, asks, decides or searches stands in a program of its own. In a cell with parts it isn't known which of them the robot carries when it leaves: write HOLD there.",
+        "A way out is planned and proved as a whole while the robot stands, and ends the program. So its "
+        "SUB has only motions, SET of outputs and DWELL; put lines that wait, ask, decide or search into "
+        "a program of their own. In a cell with parts it isn't known which parts the robot carries when "
+        "it leaves: write HOLD there.",
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 STOP\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ HOME [3] (s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
     ),
@@ -337,7 +345,9 @@ FINDINGS = (
         "no-way-out-from-here",
         "error",
         "the way of an ON can't be planned from each place at which it may begin",
-        "After ON ... CALL has held a motion, the robot goes back to where that motion has begun, and leaves from there. So the way is planned from where each motion begins; the message says from where it fails, and why.",
+        "After ON ... CALL has held a motion, the robot goes back to the start of that motion, and "
+        "leaves from there. So the way is planned from the start of each motion. The message names the "
+        "motion from which this fails, and the reason.",
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 DMOVEJ 100 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ 90 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
     ),
@@ -414,7 +424,8 @@ FINDINGS = (
         "parameter-twice",
         "error",
         "a parameter is given twice in a CALL",
-        "An argument without a name belongs to the parameter at its place, and one with a name to the parameter that is named; each parameter has one value.",
+        "An argument without a name belongs to the parameter at its position; an argument with a name "
+        "belongs to the parameter of that name. Each parameter has one value.",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 A=30",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 T=3",
     ),

@@ -8,7 +8,8 @@ FINDINGS = (
         "out-of-reach",
         "error",
         "the robot can't reach this pose",
-        "No joint position, whatever the limits, brings the moving frame there; the message says by how much it misses.",
+        "No joint position, whatever the limits, brings the moving frame to this pose. The message gives "
+        "the distance by which the frame misses the pose.",
         "P0010 MOVEJ_RPY {TCP} 0 4000 1176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         sort="unreachable",
@@ -19,7 +20,7 @@ FINDINGS = (
         "joint-out-of-limits",
         "error",
         "a joint would be out of its limits",
-        "The target needs a joint position outside the limits of the robot; the message says by how much.",
+        "The target needs a joint position outside the limits of the robot. The message gives the excess.",
         "P0010 MOVEJ 171 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ 169 0 0 0 0 0 [5] (deg,s)",
         is_explained=True,

@@ -90,8 +90,8 @@ FINDINGS = (
         "speed-not-reached",
         "warning",
         "a motion is too short to reach its speed",
-        "[V ..] gives a speed, and speeding up and slowing down takes a part of the path. If the path is too short for this, the moving "
-        "frame goes as fast as the limits allow.",
+        "[V ..] gives a speed, and speeding up and slowing down takes a part of the path. If the path is "
+        "too short for this, the moving frame moves as fast as the limits allow.",
         "P0010 DMOVE {TCP} 0 0 -6 0 0 0 [V 500] (mm,deg,s) {B}",
         "P0010 DMOVE {TCP} 0 0 -60 0 0 0 [V 50] (mm,deg,s) {B}",
     ),

@@ -40,8 +40,9 @@ FINDINGS = (
         "unreadable-mesh",
         "error",
         "a mesh can't be read",
-        "The robot would pass through a body without its shape, so that an unreadable mesh stops the compiler: one without triangles, one that is cut off, one with a "
-        "corner that isn't finite, with a face whose corners are missing, or with all corners on one line.",
+        "The robot would pass through a body without its shape, so an unreadable mesh stops the "
+        "compiler. A mesh is unreadable if it has no triangles, is cut off, has a corner that isn't "
+        "finite, a face whose corners are missing, or all corners on one line.",
         'shape = "mesh"\nfile = "press.stl"     # an empty file, or none of STL, OBJ, DAE, PLY',
     ),
     Finding(
@@ -59,8 +60,9 @@ FINDINGS = (
         "body-of-no-tool",
         "error",
         "a body in robot.toml belongs to a tool that isn't there",
-        "A body is one of the shapes of a tool, and a tool is a table [tools.NAME], which says where it hangs and what it weighs. A body of an undeclared tool "
-        "would be left out, and the tool would pass through obstacles.",
+        "A body is one of the shapes of a tool. A tool is a table [tools.NAME], which gives its place "
+        "and its mass. A body of an undeclared tool would be left out, and the tool would pass through "
+        "obstacles.",
         '[[bodies]]\ntool = "GRIPER"\nshape = "box"\nsize = [60, 40, 120]',
         '[tools.GRIPPER]\n\n[[bodies]]\ntool = "GRIPPER"\nshape = "box"\nsize = [60, 40, 120]',
     ),
@@ -79,8 +81,10 @@ FINDINGS = (
         "allowed-self-collision",
         "warning",
         "the robot hits itself where ALLOW lets it",
-        "Two links, or a link and a tool, come too near to each other on a motion, and the program or the cell allows these two to touch. Contact that is meant is one with parts and with the cell; "
-        "a robot that hits itself is damaged, whatever a line says. Where only the shapes are too large, robot.toml is the place to say so, for all programs.",
+        "Two links, or a link and a tool, come too near to each other on a motion, and the program or "
+        "the cell allows these two to touch. ALLOW is for contact with parts and with the cell: a robot "
+        "that hits itself is damaged, whatever a line allows. If only the shapes are too large, allow "
+        "the pair in robot.toml, for all programs.",
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5     ! they meet",
         "P0010 MOVEJ 0 -20 -84 0 0 0 [9] (deg,s)",
     ),

@@ -28,8 +28,9 @@ FINDINGS = (
         "put-into-something",
         "error",
         "a part is put into a body",
-        "Where the gripper opens, the part overlaps with a body of the cell, or with a part that lies there, by more than a millimetre. On its way down the part may touch the body that it will stand on, so that the overlap "
-        "is reported here.",
+        "When the gripper opens, the part overlaps by more than a millimetre with a body of the cell, or "
+        "with a part that lies there. On its way down the part may touch the body under it, so the "
+        "overlap is reported only here.",
         "P0030 MOVEL {GRIPPER} 0 0 -20 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF      ! 20 mm too low",
         "P0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
     ),
@@ -57,8 +58,8 @@ FINDINGS = (
         "unsure-what-is-held",
         "error",
         "too many combinations of held parts after WHENs",
-        "If one way of a WHEN takes a part and the other doesn't, everything after it is proved with the part and without it. More than five such parts at once would be too many "
-        "combinations.",
+        "If one way of a WHEN takes a part and the other way doesn't, all later motions are proved with "
+        "the part and without it. More than five such parts at once would give too many combinations.",
         "WHEN A ON\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX_A} 100 GRIP_A 1\nEND      ! and so on, for six grippers",
         "WHEN A ON\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX_A} 100 GRIP_A 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {PRESS} 100 GRIP_A 1\nEND",
     ),
@@ -97,7 +98,9 @@ FINDINGS = (
         "parts-moved-by-a-number",
         "error",
         "an output that moves parts gets a value that is computed at run time",
-        "A gripper's output, or that of a machine which takes parts away, decides where parts are, and everything after it is proved with that. A value that is known only at run time would leave this open.",
+        "A gripper's output, or the output of a machine that takes parts away, determines where parts "
+        "are, and all later motions are proved with the parts there. With a value that is known only at "
+        "run time, the places of the parts would be unknown.",
         "REGISTER N 0..1\nOUTPUT GRIP M1\nP0010 SET GRIP = N",
         "REGISTER N 0..1\nOUTPUT GRIP M1\nWHEN N = 1\n  P0010 SET GRIP ON\nEND",
     ),
@@ -113,8 +116,10 @@ FINDINGS = (
         "another-tool",
         "error",
         "TOOL names a tool that isn't on the flange after it",
-        "TOOL sets the output of the tool changer's lock, which takes the tool in whose place the flange stands: within the lock's reach (0.5 mm if the cell.toml gives none) and 0.5 deg. "
-        "All motions after it are proved with the masses and bodies of the tool that is really there, so it must be the one that the program names. Another tool has to be put back first.",
+        "TOOL sets the output of the tool changer's lock. The lock takes the tool at whose place the "
+        "flange is: within the lock's reach (0.5 mm if the cell.toml gives none) and 0.5 deg. All later "
+        "motions are proved with the masses and bodies of this tool, so it must be the tool that the "
+        "program names. Another tool has to be put back first.",
     ),
     Finding(
         "Y0952",

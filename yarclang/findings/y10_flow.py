@@ -8,7 +8,7 @@ FINDINGS = (
         "unreachable",
         "warning",
         "commands after STOP are never reached",
-        "STOP ends the program. The commands after it look as if they ran, but they don't.",
+        "STOP ends the program. The commands after STOP look as if they ran, but they don't.",
         "P0010 STOP\nP0020 MOVEJ HOME [5] (s)",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
         tag="unneeded",

@@ -93,8 +93,9 @@ FINDINGS: tuple[Finding, ...] = (
         "waypoint-not-reached",
         "error",
         "the joint way-points that a spline was planned through aren't the programmed ones",
-        "A pose has several joint positions. The planner says which it took; the certificate checks that they "
-        "are at the programmed poses, and could not.",
+        "A pose has several joint positions. The planner states the joint positions that it chose. The "
+        "certificate checks that they are at the programmed poses; here it found that they aren't, or "
+        "couldn't check them.",
         sort="tolerance",
     ),
     Finding(
@@ -134,9 +135,10 @@ FINDINGS: tuple[Finding, ...] = (
         "blend-left",
         "error",
         "a blend leaves the ball round the corner",
-        "Where a motion flows into the next one (BLEND 5), the moving frame may leave the programmed paths only within that distance of "
-        "the corner, and turn by no more than both motions do there; between two joint motions the same holds for each joint. The "
-        "bound that was proved for the emitted motion, or for a path that it leaves too early or joins too late, is larger.",
+        "If a motion flows into the next one (BLEND 5), the moving frame may leave the programmed paths "
+        "only within that distance of the corner, and turn by no more than both motions do there; "
+        "between two joint motions the same holds for each joint. The bound that was proved is larger: "
+        "for the emitted motion, or for a path that the motion leaves too early or joins too late.",
         sort="tolerance",
     ),
     Finding(
@@ -152,8 +154,9 @@ FINDINGS: tuple[Finding, ...] = (
         "text-changed",
         "error",
         "the controller's text was changed after it was written",
-        "The header has a SHA-256 of the whole text. It shows damage and edits, but is no signature. So the text is judged anyway, and "
-        "this is reported only if nothing else is wrong.",
+        "The header has a SHA-256 of the whole text. The SHA-256 shows damage and edits, but is no "
+        "signature. So the text is judged in spite of a wrong one, and this finding is reported only if "
+        "no other finding is.",
     ),
     Finding(
         "Y1190",
@@ -184,9 +187,11 @@ FINDINGS: tuple[Finding, ...] = (
         "judged-without-program",
         "note",
         "a controller's text was judged without its program",
-        "A text alone shows limits, collisions, the guard, and where it rests; it can't show whether its path, its times, its outputs and the "
-        "conditions of its waits are those of the program. Its own header names the program's file: a file of that name, or of the "
-        "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
+        "A text alone shows limits, collisions, the guard, and the places at which it rests. It can't "
+        "show whether its path, its times, its outputs and the conditions of its waits are those of the "
+        "program. If the program is beside the text, under the name in the text's header or the text's "
+        "own name, it is compiled, and the text is proved against it. The finding is a warning if the "
+        "text waits for inputs or sets outputs.",
     ),
     Finding(
         "Y1180",

@@ -27,8 +27,8 @@ FINDINGS = (
         "segment-time-too-short",
         "error",
         "the controller can't calculate segments this short in time",
-        "A segment has to outlast three real-time interrupts, one each I8 + 1 servo cycles; otherwise the next move isn't "
-        "ready and the program ends with a run-time error.",
+        "A segment has to last longer than three real-time interrupts, which come every I8 + 1 servo "
+        "cycles. Otherwise the next move isn't ready and the program ends with a run-time error.",
         "yarcc --tm 1",
         "yarcc --tm 5",
     ),

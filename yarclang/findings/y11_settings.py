@@ -57,6 +57,7 @@ FINDINGS = (
         "settings-differ",
         "warning",
         "a setting differs from what yarc settings prints",
-        "The value is proved too, but `yarc doctor` and each run compare the controller with what `yarc settings` prints, and refuse another value.",
+        "The proof of the settings holds for this value too. But `yarc doctor` and each run compare the "
+        "controller with the output of `yarc settings`, and refuse another value.",
     ),
 )

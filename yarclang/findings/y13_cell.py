@@ -10,7 +10,8 @@ FINDINGS = (
         "two-orientations",
         "error",
         "an entry has two orientations",
-        "Roll pitch yaw and a quaternion are two forms of one orientation; if both are given, one of them would be ignored.",
+        "Roll pitch yaw and a quaternion are two forms of one orientation. If both were accepted, one of "
+        "them would be ignored.",
         "rpy = [0, 0, 90]\nquat = [0, 0, 0.7071, 0.7071]",
         "rpy = [0, 0, 90]",
     ),
@@ -37,8 +38,9 @@ FINDINGS = (
         "two-cells",
         "error",
         "different cells are named for one robot",
-        "A robot stands in one cell: with two, it would avoid the obstacles of only one of them. A CELL line, --cell and `cell` in yarc.toml "
-        "each name the cell; if several do, it must be the same file. A module that names a cell works in programs with the same file.",
+        "A robot stands in one cell: with two cells, it would avoid the obstacles of only one of them. A "
+        "CELL line, --cell and `cell` in yarc.toml each name the cell; if several are given, all must "
+        "name the same file. A module that names a cell works in programs with the same cell.",
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
     ),
@@ -76,8 +78,11 @@ FINDINGS = (
         "tool-changer",
         "error",
         "tools of a cell and its tool changer don't fit together",
-        "A tool under [[tools]] is one of robot.toml that isn't mounted there and has bodies: the cell says where it stands, and the program when it is on the flange. One output locks the changer (`locks_at`); it has no safe value that would "
-        "drop the tool at each stop. One tool at most is on the flange when a program starts (`on = true`). `tool` of an output with a gripper names one of these tools, and `frames` frames on the flange.",
+        "A tool under [[tools]] is a tool of robot.toml that isn't mounted there and has bodies. The "
+        "cell gives its place, and the program puts it on the flange. One output locks the changer "
+        "(`locks_at`); it has no safe value that would drop the tool at each stop. At most one tool is "
+        "on the flange when a program starts (`on = true`). `tool` of an output with a gripper names one "
+        "of these tools, and `frames` names frames on the flange.",
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"\nsafe = "OFF"',
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"',
     ),

@@ -129,8 +129,8 @@ FINDINGS: tuple[Finding, ...] = (
         "coupling-count",
         "error",
         "coupled joints have another number of motors",
-        "Coupled joints need as many motors as joints; otherwise a motion of theirs would have no motor, or "
-        "two.",
+        "Coupled joints need as many motors as joints; otherwise a motion of these joints would have no "
+        "motor, or two.",
         "J = [[1, 1], [0, 0]]",
         "J = [[1, 1], [0, 1]]",
     ),

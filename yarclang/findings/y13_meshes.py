@@ -30,6 +30,7 @@ FINDINGS: tuple[Finding, ...] = (
         "link-without-mesh",
         "warning",
         "the robot was made without a collision mesh that its URDF names",
-        "--allow-missing-meshes was given. The collision check lets these links pass through everything, as far as no other shape stands for them.",
+        "--allow-missing-meshes was given. The collision check lets these links pass through any body, "
+        "unless a link has other shapes.",
     ),
 )

@@ -44,8 +44,9 @@ FINDINGS: tuple[Finding, ...] = (
         "motor-limit-not-for-moveit",
         "warning",
         "a motor's speed limit depends on several joints, so MoveIt can't respect it",
-        "A motor that turns with several joints may reach its limit before each of these joints does. MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. yarclang refuses or slows these "
-        "when they become a program; nothing unsafe runs.",
+        "A motor that turns with several joints may reach its limit before each of these joints does. "
+        "MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. "
+        "yarclang refuses or slows these motions when they become a program, so no unsafe motion runs.",
     ),
     Finding(
         "Y1536",
@@ -59,6 +60,7 @@ FINDINGS: tuple[Finding, ...] = (
         "mesh-left-out",
         "warning",
         "a mesh of the URDF isn't exported",
-        "The URDF names a file that is missing or unreadable. A mesh that is only for display isn't needed for checking, but RViz can't show it.",
+        "The URDF names a file that is missing or unreadable. A mesh that is only for display isn't "
+        "needed for the collision check, but RViz can't show it.",
     ),
 )

@@ -133,8 +133,9 @@ FINDINGS: tuple[Finding, ...] = (
         "voxels-too-small",
         "error",
         "the cubes are too small for the point cloud",
-        "A point cloud becomes those cubes of a grid that contain a point. Small cubes follow the points closely, but too many of them make the collision proof too slow; "
-        "and between points that are farther apart than a cube's edge there are holes.",
+        "A point cloud becomes the cubes of a grid that contain a point. Small cubes follow the points "
+        "closely, but too many of them make the collision proof too slow. Between points that are "
+        "farther apart than a cube's edge there are holes.",
         "yarc import hall.pcd --units m --voxel 0.1",
         "yarc import hall.pcd --units m --voxel 50",
     ),

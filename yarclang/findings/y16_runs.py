@@ -39,8 +39,9 @@ FINDINGS: tuple[Finding, ...] = (
         "program-not-executed",
         "error",
         "the controller doesn't execute the program",
-        "The controller couldn't calculate a move in time; or somebody else has stopped the program or changed a setting that was proved; or the controller commands the motors "
-        "off the path; or the program has ended at a wrong place.",
+        "There are four causes: the controller couldn't calculate a move in time; another client has "
+        "stopped the program or changed a proved setting; the controller commands the motors off the "
+        "path; or the program has ended at a wrong place.",
     ),
     Finding(
         "Y1606",
@@ -63,9 +64,10 @@ FINDINGS: tuple[Finding, ...] = (
         "begun-in-a-corner",
         "error",
         "a run can't begin between motions that flow into each other",
-        "Where a motion flows into the next one (BLEND), the robot doesn't stop at the corner, so that the second motion can't be executed "
-        "by itself as it was planned and proved. A run begins, and --step pauses, at a motion that begins at rest; the message names the "
-        "first motion of the chain.",
+        "If a motion flows into the next one (BLEND), the robot doesn't stop at the corner. The second "
+        "motion was planned and proved from the corner in motion, so it can't be executed alone. A run "
+        "begins, and --step pauses, at a motion that begins at rest; the message names the first motion "
+        "of the chain.",
     ),
     Finding(
         "Y1611",
@@ -128,8 +130,9 @@ FINDINGS: tuple[Finding, ...] = (
         "contradictory-input",
         "error",
         "an entry of a script can't be carried out",
-        "Each entry of a script of inputs has an input, its value, and exactly one moment: a time, a place in the program, or an output that takes a value. An output is set by "
-        "the program, so that a script can't set it; and an input that is stuck doesn't change any more.",
+        "Each entry of a script of inputs has an input, its value, and exactly one moment: a time, a "
+        "place in the program, or an output that changes to a value. An output is set by the program, so "
+        "a script can't set it. An input that is stuck doesn't change any more.",
     ),
     Finding(
         "Y1619",
@@ -241,15 +244,19 @@ FINDINGS: tuple[Finding, ...] = (
         "not-recovered",
         "error",
         "no proved motion leads to the program",
-        "From where the robot stands no motion to the program's start, or to one of the nearest places at which the program may begin, could be proved to stay within the limits, clear of all bodies and in accordance with the zones. "
-        "If the robot touches a body, or a part isn't at its place in the program, a person who sees the robot has to move it into the open.",
+        "No motion from the robot's position to the program's start, or to one of the nearest places at "
+        "which the program may begin, could be proved to stay within the limits, clear of all bodies and "
+        "in accordance with the zones. If the robot touches a body, or a part isn't at its place in the "
+        "program, a person who sees the robot has to move it into the open.",
     ),
     Finding(
         "Y1661",
         "values-not-wanted",
         "error",
         "values from outside come when no WAIT or HOLD takes them",
-        "A program takes values only while it stands at a WAIT whose condition has registers that are filled from OUTSIDE, or at a HOLD, and one message for each question. A message that comes too early, too late or twice may have been meant for another question.",
+        "A program accepts values only while it stands at a WAIT whose condition has registers that are "
+        "filled from OUTSIDE, or at a HOLD, and one message for each question. A message that comes too "
+        "early, too late or twice may have been meant for another question.",
     ),
     Finding(
         "Y1662",

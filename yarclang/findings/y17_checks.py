@@ -19,7 +19,8 @@ FINDINGS = (
         "bad-suppression",
         "warning",
         "a comment names a code that can't be suppressed",
-        "A comment names the codes of warnings or notes that it suppresses. Errors can't be suppressed: a program with an error can't be executed as written.",
+        "A comment names the codes of the warnings or notes that it suppresses. Errors can't be "
+        "suppressed: a program with an error can't be executed as written.",
         "P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0502]",
         "P0010 MOVEJ 160 0 0 0 0 0 [5] (deg,s)",
     ),

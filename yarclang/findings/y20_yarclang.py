@@ -8,8 +8,9 @@ FINDINGS = (
         "internal-error",
         "error",
         "yarclang itself has failed",
-        "yarclang has an error of its own; the program isn't the cause. Nothing is written for this program; other files are still "
-        "checked. Please report the error: the help has the lines to copy.",
+        "yarclang has an error of its own; the program isn't the cause. No output is written for this "
+        "program; other files are still checked. Please report the error: the help has the lines to "
+        "copy.",
     ),
     Finding(
         "Y2002",

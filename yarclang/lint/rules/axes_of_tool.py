@@ -78,8 +78,9 @@ RULE = Rule(
         "axes-of-the-tool",
         "warning",
         "a DMOVE goes along the base's axes after the tool came along its own",
-        "A tool that went into a hole along its own axis must come out along this axis. A DMOVE without a base frame takes that of DEFAULT: with a tilted tool this is "
-        "another direction, and the tool is torn out sideways.",
+        "If a tool went into a hole along its own axis, it must come out along this axis. A DMOVE "
+        "without a base frame takes the base frame of DEFAULT. If the tool is tilted, this is another "
+        "direction, and the tool is torn out sideways.",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",
     ),

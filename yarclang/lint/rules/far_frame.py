@@ -61,8 +61,9 @@ RULE = Rule(
         "far-frame",
         "warning",
         "a frame stands far outside of the arm's reach",
-        "A table twice as far away as the arm is long, or a tool longer than the arm, is most likely a value in the wrong unit, or a frame given in another "
-        "parent than it was measured in. Poses in it may still be refused one by one; here is why.",
+        "If a table is twice as far away as the arm is long, or a tool is longer than the arm, most "
+        "likely a value is in the wrong unit, or the frame is given in another parent than the one in "
+        "which it was measured. This is also the reason if poses in the frame are refused.",
         "FRAME {TABLE} 0 1000 500 0 0 0 (cm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 -900 0 0 0 0 [5] (cm,deg,s) {TABLE}",
         "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 276 0 0 0 [5] (mm,deg,s) {TABLE}",
         needs="unit",

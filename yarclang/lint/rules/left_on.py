@@ -35,8 +35,9 @@ RULE = Rule(
         "left-on",
         "warning",
         "an output is switched on and never off",
-        "Glue, a torch or a spindle that isn't switched off goes on after the program, and after a stop. An output with a safe value gets it at a stop, "
-        "and is left alone; so is one of a gripper.",
+        "Glue, a torch or a spindle that isn't switched off goes on after the program, and after a stop. "
+        "Outputs with a safe value aren't reported, since they get this value at a stop; neither are "
+        "outputs of grippers.",
         "OUTPUT GLUE M1\nP0010 SET GLUE ON\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "OUTPUT GLUE M1 OFF\nP0010 SET GLUE ON\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0030 SET GLUE OFF",
     ),

@@ -54,8 +54,9 @@ RULE = Rule(
         "slow-motion",
         "note",
         "a motion takes more than 20 times as long as it has to",
-        "A time that is much too long is often one in the wrong unit, or a leftover from a longer way, and costs time in every cycle. If it is "
-        "intended, for a weld or a glue line, use a speed such as [V 10] instead: the time then follows from the way.",
+        "A time that is much too long is often a time in the wrong unit, or the old time of a longer "
+        "way, and costs time in every cycle. If the slow motion is intended, for a weld or a glue line, "
+        "use a speed such as [V 10] instead: the time then follows from the way.",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,min)",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)",
     ),

@@ -65,8 +65,9 @@ RULE = Rule(
         "unused-name",
         "note",
         "something is declared that nothing uses",
-        "Either the line is a leftover, or a later command names a wrong frame, position or number: a frame that was measured and "
-        "isn't used is often one whose neighbour is used twice. A file without commands of its own is a module, whose names are for others.",
+        "Either the line is a leftover, or a later command names a wrong frame, position or number. If a "
+        "frame was measured and isn't used, another frame is often used twice by mistake. A file without "
+        "commands of its own is a module, whose names are for other files.",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nFRAME {RIGHT} 200 1074.4 1126 0 0 0 (mm,deg) {B}\n"
         "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",

@@ -68,9 +68,7 @@ def _rows(plan: MotionPlan, held: HeldRule) -> tuple[KeptRow, ...]:
     along = (np.arange(breaks[-1]) - breaks[owner]) / counts[owner]
     times = held.begins[owner] + along * long[owner]
     found = measured(held.keep, plan.robot.chain, plan.sample(times)[0])
-    return tuple(
-        KeptRow(_title(held, one), times, one, held.begins, held.ends, breaks[:-1]) for one in found
-    )
+    return tuple(KeptRow(_title(held, one), times, one, held.begins, held.ends, breaks[:-1]) for one in found)
 
 
 def _title(held: HeldRule, quantity: Quantity) -> str:
@@ -98,7 +96,7 @@ def draw_kept(axes: Axes, row: KeptRow, factor: float, unit: str, width: float) 
     limits = [one for one in (row.quantity.least, row.quantity.most) if one is not None]
     for limit in limits:
         axes.hlines(
-            limit,
+            np.full(len(row.begins), limit),
             row.begins / factor,
             row.ends / factor,
             colors=_LIMIT_COLOUR,

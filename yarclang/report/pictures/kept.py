@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
@@ -51,7 +52,7 @@ class KeptRow:
     quantity: Quantity
     begins: Array
     ends: Array
-    breaks: Array
+    breaks: NDArray[np.int64]
 
 
 def kept_rows_of(plan: MotionPlan) -> tuple[KeptRow, ...]:
@@ -111,10 +112,10 @@ def draw_kept(axes: Axes, row: KeptRow, factor: float, unit: str, width: float) 
     axes.grid(axis="y", color="0.88", linewidth=0.6)
     axes.margins(x=0)
     found = []
-    for name, limit, at in (
+    for name, bound, at in (
         ("least", row.quantity.least, int(np.argmin(values))),
         ("most", row.quantity.most, int(np.argmax(values))),
     ):
-        if limit is not None:
+        if bound is not None:
             found.append(f"{name}: {values[at]:.4g} {row.quantity.unit}, at {times[at]:.4g} {unit}")
     return " · ".join(found)

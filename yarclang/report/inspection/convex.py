@@ -56,8 +56,8 @@ def _shapes(robot: Robot, cell: Cell | None) -> Iterator[tuple[str, Shape, bool]
     for tool in robot.tools:
         for part in tool.shapes if tool.mounted else ():
             yield tool.name, part.shape, True
-    seen = set()
-    for body in () if cell is None else around_start(cell).obstacles:
+    around, seen = around_start(cell), set()
+    for body in () if around is None else around.obstacles:
         name = body.name.partition(" ")[0] if body.is_part else body.name
         if name not in seen:  # the parts of a kind have one shape
             seen.add(name)

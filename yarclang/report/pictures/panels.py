@@ -115,8 +115,8 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
     for count, row in enumerate(shown.kept[:MOST_KEPT], 1):
         axes = next(left)
         found = draw_kept(axes, row, factor, unit, drawn.width)
-        more = len(shown.kept) - MOST_KEPT if count == MOST_KEPT else 0
-        _head(axes, row.title, f"{more} more aren't drawn" if more > 0 else "sampled", found)
+        left_out = len(shown.kept) - MOST_KEPT if count == MOST_KEPT else 0
+        _head(axes, row.title, f"{left_out} more aren't drawn" if left_out > 0 else "sampled", found)
     if signals:
         axes = next(left)
         draw_rows(axes, signals, float(trace.times[-1]), factor)

@@ -30,10 +30,6 @@ class HeldRule:
     begins: Array
     ends: Array
 
-    def holds_at(self, time: float) -> bool:
-        """Return True if the rule holds at a time [s]."""
-        return bool(((self.begins <= time) & (time <= self.ends)).any())
-
 
 @frozen(eq=False)
 class Quantity:

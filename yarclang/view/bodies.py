@@ -121,13 +121,18 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
     for zone in cell.zones:
         border = _border(zone)
         if border is None and zone.keep is not None:
-            notes.append(f"the rule {zone.name} is about directions, which have no place to be shown")
+            notes.append(rule_note(zone))
         elif border is None:
             notes.append(f"zone {zone.name} is a window of the joints, which has no place to be shown")
         else:
             placed, solid = border
             items.append(Item(zone.name, "zone", 0, placed, solid, colours.ZONES[zone.rule], 0.16))
     return tuple(items), tuple(notes)
+
+
+def rule_note(zone: Zone) -> str:
+    """Return the note about a rule in a picture that shows no rules of directions."""
+    return f"the rule {zone.name} is about directions, which have no place to be shown"
 
 
 def _border(zone: Zone) -> tuple[Array, Solid] | None:

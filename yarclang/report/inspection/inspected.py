@@ -29,6 +29,7 @@ from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled, Request
 from yarclang.report.carried import carried_in_plan
 from yarclang.report.inspection.branches import Solution, solutions_of
+from yarclang.report.inspection.convex import Divided, divided_bodies
 from yarclang.report.inspection.flow import NO_FLOWS, Flows, flows_of
 from yarclang.report.inspection.limits import Pace, pace_of
 from yarclang.report.inspection.way import Way, stands_before, trouble_behind, way_to
@@ -93,6 +94,7 @@ class Inspected:
         flows: its corners that are passed without a stop.
         carries: parts that grippers hold during a motion.
         deeds: effects of a SET on parts, verb and names.
+        divided: bodies in convex pieces; empty for a command without motion.
     """
 
     robot: Robot
@@ -112,6 +114,7 @@ class Inspected:
     flows: Flows = NO_FLOWS
     carries: tuple[str, ...] = ()
     deeds: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    divided: tuple[Divided, ...] = ()
 
     @property
     def origin(self) -> Origin:
@@ -173,6 +176,7 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         flows=flows,
         carries=() if certificate is None else certificate.carries,
         deeds=() if carried is None else carried.deeds(number),
+        divided=divided_bodies(request.robot, program.cell) if isinstance(step, Motion) else (),
     )
 
 

@@ -104,6 +104,8 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield f"it {verb} {', '.join(names)}"
     if inspected.carries:
         yield f"the robot carries {', '.join(inspected.carries)}"
+    for body in inspected.divided:
+        yield printable(body.words)
     for rule in () if inspected.certificate is None else inspected.certificate.kept:
         reached = (
             "" if rule.largest is None else f": it tilts at most {up_to(most(rule.largest, DEG), 4)} deg"

@@ -16,6 +16,9 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.report.pictures import tool_panels
 from yarclang.report.pictures.actions import Action
 from yarclang.report.pictures.clearance import Clearance
+from yarclang.report.pictures.kept import HEIGHT as KEPT_HEIGHT
+from yarclang.report.pictures.kept import MOST_ROWS as MOST_KEPT
+from yarclang.report.pictures.kept import KeptRow, draw_kept
 from yarclang.report.pictures.palette import CORNER_COLOUR, Bar, joint_style
 from yarclang.report.pictures.passed import Passed
 from yarclang.report.pictures.ribbon import draw_actions, draw_ribbon
@@ -73,6 +76,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
         *(panel.height for panel in quantities),
         *(2 * [tool_panels.HEIGHT]),
         *([tool_panels.HEIGHT] if shown.clearance is not None else []),
+        *(min(len(shown.kept), MOST_KEPT) * [KEPT_HEIGHT]),
         *([0.16 + 0.13 * min(len(signals), MOST_ROWS)] if signals else []),
     ]
     grid = figure.add_gridspec(
@@ -89,13 +93,13 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
     ribbon.set_xlim(float(trace.times[0]) / factor, float(trace.times[-1]) / factor)
     draw_ribbon(ribbon, shown.bars, factor)
     draw_actions(ribbon, shown.actions, factor)
-    rows = [figure.add_subplot(grid[row], sharex=ribbon) for row in range(1, len(heights))]
+    rows = [figure.add_subplot(grid[at], sharex=ribbon) for at in range(1, len(heights))]
     remaining_rows = iter(rows)
-    for row, panel in enumerate(quantities):
+    for number, panel in enumerate(quantities):
         axes = next(remaining_rows)
         peak = peak_of(trace, panel.values)
         _draw_quantity(axes, trace.times / factor, panel.values * 100.0, drawn.width)
-        zoomed = _scale(axes, peak.share * 100.0, can_zoom=row > 0)
+        zoomed = _scale(axes, peak.share * 100.0, can_zoom=number > 0)
         note = " · ".join(filter(None, (panel.note, zoomed)))
         _head(axes, panel.title, note, _peak_text(peak, panel, drawn))
     axes = next(remaining_rows)
@@ -108,6 +112,11 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
         axes = next(remaining_rows)
         least = tool_panels.draw_clearance(axes, shown.clearance, factor, unit, drawn.width)
         _head(axes, "clearance of bodies [mm]", "sampled; `yarcc` proves it", least)
+    for count, row in enumerate(shown.kept[:MOST_KEPT], 1):
+        axes = next(remaining_rows)
+        found = draw_kept(axes, row, factor, unit, drawn.width)
+        left_out = len(shown.kept) - MOST_KEPT if count == MOST_KEPT else 0
+        _head(axes, row.title, f"{left_out} more aren't drawn" if left_out > 0 else "sampled", found)
     if signals:
         axes = next(remaining_rows)
         draw_rows(axes, signals, float(trace.times[-1]), factor)
@@ -181,6 +190,7 @@ class Shown:
         actions: waits and outputs.
         signals: inputs and outputs over time.
         clearance: sampled distances; None if there is no body that could collide.
+        kept: angles and distances that rules limit (KEEP).
     """
 
     trace: Trace
@@ -190,6 +200,7 @@ class Shown:
     actions: tuple[Action, ...]
     signals: tuple[SignalRow, ...]
     clearance: Clearance | None
+    kept: tuple[KeptRow, ...]
 
 
 @frozen

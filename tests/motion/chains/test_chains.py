@@ -310,3 +310,30 @@ def test_a_speed_changes_where_one_line_goes_on_as_the_next(speeds):
         rates = np.diff(places) / (curve.duration / (len(q) - 1))
         inside = (places[:-1] >= 50 * (number - 1) + 0.01) & (places[1:] <= 50 * number - 0.01)
         assert rates[inside].max() == pytest.approx(speed, rel=2e-3)
+
+
+LINES_IN_A_LINE = """P0020 MOVEL -37.7272 1261.8414 1557.8784 16.4477 -8.1157 4.0371 [MIN] TOL 0.05 BLEND 0
+P0030 MOVEL -38.3332 1261.9510 1558.7356 16.4477 -8.1157 4.0371 [MIN] TOL 0.05 BLEND 0
+P0040 MOVEL -39.6513 1262.1959 1560.6193 16.4477 -8.1157 4.0371 [MIN] TOL 0.05
+"""
+
+
+@pytest.mark.parametrize("lines", [*CHAINS.values(), LINES_IN_A_LINE])
+def test_a_stop_in_a_chain_has_three_equal_points(lines):
+    """An overlap is corrected at the points around it as well, but not across a stop."""
+    head = "DEFAULT {TCP} [2] (mm,deg,s) {B}\nP0001 MOVEJ 0 -5 -20 10 40 0 [MIN]\n"
+    begin = head if lines is LINES_IN_A_LINE else HEAD
+    made, found = compiled(begin + lines)
+    assert [one for one in found if one.is_error] == []
+    motions = made.plan.motions
+    assert motions[0].overlap is None
+    assert motions[-1].overlap is None
+    for one, other in pairwise(motions):
+        np.testing.assert_array_equal(one.curve.points[-3:], other.curve.points[:3])
+    for motion in motions:
+        if motion.overlap is None:
+            end = np.tile(motion.curve.points[-1], (3, 1))
+            np.testing.assert_array_equal(motion.curve.points[-3:], end)
+            np.testing.assert_allclose(end[0], motion.path.end, atol=1e-15)
+    if lines is LINES_IN_A_LINE:
+        assert [motion.overlap is None for motion in motions] == [True, True, False, True]

@@ -1,6 +1,6 @@
 """The figures of avoiding motions in RESULTS.md: `python benchmarks/avoid.py`, in an environment with
-yarclang. `lines` measures only MOVEL_AVOID. `tight` measures only the tight places, which need yarclang[test] for the third arm. `tight peer`
-also runs RRT-Connect with 5 s for each problem on the same checker.
+yarclang. `lines` measures only MOVEL_AVOID. `tight` measures only the tight places, which need yarclang[test]
+for the third arm. `tight peer` also runs RRT-Connect with 5 s for each problem on the same checker.
 
 A problem is a place among obstacles with a known solution: the arm moves between two joint positions of a
 hidden walk, each step of which was found free, and obstacles are drawn that leave the walk free and block the
@@ -126,21 +126,22 @@ def in_tight_places(*, with_peer: bool) -> None:
 
 
 def on_lines() -> None:
-    """Measure lines around obstacles: past a box, and in the first problems with hidden walks, of which not all have a
-    way in one configuration and about one axis. Print a table.
+    """Measure lines around obstacles: past a box, and in the first problems with hidden walks, of which not
+    all have a way in one configuration and about one axis. Print a table.
     """
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
     print(
-        "| INDUSTRIAL6, MOVEL_AVOID | found | of | legs, mean | computing: median | slowest |\n|---|---|---|---|---|---|"
+        "| INDUSTRIAL6, MOVEL_AVOID | found | of | legs, mean | computing: median | slowest |\n"
+        "|---|---|---|---|---|---|"
     )
     for what, problems in (("past a box", past_a_box(robot)), ("hidden walks", solvable(robot, LINES))):
         tried = [found for one in problems if (found := _on_lines(robot, one)) is not None]
         times = [took for took, _ in tried]
         legs = [count for _, count in tried if count]
         print(
-            f"| {what} | {len(legs)} | {len(tried)} | {statistics.mean(legs):.1f} | {statistics.median(times):.2f} s "
-            f"| {max(times):.2f} s |"
+            f"| {what} | {len(legs)} | {len(tried)} | {statistics.mean(legs):.1f} | "
+            f"{statistics.median(times):.2f} s | {max(times):.2f} s |"
         )
 
 
@@ -149,8 +150,8 @@ LINES = 60
 
 
 def _on_lines(robot: Robot, problem: Problem) -> tuple[float, int] | None:
-    """Return the processor time of a search [s], and the number of legs found, 0 for none; None if the straight line
-    turns by half a revolution, or is free.
+    """Return the processor time of a search [s], and the number of legs found, 0 for none; None if the
+    straight line turns by half a revolution, or is free.
     """
     room, moving = room_around(robot, problem.cell), tool_frame(robot).flange_from_moving
     poses = tool_poses(robot.chain, np.stack([problem.start, problem.goal]), moving)

@@ -44,8 +44,8 @@ REASONS: dict[str, str] = {
     "motion/together.py wrong axis: begun[0] -> begun[1] (1)": "all motions of one run of tries have a segment or none has",
     "backend_pmac/move_lines.py exchanged limits: rows >= _ROWS_AT_ONCE -> rows < _ROWS_AT_ONCE (1)": "how many lines are printed at once; they are the same",
     "certify/motion/proved.py off by one: 3 -> 4 (1)": "a claimed law that is never taken: the judge finds the shares of the path by itself",
-    "certify/bodies/torque.py dropped term: (samples.row[chosen] - samples.row[chosen][0]) * h + "
-    "samples -> (samples.row[chosen] - samples.row[chosen][0]) * h (1)": "when in a segment a torque is too large, in the words of a finding",
+    "certify/bodies/torque.py dropped term: (samples.row[chosen] - samples.row[chosen][0]) * h + samples "
+    "-> (samples.row[chosen] - samples.row[chosen][0]) * h (1)": "when in a segment a torque is too large, in the words of a finding",
     "certify/flow.py sign: -1 -> 1 (3)": "the words of a finding about a condition",
     "motion/profiles/topp.py wrong unit: 0.005 -> 0.005005 (1)": "the longest segment of a law: segments are whole numbers of the grid's steps",
     "backend_pmac/decimals.py dropped term: 2.0 * _PATH_SHARE -> 2.0 (2)": "no program turns so much that the angle decides how many decimals are printed; the path judges "
@@ -64,8 +64,8 @@ REASONS: dict[str, str] = {
     "collision/proof.py wrong unit: 0.001 -> 0.001001 (1)": "how closely a clearance is looked at; the second proof has it from below as well",
     "collision/geometry.py wrong unit: 2.0 -> 2.002 (1)": "a sum of solid angles is 0 or 4 pi; the threshold is between",
     "motion/trapezoid.py wrong unit: 1e-12 -> 1.0009999999999999e-12 (1)": "rounding",
-    "motion/chains/flowing/law.py wrong axis: around[0] -> around[1] (1)": "the planner's: where only one end is a seam the law there is stretched as well, and what comes "
-    "of it is judged as any other",
+    "motion/chains/flowing/law.py wrong axis: around[0] -> around[1] (1)": "the planner's: where only one end is a seam the law there is stretched as well, and what comes of "
+    "it is judged as any other",
     "collision/zones/speed.py off by one: 0 -> 1 (5)": "when a search stops that has found what it wants: it goes on, with the same result",
 }
 """Reasons for mutants that no check detected, or that certified a wrong text, by their keys in the file of

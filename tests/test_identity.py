@@ -38,7 +38,9 @@ parts = st.recursive(plain, lambda inner: st.lists(inner, max_size=3).map(tuple)
 
 
 def spelled(part):
-    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like another (of either sign, which nothing computes)."""
+    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like
+    another (of either sign, which nothing computes).
+    """
     return tuple(map(spelled, part)) if isinstance(part, tuple) else (type(part), repr(part))
 
 

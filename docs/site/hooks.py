@@ -83,7 +83,17 @@ def shown(path: Path, text: str) -> str:
     """Return the page that shows a file of the top folder."""
     if path.suffix == ".md":
         return text
-    return f"---\nsearch:\n  exclude: true\n---\n# {path.name}\n\n```{LANGUAGES.get(path.suffix, 'text')}\n{text.rstrip()}\n```\n"
+    return (
+        "---\n"
+        "search:\n"
+        "  exclude: true\n"
+        "---\n"
+        f"# {path.name}\n"
+        "\n"
+        f"```{LANGUAGES.get(path.suffix, 'text')}\n"
+        f"{text.rstrip()}\n"
+        "```\n"
+    )
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:  # noqa: ARG001  (MkDocs' signature)

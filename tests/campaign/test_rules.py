@@ -1,4 +1,6 @@
-"""Programs with KEEP and _AVOID, drawn by chance: most compile, the independent judge finds no fault in them, and finds those that are put in."""
+"""Programs with KEEP and _AVOID, drawn by chance: most compile, the independent judge finds no fault in
+them, and finds those that are put in.
+"""
 
 import re
 from dataclasses import replace

@@ -210,7 +210,8 @@ def origin(step: int, name: str = "MOVE") -> hir.Origin:
 class Job:
     """One command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms].
 
-    `blend` is what the map says of one that flows into the next, `any_jerk` that its jerk has no limit; `puts` are lines that stand before its move line number `put_at`.
+    `blend` is what the map says of one that flows into the next, `any_jerk` that its jerk has no limit;
+    `puts` are lines that stand before its move line number `put_at`.
     """
 
     motion: object

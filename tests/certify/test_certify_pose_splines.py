@@ -1,4 +1,6 @@
-"""Splines of poses: proved against dense sampling, by claims and without, and refused where the curve is another one."""
+"""Splines of poses: proved against dense sampling, by claims and without, and refused where the curve is
+another one.
+"""
 
 import itertools
 from functools import cache

@@ -99,9 +99,9 @@ def test_a_loop_must_be_closed(workshop, simulator, again):
     workshop.write("q.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 -3 0 0 0 [1] (deg,s)\n")
     text = workshop.here(*run_on(simulator, *again, program="q.yarc"), status=1)
     assert (
-        "q.yarc doesn't end where it starts, so that it can't be looped: its end is off by J1 +5.0000 deg, J3 -3.0000 deg\n"
-        in text
-    )
+        "q.yarc doesn't end where it starts, so that it can't be looped: its end is off by J1 +5.0000 deg, "
+        "J3 -3.0000 deg\n"
+    ) in text
     assert "help: end it with a motion to its start" in text
     assert (simulator.stands() == 0.0).all()
 

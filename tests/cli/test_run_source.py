@@ -1,4 +1,6 @@
-"""A fault of a run is shown at the line of the source that it is about: live, in the log, and for a compiled program."""
+"""A fault of a run is shown at the line of the source that it is about: live, in the log, and for a
+compiled program.
+"""
 
 import contextlib
 import re

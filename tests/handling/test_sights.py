@@ -80,8 +80,8 @@ def test_random_ways_are_judged_as_dense_samples_do(tally, seed):
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, 2**32), st.booleans())
 def test_bounds_hold_for_any_cubic(tally, seed, is_carried):
-    """Fast cubics, and points near the apex or far from it: the bounds contain what samples see, or the motion is
-    refused."""
+    """Fast cubics, and points near the apex or far from it: the bounds contain what samples see, or the
+    motion is refused."""
     drawn = np.random.default_rng(seed)
     chain = robot_of("INDUSTRIAL6").chain
     x, v, a, j = drawn.uniform(-2.0, 2.0, (4, 1, 6)) * np.array([1.0, 1.0, 4.0, 10.0])[:, None, None]

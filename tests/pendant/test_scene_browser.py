@@ -1,4 +1,6 @@
-"""The robot in three dimensions in a real browser: bodies stand where they should, the ghost too, and nothing is left when it is closed."""
+"""The robot in three dimensions in a real browser: bodies stand where they should, the ghost too, and
+nothing is left when it is closed.
+"""
 
 import time
 
@@ -157,7 +159,8 @@ def test_it_is_drawn_only_if_something_changes(place):
     time.sleep(1.0)
     assert browser.execute_script("return trial.painter.frames") - frames == 0
     browser.execute_script(
-        "window.loss = trial.painter.renderer.getContext().getExtension('WEBGL_lose_context'); loss.loseContext()"
+        "window.loss = trial.painter.renderer.getContext().getExtension('WEBGL_lose_context'); "
+        "loss.loseContext()"
     )
     until(lambda: "lost" in shown(browser, "#trial .scene-words"))
     browser.execute_script("loss.restoreContext()")
@@ -169,7 +172,8 @@ def test_nothing_is_left_when_it_is_closed(place):
     browser = place.browser
     browser.execute_script("window.before = trial.painter.renderer; trial.close()")
     left = browser.execute_script(
-        "return [before.info.memory.geometries, before.info.memory.textures, document.querySelectorAll('#trial canvas').length]"
+        "return [before.info.memory.geometries, before.info.memory.textures, "
+        "document.querySelectorAll('#trial canvas').length]"
     )
     assert left == [0, 0, 0]
     sizes = []
@@ -186,7 +190,8 @@ def test_nothing_is_left_when_it_is_closed(place):
 def test_without_webgl_it_says_so(place):
     browser = place.browser
     browser.execute_script(
-        "window.plain = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = () => null"
+        "window.plain = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = "
+        "() => null"
     )
     try:
         goes_to(browser, "scene")

@@ -59,7 +59,8 @@ POINTS = [
     ([("[1540, 1550", "[154, 1550")], "motor speeds", "note", "motor 1 reaches 10"),
     ([("[1540, 1550, 3520", "[1540, 1550, 2000")], "motor speeds", "note", "motor 3 limits"),
     ([("[1540, 1550", "[99999, 1550")], "motor speeds", "note", "three times"),
-    ([("a0 = [0, 0, 0, 0, 0, 0]  # counts", "a0 = [0, 0, 0, 0, 0, 0]  # guess: none")], "guess", "to do", "none"),
+    ([("a0 = [0, 0, 0, 0, 0, 0]  # counts", "a0 = [0, 0, 0, 0, 0, 0]  # guess: none")], "guess", "to do",
+        "none"),
     ([("velocity = 60  ", 'velocity = "60"')], "Y1306", "to do", "text"),
     ([("velocity = [1540, ", "velocity = [")], "Y1309", "to do", "5"),
     ([("speed = 250 ", "speed = 400 ")], "jogs", "note", "up to 400 mm/s"),
@@ -105,7 +106,10 @@ def test_what_is_no_robot(words, tmp_path, monkeypatch):
 
 def heavy(center, effort=500):
     """Each link of a large arm with a mass whose centre is at `center`."""
-    inside = f'<inertial><origin xyz="{center}"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
+    inside = (
+        f'<inertial><origin xyz="{center}"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" '
+        'iyz="0" izz="0.1"/></inertial>'
+    )
     return robot(arm(effort=effort)).replace("</collision></link>", f"</collision>{inside}</link>")
 
 

@@ -1,4 +1,6 @@
-"""Places of joints as a URDF puts them, by Pinocchio on the original text, and the bars that are drawn between them."""
+"""Places of joints as a URDF puts them, by Pinocchio on the original text, and the bars that are drawn
+between them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""URDFs the way makers' files look: which joints are the arm, judged with Pinocchio on the original text, up to the path that is emitted."""
+"""URDFs the way makers' files look: which joints are the arm, judged with Pinocchio on the original text,
+up to the path that is emitted.
+"""
 
 from __future__ import annotations
 

@@ -235,11 +235,13 @@ def test_a_doctype_is_refused_before_its_entities_are_read(tmp_path):
 
 
 OBJ_LINES = st.one_of(
-    st.sampled_from([b"v 0 0 0", b"v 1 0 0", b"\tv 0 1 0", b"vn 0 0 1", b"vt 0 0", b"# f 9 9 9", b"", b"o one", b"v"]),
+    st.sampled_from([b"v 0 0 0", b"v 1 0 0", b"\tv 0 1 0", b"vn 0 0 1", b"vt 0 0", b"# f 9 9 9", b"",
+        b"o one", b"v"]),
     st.tuples(
         st.sampled_from([b"f", b" f", b"fo", b"f\t", b"face"]),
         st.lists(
-            st.sampled_from([b"1", b"2", b"3", b"4", b"+1", b"-1", b"-4", b"0", b"1/1", b"2//5", b"x", b"1.5", b"#", b"1_0", b"9" * 30]),
+            st.sampled_from([b"1", b"2", b"3", b"4", b"+1", b"-1", b"-4", b"0", b"1/1", b"2//5", b"x", b"1.5",
+                b"#", b"1_0", b"9" * 30]),
             max_size=4,
         ),
     ).map(lambda one: b" ".join([one[0], *one[1]])),

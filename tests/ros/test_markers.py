@@ -1,4 +1,6 @@
-"""What RViz is given: the kinematics of the URDF's text are those of the robot, and markers are where the cell has its bodies."""
+"""What RViz is given: the kinematics of the URDF's text are those of the robot, and markers are where the
+cell has its bodies.
+"""
 
 import json
 from dataclasses import fields

@@ -27,11 +27,16 @@ FRAGMENTS = st.lists(st.one_of(WORDS, WORDS, NUMBERS), min_size=1, max_size=6).f
 )
 LEGAL = st.sampled_from(
     [
-        "I100=1I200=1", "#1->1000X", "#2->1000X+1000Y", "#1J/#2J/", "OPEN PROG 1 CLEAR", "OPEN PLC 2 CLEAR", "OPEN ROT",
-        "CLOSE", "CLOSE ALL", "SPLINE1 TM50", "LINEAR TA20 TS5 TM30", "RAPID", "PVT20", "X1Y1", "X2Y-1", "X1:5Y2:1", "INC", "ABS",
-        "DWELL5", "DELAY5", "WHILE(P1<5)", "ENDWHILE", "IF(P1!=3)", "ELSE", "ENDIF", "P1=P1+1", "M1==1", "&1B1R", "&1B0R", "R", "S",
-        "H", "Q", "A", "/", "%50", "%100", "%0", "DEFINE ROT 100", "DELETE ROT", "CLEAR", "I5=3", "ENABLE PLC 0..31", "#1J+", "#1J-",
-        "#1J=5000", "#2J^100", "#1HM", "#1K", "$$$", "SAVE", "I113=3000 I114=-3000", "STOP", 'CMD"&1R"', 'CMD"#2J+"', "OPEN PLC 0 CLEAR",
+        "I100=1I200=1", "#1->1000X", "#2->1000X+1000Y", "#1J/#2J/", "OPEN PROG 1 CLEAR", "OPEN PLC 2 CLEAR",
+            "OPEN ROT",
+        "CLOSE", "CLOSE ALL", "SPLINE1 TM50", "LINEAR TA20 TS5 TM30", "RAPID", "PVT20", "X1Y1", "X2Y-1",
+            "X1:5Y2:1", "INC", "ABS",
+        "DWELL5", "DELAY5", "WHILE(P1<5)", "ENDWHILE", "IF(P1!=3)", "ELSE", "ENDIF", "P1=P1+1", "M1==1",
+            "&1B1R", "&1B0R", "R", "S",
+        "H", "Q", "A", "/", "%50", "%100", "%0", "DEFINE ROT 100", "DELETE ROT", "CLEAR", "I5=3",
+            "ENABLE PLC 0..31", "#1J+", "#1J-",
+        "#1J=5000", "#2J^100", "#1HM", "#1K", "$$$", "SAVE", "I113=3000 I114=-3000", "STOP", 'CMD"&1R"',
+            'CMD"#2J+"', "OPEN PLC 0 CLEAR",
     ]
 )  # fmt: skip
 

@@ -23,7 +23,15 @@ from yarclang.teaching.holding import around
 from yarclang.teaching.templates import filled, new, templates
 
 NAMES = [one.name for one in templates()]
-HEAD = "INPUT DOOR M11\nOUTPUT GRIP M1\nFRAME {TOOL} 0 150 0 90 0 0 (mm,deg) {FLANGE}\nDEFAULT {TOOL} [50%] (mm,deg,s) {B}\nFRAME {BOX} 0 900 500 0 0 0\nJOINTS READY 0 -10 -20 0 -60 0\nP0010 MOVEJ READY\n"
+HEAD = (
+    "INPUT DOOR M11\n"
+    "OUTPUT GRIP M1\n"
+    "FRAME {TOOL} 0 150 0 90 0 0 (mm,deg) {FLANGE}\n"
+    "DEFAULT {TOOL} [50%] (mm,deg,s) {B}\n"
+    "FRAME {BOX} 0 900 500 0 0 0\n"
+    "JOINTS READY 0 -10 -20 0 -60 0\n"
+    "P0010 MOVEJ READY\n"
+)
 
 
 @pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
@@ -66,7 +74,10 @@ def test_the_tool_points_down_however_tcp_is_turned(tcp, tmp_path):
 
 
 def test_a_robot_that_cannot_stand_is_told_what_to_correct(tmp_path):
-    weight = '<inertial><origin xyz="0 0 0"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
+    weight = (
+        '<inertial><origin xyz="0 0 0"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" '
+        'iyz="0" izz="0.1"/></inertial>'
+    )
     text = made_of(arm(effort=20)).replace("</collision></link>", f"</collision>{weight}</link>")
     yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
     with pytest.raises(Trouble, match="of its effort of 20 N m") as caught:

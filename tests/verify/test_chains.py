@@ -1,4 +1,6 @@
-"""Lines and arcs that flow into each other: what the judge certifies is followed, and what is changed is refused."""
+"""Lines and arcs that flow into each other: what the judge certifies is followed, and what is changed is
+refused.
+"""
 
 import hashlib
 import json
@@ -267,7 +269,9 @@ def drawn_lines(random):
 
 
 def drawn_with_joints(random):
-    """A chain of lines and of straight motions of joints, to poses and to joints, with corners of all kinds."""
+    """A chain of lines and of straight motions of joints, to poses and to joints, with corners of all
+    kinds.
+    """
     lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]"]
     count, here = int(random.integers(3, 6)), np.array([0.0, 1174.4, 1176.0])
     for number in range(count):

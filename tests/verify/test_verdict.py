@@ -69,7 +69,11 @@ def test_what_is_not_decided_is_named():
     assert own(judged(timed)) == [
         "P0010 MOVEJ_TIMED 1: its jerk, and that of its blends, which has no limit",
     ]
-    spoken = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [4]\nP0020 MOVEL 100 1174.4 1176 0 0 0 [V 50]"
+    spoken = (
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [4]\n"
+        "P0020 MOVEL 100 1174.4 1176 0 0 0 [V 50]"
+    )
     assert own(judged(spoken)) == []
     turned = spoken.replace("MOVEL 100 1174.4 1176 0 0 0 [V 50]", "DMOVE 0 0 0 0 0 30 [V 20]")
     assert own(judged(turned)) == [

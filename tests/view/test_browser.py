@@ -1,4 +1,6 @@
-"""`yarc view` in a real browser: what is drawn, that controls do something, and that nothing is fetched from outside."""
+"""`yarc view` in a real browser: what is drawn, that controls do something, and that nothing is fetched
+from outside.
+"""
 
 import io
 import json
@@ -42,7 +44,8 @@ def page(program, tmp_path_factory):
             if message["method"] in {"Network.requestWillBeSent", "Network.webSocketCreated"}
         }
         own = re.compile(
-            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome(-untrusted)?:|about:"
+            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome(-untrusted)?:"
+            r"|about:"
         )
         assert [one for one in asked if not own.match(one)] == []
         assert any(own.match(one) for one in asked)

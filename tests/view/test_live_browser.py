@@ -1,4 +1,6 @@
-"""`yarc view --live` in a real browser: a running robot is drawn, an input is ticked, and a robot that is away is grey."""
+"""`yarc view --live` in a real browser: a running robot is drawn, an input is ticked, and a robot that is
+away is grey.
+"""
 
 import os
 import signal

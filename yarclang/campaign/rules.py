@@ -15,8 +15,8 @@ _TIMES = ("[MIN]", "[50%]", "[6]")
 
 
 def drawn_ruled(arm: Arm, random: np.random.Generator, most: int = 4) -> Drawn:
-    """Draw a program of a few lines and joint motions to poses, most of them within one or two rules: a carried axis that
-    stays upright, and a height that is kept.
+    """Draw a program of a few lines and joint motions to poses, most of them within one or two rules: a
+    carried axis that stays upright, and a height that is kept.
     """
     middle = middle_of(arm)
     (point,), turns = arm.poses(middle[None])

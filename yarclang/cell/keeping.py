@@ -122,7 +122,8 @@ class Keep:
         region: the poses of the flange at which the rule is kept.
         carried: the declarations of the carried frame, from which the judge computes `region` again.
         standing: those of the frame that stands still.
-        of_cell: True if the rule is that of a cell.toml, for all motions: its frames are those of cell or robot.
+        of_cell: True if the rule is that of a cell.toml, for all motions: its frames are those of cell or
+            robot.
     """
 
     kind: KeepKind
@@ -148,8 +149,8 @@ class Keep:
         return tuple(found)
 
     def is_within(self, other: Keep) -> bool:
-        """Return True if every place that keeps to another rule keeps to this one as well, as far as the limits
-        of two rules for the same frames show it.
+        """Return True if every place that keeps to another rule keeps to this one as well, as far as the
+        limits of two rules for the same frames show it.
         """
         mine, its = self.region, other.region
         if self.kind != other.kind or not np.allclose(

@@ -121,7 +121,10 @@ def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) 
         return None
     near, far = (one * length for one in entry.range)
     if not (near >= LEAST_SIGHT and far >= near + LEAST_SIGHT and np.isfinite(far)):
-        message = f"{spoken(place)} is from {near / MM:.6g} to {far / MM:.6g} mm: no motion could be proved to keep to it."
+        message = (
+            f"{spoken(place)} is from {near / MM:.6g} to {far / MM:.6g} mm: no motion could be proved to "
+            "keep to it."
+        )
         least = f"{LEAST_SIGHT / MM:g} mm"
         file.say("Y1308", place, message, f"It begins at {least} or more, and is at least {least} wide.")
         return None

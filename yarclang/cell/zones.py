@@ -113,7 +113,10 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
-        message = f"{table_name(path)} is a joint window for a posture: one of the two says where the joints must be."
+        message = (
+            f"{table_name(path)} is a joint window for a posture: one of the two says where the joints must "
+            "be."
+        )
         remedy = (
             'Give it the shape of a place, such as "box"; joint positions to stay in are rule = "allowed".'
         )

@@ -1,8 +1,8 @@
 """Compare the program that was planned with the one that was asked for.
 
-The planner replaces a line around obstacles (`LineMove.avoids`) by straight legs, and the text is held to these.
-Where the legs lead in between is free: each is proved like any other line. Where they end, and how they are made,
-isn't.
+The planner replaces a line around obstacles (`LineMove.avoids`) by straight legs, and the text is held to
+these. Where the legs lead in between is free: each is proved like any other line. Where they end, and how
+they are made, isn't.
 """
 
 from __future__ import annotations

@@ -124,7 +124,8 @@ FINDINGS: tuple[Finding, ...] = (
         "limbs-left-out",
         "error",
         "the chain leaves out joints that have motors",
-        "The chain that was found leaves out a limb as long as an arm: --tip names the link at the end of the right chain.",
+        "The chain that was found leaves out a limb as long as an arm: --tip names the link at the end of "
+        "the right chain.",
         "yarc robot new two_arms.urdf --yes",
         "yarc robot new two_arms.urdf --yes --tip left_tool0",
     ),

@@ -20,8 +20,8 @@ FINDINGS: tuple[Finding, ...] = (
         "unreadable-file",
         "error",
         "the file can't be read",
-        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked for beside "
-        "the robot.toml.",
+        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked "
+        "for beside the robot.toml.",
         'urdf = "industrial.urdf"',
         'urdf = "industrial6.urdf"',
     ),
@@ -39,7 +39,8 @@ FINDINGS: tuple[Finding, ...] = (
         "missing-key",
         "error",
         "a key is missing",
-        "A key without a safe default must be given: a guessed speed or gear ratio would move the arm wrongly.",
+        "A key without a safe default must be given: a guessed speed or gear ratio would move the arm "
+        "wrongly.",
         "[joints.J1]\nposition = [-170, 170]",
         "[joints.J1]\nposition = [-170, 170]\nvelocity = 60\nacceleration = 240\njerk = 2000",
     ),

@@ -92,8 +92,8 @@ class MotionPlan:
     Its times count motions and dwells, with the branches of a WHEN one after the other; waiting for an input
     or the operator takes no time.
 
-    In `program`, lines around obstacles are replaced by their legs; `asked` is the program without that, None if
-    nothing was replaced.
+    In `program`, lines around obstacles are replaced by their legs; `asked` is the program without that, None
+    if nothing was replaced.
     """
 
     program: Program

@@ -124,7 +124,8 @@ class Filing:
         )
 
     async def upload(
-        self, session: Session, address: str, file: str, known_hash: str | None, length: int | None, stream: AsyncIterator[bytes]
+        self, session: Session, address: str, file: str, known_hash: str | None, length: int | None,
+            stream: AsyncIterator[bytes]
     ) -> Written:  # fmt: skip
         """Write an uploaded file while it arrives. If the upload is interrupted, nothing is left of it.
 

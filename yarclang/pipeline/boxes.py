@@ -21,7 +21,10 @@ from yarclang.progress import each
 MOST_TRIED = 400
 """Largest number of places that are tried for one program."""
 
-_HELP = "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a smaller range of the registers, or another way in, lets all of the box be carried out"
+_HELP = (
+    "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a "
+    "smaller range of the registers, or another way in, lets all of the box be carried out"
+)
 
 
 @dataclass(slots=True)
@@ -64,13 +67,19 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
             )
     for tried in by_place.values():
         if tried.faults:
-            message = f"{len(tried.faults)} of {tried.tried} places in the box of this OFFSET can't be carried out; {tried.faults[0]}"
+            message = (
+                f"{len(tried.faults)} of {tried.tried} places in the box of this OFFSET can't be carried "
+                f"out; {tried.faults[0]}"
+            )
             yield Diagnostic(
                 "Y0508", message, tried.origin.source, tried.origin.span, _HELP, place=tried.origin.place
             )
     if len(trials) > MOST_TRIED:
         origin = boxes[0][0].origin
-        message = f"{len(trials) - MOST_TRIED} of {len(trials)} places in the boxes of the program's OFFSETs weren't tried"
+        message = (
+            f"{len(trials) - MOST_TRIED} of {len(trials)} places in the boxes of the program's OFFSETs "
+            "weren't tried"
+        )
         help_ = "the runtime plans and proves each place before it moves, whether it was tried or not"
         yield Diagnostic("Y0509", message, origin.source, origin.span, help_)
 

@@ -314,7 +314,10 @@ def _program_of(
         if planned.value is None and required:
             count = sum(one.is_error for one in planned.diagnostics)
             errors = f"{count} error{'s' * (count != 1)}"
-            message = f"{place.name}, the program beside this text, has {errors}: the text can't be proved against it"
+            message = (
+                f"{place.name}, the program beside this text, has {errors}: the text can't be proved "
+                "against it"
+            )
             told = Diagnostic("Y1192", message, text, help=f"yarc check {place.name} shows them")
             conflicts = (one for one in planned.diagnostics if one.code == "Y1373")
             return Result(None, (told, *conflicts))

@@ -298,7 +298,10 @@ def _start(
         return None
     names = " ".join(robot.joint_names)
     if len(values) != robot.size:
-        message = f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} joints ({names})"
+        message = (
+            f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} "
+            f"joints ({names})"
+        )
         findings.add("Y1394", message, span, "give one value a joint, in deg (mm for prismatic joints)")
         return None
     q: Array = np.array(values, dtype=np.float64) * robot.axis_units

@@ -93,7 +93,10 @@ def _apart(
         joint = int(np.argmax(off / job.slack))
         names, units = job.robot.joint_names, job.robot.axis_unit_names
         here, there = (_value(job, one, joint) for one in (place, common.start))
-        message = f"job {number} {word} with {names[joint]} at {here} {units[joint]}, and job {other} begins at {there} {units[joint]}"
+        message = (
+            f"job {number} {word} with {names[joint]} at {here} {units[joint]}, and job {other} begins at "
+            f"{there} {units[joint]}"
+        )
         help_ = "give all programs the same START" if word == "begins" else "end it with a MOVEJ to its START"
         yield _finding(project, number, message, help_)
 

@@ -146,7 +146,10 @@ def _reason(robot: Robot, way: NoWay) -> str:
     return f"no way from where the robot stands to the start was found {tried(robot, way)}"
 
 
-_BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where the program starts"
+_BY_HAND = (
+    "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where "
+    "the program starts"
+)
 
 
 def part(
@@ -371,9 +374,15 @@ def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
     origin, first = _origin(plan, number), _origin(plan, begin)
     before = _origin(plan, number - 1)
     if plan.motions[number - 1].flows:
-        message = f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a run can't begin there"
+        message = (
+            f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a "
+            "run can't begin there"
+        )
     else:
-        message = f"{_called(origin)} begins where {_called(before)} has ended, and that place is known only in the run that has found it"
+        message = (
+            f"{_called(origin)} begins where {_called(before)} has ended, and that place is known only in "
+            "the run that has found it"
+        )
     flows = plan.motions[number - 1].flows
     help_ = f"begin with {_called(first)}{', where the chain begins' * flows}"
     if first.label:

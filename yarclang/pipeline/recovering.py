@@ -128,8 +128,9 @@ def _beyond(robot: Robot, position: Array) -> Diagnostic | None:
     unit, scale = robot.axis_unit_names[joint], robot.axis_units[joint]
     lower, upper = robot.limits.lower[joint] / scale, robot.limits.upper[joint] / scale
     message = (
-        f"{robot.joint_names[joint]} stands at {position[joint] / scale:.4f} {unit}, {excess[joint] / scale:.4f} {unit} beyond its limits "
-        f"{lower:g} to {upper:g}: no motion from there is proved"
+        f"{robot.joint_names[joint]} stands at {position[joint] / scale:.4f} {unit}, "
+        f"{excess[joint] / scale:.4f} {unit} beyond its limits {lower:g} to {upper:g}: no motion from there "
+        "is proved"
     )
     return Diagnostic(NOT_RECOVERED, message, help="move this joint back by the controller's own jog, slowly")
 
@@ -240,5 +241,8 @@ def _no_way(tried: list[Place], refused: tuple[Diagnostic, ...]) -> Diagnostic:
     others = f" or to {tried[1].title}" if len(tried) == 2 else others
     why = f": {refused[0].message}" if refused else ""
     message = f"no motion from where the robot stands to {first}{others} is proved{why}"
-    help_ = "jog the robot into the open (yarc repl, or the pendant), and recover from there; or correct the cell.toml"
+    help_ = (
+        "jog the robot into the open (yarc repl, or the pendant), and recover from there; or correct the "
+        "cell.toml"
+    )
     return Diagnostic(NOT_RECOVERED, message, help=help_)

@@ -207,7 +207,10 @@ def _left_elsewhere(plan: MotionPlan, compiled: Compiled, end: int) -> str:
         if other is None or other.gripper != item.gripper:
             return f"the gripper doesn't take or leave {item.name} as it does without the shift"
         if not np.allclose(other.transform, item.transform, rtol=0.0, atol=1e-5):
-            return f"{item.name} stays where the shift has it, and the lines after the OFFSET are proved with it elsewhere"
+            return (
+                f"{item.name} stays where the shift has it, and the lines after the OFFSET are proved with "
+                "it elsewhere"
+            )
     return "parts are left elsewhere than without the shift"
 
 

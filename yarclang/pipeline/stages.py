@@ -258,7 +258,10 @@ def _made_with(searches: bool) -> str:
     import pinocchio
     import scipy
 
-    packages = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}"
+    packages = (
+        f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra "
+        f"{version('toppra')}"
+    )
     return f"{packages}, ompl {version('ompl')}" if searches else packages
 
 

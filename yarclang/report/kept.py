@@ -51,8 +51,8 @@ class Quantity:
 
 
 def held_rules(plan: MotionPlan) -> tuple[HeldRule, ...]:
-    """Return the rules of a plan's motions: first those of the cell, then those of the program in the order in
-    which they begin.
+    """Return the rules of a plan's motions: first those of the cell, then those of the program in the order
+    in which they begin.
 
     A rule holds from the start of its first motion to the end of its last one, except during motions between
     them to which it doesn't apply: between its own motions the robot is at rest, and keeps to it.

@@ -149,7 +149,8 @@ class _Measure:
             ("velocity", "speed", _scale(names, limits.velocity / units, axis, "/s")),
             ("acceleration", "acceleration", _scale(names, limits.acceleration / units, axis, "/s^2")),
             ("jerk", "jerk", _scale(names, limits.jerk / units, axis, "/s^3")),
-            ("motor_velocity", "motor speed", _scale(motors, robot.actuation.velocity, ["counts"] * len(motors), "/s")),
+            ("motor_velocity", "motor speed",
+                _scale(motors, robot.actuation.velocity, ["counts"] * len(motors), "/s")),
             ("torque", "torque", _scale(names, effort, force, "")),
         )  # fmt: skip
         half = (limits.upper - limits.lower) / 2.0 / units

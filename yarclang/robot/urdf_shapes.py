@@ -106,7 +106,10 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
     shape = geometry.children[0]
     if shape.tag == "mesh":
         # a missing visual mesh does no harm, a missing collision mesh does
-        return f"mesh {_check_mesh(urdf, subject, shape, folder if body.tag == 'collision' else None)} at {place}"
+        return (
+            f"mesh {_check_mesh(urdf, subject, shape, folder if body.tag == 'collision' else None)} at "
+            f"{place}"
+        )
     if shape.tag not in _SIZES:
         message = f"{subject} has the shape <{shape.tag}>, which URDF doesn't know."
         urdf.say("Y1356", message, f"Use one of {kinds}.", shape)

@@ -197,7 +197,10 @@ def _swatch(colour: Colour, text: str) -> str:
 def rows_html(rows: Iterable[tuple[str, str]]) -> str:
     """Return a table of names and values."""
     cells = (
-        f'<tr><td style="color:#777;white-space:nowrap;vertical-align:top">{escape(name)}</td><td>{escape(value)}</td></tr>'
+        (
+            "<tr><td "
+            f'style="color:#777;white-space:nowrap;vertical-align:top">{escape(name)}</td><td>{escape(value)}</td></tr>'
+        )
         for name, value in rows
     )
     return _TABLE.format("".join(cells))

@@ -141,7 +141,8 @@ def _worst(
     return tuple(
         Worst(
             number_of[one.command.step],
-            f"{'' if one.share is None else f'{percent(one.share)} % '}{one.what}: {one.figure}, {one.command.index or one.command.name}",
+            f"{'' if one.share is None else f'{percent(one.share)} % '}{one.what}: {one.figure}, "
+            f"{one.command.index or one.command.name}",
         )
         for one in nearest_places(certificate, robot, cell)
     )

@@ -1,4 +1,6 @@
-"""Draw the rules of the shown instant: a translucent cone or plane for each, and the line that stays in it."""
+"""Draw the rules of the shown instant: a translucent cone or plane for each, and the line that stays in
+it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Who may steer a robot from outside: forged callers of all kinds against a robot that only notes what reaches it."""
+"""Who may steer a robot from outside: forged callers of all kinds against a robot that only notes what
+reaches it.
+"""
 
 import asyncio
 import contextlib
@@ -100,7 +102,9 @@ def token(server):
 
 
 def meeting(work, door, patience=QUICK):
-    """Do some work with a server that listens at a door; the robot behind it, and how long the event loop was busy at most [s]."""
+    """Do some work with a server that listens at a door; the robot behind it, and how long the event loop
+    was busy at most [s].
+    """
 
     async def whole():
         robot, worst = Robot(), 0.0

@@ -1,5 +1,5 @@
-"""MOVEL_AVOID: straight where the line is free, otherwise on straight legs around what is in the way, all of them
-proved; what is said where it can't be done; and a planner whose legs lead elsewhere."""
+"""MOVEL_AVOID: straight where the line is free, otherwise on straight legs around what is in the way, all of
+them proved; what is said where it can't be done; and a planner whose legs lead elsewhere."""
 
 from dataclasses import replace
 

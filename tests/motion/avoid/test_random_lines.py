@@ -1,5 +1,5 @@
-"""MOVEL_AVOID in cells drawn by chance: what is found stays clear of all bodies and on straight legs, by sampling with other geometry;
-what isn't found has one of the reasons that the language knows."""
+"""MOVEL_AVOID in cells drawn by chance: what is found stays clear of all bodies and on straight legs, by
+sampling with other geometry; what isn't found has one of the reasons that the language knows."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -28,7 +28,8 @@ def problem(seed):
     poses = flange_poses(ROBOT.chain, np.stack([start, goal]))
     ends = poses[:, :3, 3]
     boxes = [
-        box(f"B{number}", ends.mean(axis=0) + draw.uniform(-0.3, 0.3, 3) * (number > 0), draw.uniform(0.03, 0.15, 3), 0.002)
+        box(f"B{number}", ends.mean(axis=0) + draw.uniform(-0.3, 0.3, 3) * (number > 0),
+            draw.uniform(0.03, 0.15, 3), 0.002)
         for number in range(draw.integers(1, 4))
     ]  # fmt: skip
     values = [*(ends[1] / MM), *(roll_pitch_yaw(poses[1, :3, :3]) / DEG)]

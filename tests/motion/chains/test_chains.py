@@ -1,6 +1,8 @@
-"""Motions that flow into each other: where the path is left, how long each takes, and that limits hold in between.
+"""Motions that flow into each other: where the path is left, how long each takes, and that limits hold in
+between.
 
-Densely sampled; tests/test_random_programs.py does the same with programs by chance and from the emitted text.
+Densely sampled; tests/test_random_programs.py does the same with programs by chance and from the emitted
+text.
 """
 
 from itertools import pairwise
@@ -158,7 +160,8 @@ def test_blending_is_quicker_than_stopping():
 
 def test_times_without_a_common_part_are_rounded_where_they_meet_and_told():
     plan, found = chain(
-        "P0010 MOVEL 50 1174.4 1176 0 0 0 [0.99991] BLEND 10\nP0020 MOVEL 50 1174.4 1226 0 0 0 [1.00007] BLEND 10\n"
+        "P0010 MOVEL 50 1174.4 1176 0 0 0 [0.99991] BLEND 10\n"
+        "P0020 MOVEL 50 1174.4 1226 0 0 0 [1.00007] BLEND 10\n"
         "P0030 MOVEL 0 1174.4 1226 0 0 0 [1.00013]\n"
     )
     assert found == ["Y0609"]
@@ -261,9 +264,17 @@ def test_the_same_program_gives_the_same_curves():
         assert np.array_equal(first.curve.points, second.curve.points)
 
 
-ZIGZAG = "P0010 MOVEL 20 1174.4 1176 0 0 0 {0} BLEND 4\nP0020 MOVEL 20 1194.4 1176 0 0 0 {0} BLEND 4\nP0030 MOVEL 50 1194.4 1176 0 0 0 {0}\n"
+ZIGZAG = (
+    "P0010 MOVEL 20 1174.4 1176 0 0 0 {0} BLEND 4\n"
+    "P0020 MOVEL 20 1194.4 1176 0 0 0 {0} BLEND 4\n"
+    "P0030 MOVEL 50 1194.4 1176 0 0 0 {0}\n"
+)
 TURNS = ZIGZAG.replace("MOVEL 20 1194.4 1176", "MOVEC 30 1184.4 1176; 20 1194.4 1176")
-JOINT_TURNS = "P0010 MOVEJ 0 0 0 0 30 0 [MIN] BLEND 4\nP0020 MOVEJ 20 0 0 0 30 0 [MIN] BLEND 4\nP0030 MOVEJ 20 9 0 0 0 0 [MIN]\n"
+JOINT_TURNS = (
+    "P0010 MOVEJ 0 0 0 0 30 0 [MIN] BLEND 4\n"
+    "P0020 MOVEJ 20 0 0 0 30 0 [MIN] BLEND 4\n"
+    "P0030 MOVEJ 20 9 0 0 0 0 [MIN]\n"
+)
 
 
 @pytest.mark.parametrize(

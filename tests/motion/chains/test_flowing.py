@@ -1,4 +1,6 @@
-"""Long chains as one path, from the emitted text: where the paths are left, how fast the tool goes, and that limits hold; laws and means by themselves."""
+"""Long chains as one path, from the emitted text: where the paths are left, how fast the tool goes, and
+that limits hold; laws and means by themselves.
+"""
 
 import numpy as np
 import pytest
@@ -61,7 +63,9 @@ def to_segments(p, a, b):
 
 
 def looked_at(text, robot, points, speed, ball, tolerance):
-    """Hold a text against its way-points; return the mean share of the speed from the first to the last time that it is reached."""
+    """Hold a text against its way-points; return the mean share of the speed from the first to the last
+    time that it is reached.
+    """
     arm = Arm.in_folder(robot_of(robot).folder)
     _, commands = read(text)
     corners = np.array(BEGIN[robot]) + points
@@ -180,7 +184,9 @@ def test_turns(seed):
 
 @pytest.mark.parametrize("ball", [0.0, 0.3])
 def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
-    """The means of a law that gets slower at a corner are faster behind it, if the law isn't slower before."""
+    """The means of a law that gets slower at a corner are faster behind it, if the law isn't slower
+    before.
+    """
     at = np.arange(50) * 2.0
     heading = np.radians(2.0) * np.sin(at / 40.0)
     ways = 2.0 * np.stack((np.cos(heading), np.sin(heading), 0.0 * at), axis=1)

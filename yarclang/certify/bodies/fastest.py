@@ -100,7 +100,9 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Bound the speeds (P,) [m/s] of a body's points; the bound is exact for a body without round parts."""
+        """Bound the speeds (P,) [m/s] of a body's points; the bound is exact for a body without round
+        parts.
+        """
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
             x, y, z = self.point(own)
@@ -139,7 +141,9 @@ class Motions:
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return the bodies moved by the first `joint` joints, at the begins and at the ends of all segments."""
+        """Return the bodies moved by the first `joint` joints, at the begins and at the ends of all
+        segments.
+        """
         found, stops = self._ends
         arm = _of(found, joint)
         return arm.take(np.arange(len(stops))), arm.take(stops)

@@ -3,11 +3,12 @@
 It shares no code with `yarclang.collision.zones.sights`, which the planner uses: it has the judge's own
 kinematics.
 
-The way v from the apex of the cone to the point has |v'| <= V and |v''| <= A on a segment, since one of the two
-stands still and the other is a point of the flange. On a piece of duration d, v differs from its chord by at
-most A d^2 / 8, so that its length r is at least that of the chord's nearest place less this, and at least half
-of the sum of its values at both ends less V d. For u = v / r, the component of u'' along u is -|u'|^2, and the
-one across is the one of (v'' - 2 r' u') / r. With r'^2 + r^2 |u'|^2 <= V^2 this gives |u'| <= V / r and
+The way v from the apex of the cone to the point has |v'| <= V and |v''| <= A on a segment, since one of the
+two stands still and the other is a point of the flange. On a piece of duration d, v differs from its chord by
+at most A d^2 / 8, so that its length r is at least that of the chord's nearest place less this, and at least
+half of the sum of its values at both ends less V d. For u = v / r, the component of u'' along u is -|u'|^2,
+and the one across is the one of (v'' - 2 r' u') / r. With r'^2 + r^2 |u'|^2 <= V^2 this gives |u'| <= V / r
+and
 |u''| <= A / r + 2 V^2 / r^2. The axis a of the cone has |a'| <= W and |a''| <= B, or stands still. The angle
 between both therefore changes no faster than W + V / r, and the second derivative of its cosine is at most
 B + 2 W V / r + |u''|. Pieces are halved until one of the two bounds settles them. Where r isn't proved to be
@@ -50,7 +51,9 @@ class Sighted:
 
 @frozen(eq=False)
 class Aim:
-    """Where a point is in a cone at P instants: `angle` (P,) [rad], `distance` (P,) [m] and `way` (3, P) [m]."""
+    """Where a point is in a cone at P instants: `angle` (P,) [rad], `distance` (P,) [m] and `way` (3, P)
+    [m].
+    """
 
     angle: Array
     distance: Array
@@ -115,7 +118,9 @@ class _Cone:
         return Aim(angle, np.sqrt(way[0] ** 2 + way[1] ** 2 + way[2] ** 2), way)
 
     def excess(self, aim: Aim) -> Array:
-        """Return by how much the rule is exceeded at each instant (P,) [rad or m]; not positive if it is kept."""
+        """Return by how much the rule is exceeded at each instant (P,) [rad or m]; not positive if it is
+        kept.
+        """
         sight = self.sight
         found: Array = np.maximum.reduce(
             [aim.angle - sight.limit, sight.near - aim.distance, aim.distance - sight.far]

@@ -164,7 +164,9 @@ class _Judge:
         return [tuple(one) for one in told]
 
     def _keep_in_sight(self, rule: Keep, sight: Sight, told: list[list[KeptRule]]) -> None:
-        """Add the bounds of a rule about a cone to those of each command, and report the commands that break it."""
+        """Add the bounds of a rule about a cone to those of each command, and report the commands that
+        break it.
+        """
         found = sighted(self.motions, sight)
         for row in range(len(self.places)):
             least, farthest = float(found.least[row]), float(found.farthest[row])
@@ -182,12 +184,18 @@ class _Judge:
         if angle - sight.limit >= max(sight.near - distance, distance - sight.far):
             code, told = "Y0957", f"{sight.limit / DEG:.10g} deg of KEEP"
             over = up_to(max(angle - sight.limit, 1e-7) / DEG, 3)
-            how = f"{{{point}}} is {up_to(angle / DEG, 4)} deg off the z axis of {{{cone}}}, {over} deg more than the {told}"
+            how = (
+                f"{{{point}}} is {up_to(angle / DEG, 4)} deg off the z axis of {{{cone}}}, {over} deg more "
+                f"than the {told}"
+            )
         else:
             is_near = sight.near > distance
             code, limit = "Y0958", sight.near if is_near else sight.far
             by = _mm(max(abs(distance - limit), 1e-5))
-            how = f"{{{point}}} is {distance / MM:,.6g} mm from {{{cone}}}, {by} {'less' if is_near else 'more'} than the {limit / MM:.6g} mm of KEEP"
+            how = (
+                f"{{{point}}} is {distance / MM:,.6g} mm from {{{cone}}}, {by} "
+                f"{'less' if is_near else 'more'} than the {limit / MM:.6g} mm of KEEP"
+            )
         message = (
             f"{how}, {span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, "
             f"{pose_text(self.robot, place.motion.origin, q)}"
@@ -204,8 +212,11 @@ class _Judge:
         q = self._at(self.sweep.starts(row) + stay.worst)
         angle = tilt.limit - stay.slack
         message = (
-            f"{{{rule.frame}}} tilts {up_to(angle / DEG, 4)} deg from the z axis of {{{rule.of}}}, {up_to(-stay.slack / DEG, 3)} deg more than the {rule.amount.replace('(', '').replace(')', '')} of KEEP, "
-            f"{span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, {pose_text(self.robot, place.motion.origin, q)}"
+            f"{{{rule.frame}}} tilts {up_to(angle / DEG, 4)} deg from the z axis of {{{rule.of}}}, "
+            f"{up_to(-stay.slack / DEG, 3)} deg more than the "
+            f"{rule.amount.replace('(', '').replace(')', '')} of KEEP, "
+            f"{span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, "
+            f"{pose_text(self.robot, place.motion.origin, q)}"
         )
         when_ = (stay.begin, stay.end)
         self._find(
@@ -256,8 +267,10 @@ class _Judge:
                 if seen.at_end:
                     time += float(self.sweep.cubics.h[seen.segment])
                 message = (
-                    f"{_called(watch)} is beyond a border of the zone {watch.zone.name}, {time - self.sweep.starts(row):.3f} s after its start, "
-                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, and the proof doesn't say so"
+                    f"{_called(watch)} is beyond a border of the zone {watch.zone.name}, "
+                    f"{time - self.sweep.starts(row):.3f} s after its start, "
+                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, and the "
+                    "proof doesn't say so"
                 )
                 self._find(
                     "Y1181",
@@ -288,8 +301,9 @@ class _Judge:
         place = self.places[row]
         after = time - self.sweep.starts(row)
         message = (
-            f"{speed.part} goes at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, where {speed.limit / MM:.4g} mm/s are allowed, "
-            f"{after:.3f} s after its start, {pose_text(self.robot, place.motion.origin, self._at(time))}"
+            f"{speed.part} goes at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, where "
+            f"{speed.limit / MM:.4g} mm/s are allowed, {after:.3f} s after its start, "
+            f"{pose_text(self.robot, place.motion.origin, self._at(time))}"
         )
         self._find(
             "Y0911",
@@ -307,8 +321,8 @@ class _Judge:
         others = dict.fromkeys(_called(one) for one, _ in stays if _called(one) != _called(watch))
         more = f"; as well: {', '.join(others)}" if others else ""
         message = (
-            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} s, "
-            f"{pose_text(self.robot, place.motion.origin, q)}{more}"
+            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} "
+            f"s, {pose_text(self.robot, place.motion.origin, q)}{more}"
         )
         when = (min(one.begin for _, one in stays), max(one.end for _, one in stays))
         self._find(
@@ -328,7 +342,10 @@ class _Judge:
             names = " and ".join(self.robot.joint_names[joint] for joint in joints)
             return (
                 "Y0909",
-                f"{names} {'is' if len(joints) == 1 else 'are'} in the forbidden window of the zone {zone.name}",
+                (
+                    f"{names} {'is' if len(joints) == 1 else 'are'} in the forbidden window of the zone "
+                    f"{zone.name}"
+                ),
             )
         part = _called(watch)
         if zone.posture is not None:
@@ -352,7 +369,10 @@ class _Judge:
         out = -room(window, q[None])[0] / self.robot.axis_units
         joint = int(np.argmax(out))
         unit, scale = self.robot.axis_unit_names[joint], self.robot.axis_units[joint]
-        return f"{self.robot.joint_names[joint]} is at {q[joint] / scale:.4g} {unit}, {max(out[joint], 1e-4):.3g} {unit} outside of the window"
+        return (
+            f"{self.robot.joint_names[joint]} is at {q[joint] / scale:.4g} {unit}, "
+            f"{max(out[joint], 1e-4):.3g} {unit} outside of the window"
+        )
 
     def _at(self, time: float) -> Array:
         q: Array = self.course.at(np.array([time]))[0]
@@ -381,12 +401,32 @@ def _remedy(code: str, rule: Keep | None) -> str:
 
 
 _REMEDIES = {
-    "Y0955": "keep the tool upright: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP",
-    "Y0957": "turn the tool along the way: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP",
-    "Y0958": "keep the distance: a pose in between, another order, or MOVEJ_AVOID; or allow another range in the KEEP",
-    "Y0956": "stay above: a pose in between, another order, or MOVEJ_AVOID; or allow a smaller distance in the KEEP",
-    "Y0907": "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
-    "Y0908": "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
+    "Y0955": (
+        "keep the tool upright: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP"
+    ),
+    "Y0957": (
+        "turn the tool along the way: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in "
+        "the KEEP"
+    ),
+    "Y0958": (
+        "keep the distance: a pose in between, another order, or MOVEJ_AVOID; or allow another range in "
+        "the KEEP"
+    ),
+    "Y0956": (
+        "stay above: a pose in between, another order, or MOVEJ_AVOID; or allow a smaller distance in the "
+        "KEEP"
+    ),
+    "Y0907": (
+        "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in "
+        "the cell.toml"
+    ),
+    "Y0908": (
+        "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in "
+        "the cell.toml"
+    ),
     "Y0909": "choose another configuration (NEAR) or a via pose; or correct the window in the cell.toml",
-    "Y0910": "take the posture before going in, with NEAR or a MOVEJ in front; or correct the zone in the cell.toml",
+    "Y0910": (
+        "take the posture before going in, with NEAR or a MOVEJ in front; or correct the zone in the "
+        "cell.toml"
+    ),
 }

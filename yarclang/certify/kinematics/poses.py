@@ -57,7 +57,10 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
         for place in np.flatnonzero(~same).tolist():
             yield (
                 group[place][0],
-                "its pose isn't the one that was written: frame, position or rotation were converted otherwise",
+                (
+                    "its pose isn't the one that was written: frame, position or rotation were converted "
+                    "otherwise"
+                ),
             )
     if program.cell is not None:
         yield from ((None, reason) for reason in _wrong_places(program.cell, robot))

@@ -145,7 +145,10 @@ def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
     if window is not None and zone.rule in ("allowed", "posture"):
         out = -room(window, q[None])[0] / robot.axis_units
         joint = int(np.argmax(out))
-        return f"{robot.joint_names[joint]} is {out[joint]:.4g} {robot.axis_unit_names[joint]} outside of its window"
+        return (
+            f"{robot.joint_names[joint]} is {out[joint]:.4g} {robot.axis_unit_names[joint]} outside of its "
+            "window"
+        )
     if isinstance(zone.region, Tilt):
         return f"the axis is {-slack / DEG:.4g} deg more off than it allows"
     if isinstance(zone.region, Sight):
@@ -157,5 +160,8 @@ def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
     what = "out of it" if zone.rule == "allowed" else "in it"
     beyond = -(slack + zone.margin)
     if beyond <= 0.0:
-        return f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is {zone.margin / MM:.4g} mm"
+        return (
+            f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is "
+            f"{zone.margin / MM:.4g} mm"
+        )
     return f"{watch.item.name} is {beyond / MM:,.6g} mm {what}"

@@ -79,8 +79,8 @@ class Bounds:
         self._turned = turning(chain, course) if sight.is_carried else (zero, zero)
 
     def look(self, pieces: Pieces) -> tuple[Array, Array, Array]:
-        """Return for each piece a lower bound of the reserve (P,), the least reserve at its ends (P,), and the
-        time of that after the segment's start (P,) [s].
+        """Return for each piece a lower bound of the reserve (P,), the least reserve at its ends (P,), and
+        the time of that after the segment's start (P,) [s].
         """
         sight, long, at = self._sight, pieces.end - pieces.begin, pieces.segment
         before, after = (

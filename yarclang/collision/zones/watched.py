@@ -122,7 +122,9 @@ def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
 
 
 def point_item(name: str, joint: int, point: Array) -> Item:
-    """Return a point (3,) that the first `joint` joints move, in {B} with all joints at zero [m], as an item."""
+    """Return a point (3,) that the first `joint` joints move, in {B} with all joints at zero [m], as an
+    item.
+    """
     points = constant(point[None].copy())
     return Item(name, joint, points, constant(np.zeros(3)), 0.0, 0.0, points, points[0], 0.0)
 

@@ -25,7 +25,10 @@ way-points from a file beside the program. `STRETCH 1.5` makes all times one and
     build=_build,
     examples=(
         "P0010 MOVEJ_TIMED 0 0 5 0 5 0 [2]; 5 0 10 0 10 0 [4] (deg,s)",
-        "P0010 MOVEJ_TIMED 0 0 5 0 5 0 [2] VEL 0 0 3 0 3 0; 0 0 10 0 10 0 [4] VEL 0 0 0 0 0 0 (deg,s) STRETCH 1.5 TOL 0.01",
+        (
+            "P0010 MOVEJ_TIMED 0 0 5 0 5 0 [2] VEL 0 0 3 0 3 0; 0 0 10 0 10 0 [4] VEL 0 0 0 0 0 0 (deg,s) "
+            "STRETCH 1.5 TOL 0.01"
+        ),
     ),
     targets={"": Values.JOINTS},
     waypoints=(1, None),

@@ -25,7 +25,10 @@ as 100 mm). Equal neighbours count once; half a turn between two neighbours is a
 """,
     build=_build,
     examples=(
-        "P0010 MOVEL_SPLINE {TCP} 60 1174.4 1286 0 0 0; 0 1174.4 1226 0 10 0; -60 1174.4 1286 0 0 0 [6] (mm,deg,s) {B}",
+        (
+            "P0010 MOVEL_SPLINE {TCP} 60 1174.4 1286 0 0 0; 0 1174.4 1226 0 10 0; -60 1174.4 1286 0 0 0 [6] "
+            "(mm,deg,s) {B}"
+        ),
     ),
     targets={"": Values.POSE_RPY, "RPY": Values.POSE_RPY, "QUAT": Values.POSE_QUAT},
     waypoints=(2, None),

@@ -25,7 +25,8 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:  # noqa: 
             yield remark_at(
                 step.origin,
                 f"{name} is still ON when the program ends, and a stop doesn't switch it off",
-                f"write SET {name} OFF when it has done its work, or OUTPUT {name} {step.output.variable} OFF to have it off at a stop",
+                f"write SET {name} OFF when it has done its work, or OUTPUT {name} {step.output.variable} "
+                "OFF to have it off at a stop",
             )
 
 

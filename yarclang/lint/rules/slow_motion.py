@@ -40,11 +40,15 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         needed = max(demand.segment for demand in bounds.demands(motion.curve.points))
         shortest = motion.curve.duration * needed / motion.curve.segment
         if _NO_TIME < shortest < given / MANY:
-            message = f"this motion takes {given:g} s and could be done in {shortest:.2g} s: {given / shortest:.0f} times as long"
+            message = (
+                f"this motion takes {given:g} s and could be done in {shortest:.2g} s: "
+                f"{given / shortest:.0f} times as long"
+            )
             yield remark_at(
                 step.origin,
                 message,
-                "check the time and its unit; [MIN] or [50%] let the limits decide, [V 50] the speed of the tool",
+                "check the time and its unit; [MIN] or [50%] let the limits decide, [V 50] the speed of "
+                "the tool",
             )
 
 

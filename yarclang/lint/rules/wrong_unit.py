@@ -118,7 +118,10 @@ RULE = Rule(
     valid=(
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 20] BLEND 5\nP0030 MOVEL 100 1174.4 1276 0 0 0",
         _HEAD + "P0020 DMOVE 0 0 0.5 0 0 0",
-        "FRAME {TABLE} 0 1174.4 1176 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 0.5 0 0 0 [5] (mm,deg,s) {TABLE}",
+        (
+            "FRAME {TABLE} 0 1174.4 1176 0 0 0 (mm,deg) {B}\n"
+            "P0010 MOVEJ_RPY {TCP} 0 0 0.5 0 0 0 [5] (mm,deg,s) {TABLE}"
+        ),
     ),
     invalid=(
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",

@@ -1,5 +1,5 @@
-"""Find a way of straight pieces along which an axis keeps its angle, or a point stays in a cone: two trees whose
-branches are pulled back into the rule at every step.
+"""Find a way of straight pieces along which an axis keeps its angle, or a point stays in a cone: two trees
+whose branches are pulled back into the rule at every step.
 
 The joint positions at which an axis is upright are a thin layer among all joint positions: samples hardly
 ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are projected onto it
@@ -28,7 +28,9 @@ _STEP = 0.1
 _INSIDE = 0.7
 """Share of the angle within which projected joint positions are, so that the pieces between them fit."""
 _SPARE = 0.02
-"""Distance that projected joint positions keep from the ends of a range of distances, if it is wide enough [m]."""
+"""Distance that projected joint positions keep from the ends of a range of distances, if it is wide enough
+[m].
+"""
 _ROUNDS = 12
 """Steps of Newton's method to pull a joint position back."""
 _MOST_STEPS = 60
@@ -40,8 +42,8 @@ _CUTS = 120
 
 
 def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]]:
-    """Return by how much a rule's inner limits are exceeded at the first of several joint positions (P, n), each
-    with the measured values (P,) at all of them [rad or m].
+    """Return by how much a rule's inner limits are exceeded at the first of several joint positions (P, n),
+    each with the measured values (P,) at all of them [rad or m].
     """
     if not isinstance(rule, Sight):
         seen = angles_at(rule, scene, q)

@@ -31,10 +31,14 @@ _FINEST = 1e-3
 """Approximate motion of bodies between two places of a proved leg below which no place is added [m]."""
 
 _PROVED = 1e-3
-"""Distance in addition to the margins that a proved leg keeps [m]: the executed motion may deviate by this."""
+"""Distance in addition to the margins that a proved leg keeps [m]: the executed motion may deviate by
+this.
+"""
 
 _COARSE = 0.02
-"""Approximate motion of bodies between two places of a leg that is to be proved [m], before places are added."""
+"""Approximate motion of bodies between two places of a leg that is to be proved [m], before places are
+added.
+"""
 
 _FINE_MM, _FINE_DEG = 1, 2
 """Decimals of the poses found."""
@@ -75,7 +79,8 @@ class Legs:
     Attributes:
         room: the surroundings.
         line: the straight line from start to goal.
-        more: (K,) largest distance that pairs of bodies may be asked to keep in addition to their margins [m].
+        more: (K,) largest distance that pairs of bodies may be asked to keep in addition to their margins
+            [m].
         floor: smallest singular value that legs keep to.
         left: number of legs that may still be followed.
     """

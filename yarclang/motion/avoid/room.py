@@ -45,8 +45,8 @@ TOUCH = 1e-6
 @frozen(eq=False)
 class Obstruction:
     """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
-    and by how much it is broken [m; rad or m for joints; rad for a tilt; either for a sight]. `aim` is the angle [rad]
-    and the distance [m] of a point from the apex of its cone.
+    and by how much it is broken [m; rad or m for joints; rad for a tilt; either for a sight]. `aim` is the
+    angle [rad] and the distance [m] of a point from the apex of its cone.
     """
 
     names: tuple[str, str]

@@ -10,8 +10,8 @@ from yarclang.motion.path import Path
 
 @frozen(eq=False)
 class LineLeg:
-    """A leg of a line around obstacles: its end `pose` (4, 4) of the moving frame, the `path` that leads there, and
-    its `share` in the duration of all legs.
+    """A leg of a line around obstacles: its end `pose` (4, 4) of the moving frame, the `path` that leads
+    there, and its `share` in the duration of all legs.
     """
 
     pose: Array

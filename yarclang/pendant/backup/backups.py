@@ -270,7 +270,8 @@ class Backups:
             try:
                 restored = await asyncio.to_thread(
                     lambda: apply(
-                        self.folder, upload.handle, upload.backup, digest, session.user, self.about(), remove=remove
+                        self.folder, upload.handle, upload.backup, digest, session.user, self.about(),
+                            remove=remove
                     )
                 )  # fmt: skip
             except Trouble as trouble:

@@ -249,7 +249,8 @@ def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
             at += _described(handle, row, at)
         placed.append(
             Entry(
-                row.entry.name, row.entry.is_folder, row.entry.method, row.entry.crc, row.entry.packed, row.entry.size, begins
+                row.entry.name, row.entry.is_folder, row.entry.method, row.entry.crc, row.entry.packed,
+                    row.entry.size, begins
             )
         )  # fmt: skip
     if at != end:

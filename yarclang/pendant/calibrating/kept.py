@@ -205,7 +205,10 @@ class Calibrations:
             unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
             lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
             if not lower <= value <= upper:
-                problem = f"the mark of {robot.joint_names[at]} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
+                problem = (
+                    f"the mark of {robot.joint_names[at]} at {value:g} {unit} is beyond its limits, "
+                    f"{lower:g} to {upper:g} {unit}"
+                )
                 raise Trouble(problem, "give the joint position at the mark", "joints")
             marks[robot.joint_names[at]] = value * factor
         return {name: marks[name] for name in robot.joint_names if name in marks}

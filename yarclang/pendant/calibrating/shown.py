@@ -41,7 +41,8 @@ def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
     """
     if calibration is None:
         return CalibrationShown(
-            version=0, kind="", name="", tool="", by="", mine=True, touches=(), needed=0, next="", ready=False,
+            version=0, kind="", name="", tool="", by="", mine=True, touches=(), needed=0, next="",
+                ready=False,
             result=(), unit="", findings=(), spread=(), advice="", error_mm=ERROR / MM, told=False,
         )  # fmt: skip
     touching = calibration.touching

@@ -140,7 +140,8 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
             "own", "Memory", "This process", value, own_level,
             f"warning above {sized(OWN_WARNING)}, bad above {sized(OWN_BAD)}",
             "A process that grows all the time is ended by the system one day, and the robot then holds.",
-            "Restart the pendant when the robot rests (System > Controller), and report it to its maintainer.",
+            "Restart the pendant when the robot rests (System > Controller), and report it to its "
+            "maintainer.",
         ),
         Judgement(
             "memory", "Memory", "This computer", free, whole,
@@ -169,7 +170,8 @@ def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...
             "End what else runs on this computer.",
         ),
         Judgement(
-            "lag", "Computer", "Event loop, worst of the last minute", f"{lag * 1e3:.0f} ms late", _above(lag, LAG_WARNING, LAG_BAD),
+            "lag", "Computer", "Event loop, worst of the last minute", f"{lag * 1e3:.0f} ms late",
+                _above(lag, LAG_WARNING, LAG_BAD),
             f"warning above {LAG_WARNING * 1e3:.0f} ms, bad above {LAG_BAD * 1e3:.0f} ms",
             "A jog stops by itself if this computer is late; a stop that is pressed is carried out as late.",
             "Look at the load above; a virtual machine may be given too little time.",
@@ -212,17 +214,23 @@ def of_stored(
     """
     return (
         Judgement(
-            "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day", _above(size, LOGS_WARNING, LOGS_BAD),
+            "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day",
+                _above(size, LOGS_WARNING, LOGS_BAD),
             f"warning above {sized(LOGS_WARNING)}, bad above {sized(LOGS_BAD)}",
-            "Logs are never deleted by themselves.", "Download what is needed, and delete old ones on the page Files.",
+            "Logs are never deleted by themselves.",
+                "Download what is needed, and delete old ones on the page Files.",
         ),
         Judgement(
-            "trail", "Records", "Audit trail and alarms", f"{deeds:,} entries; {sized(database)}", _above(database, TRAIL_WARNING, TRAIL_BAD),
+            "trail", "Records", "Audit trail and alarms", f"{deeds:,} entries; {sized(database)}",
+                _above(database, TRAIL_WARNING, TRAIL_BAD),
             f"warning above {sized(TRAIL_WARNING)}, bad above {sized(TRAIL_BAD)}",
-            "The audit trail is never deleted.", "Keep a copy of the pendant's data folder, and begin a new one with --data.",
+            "The audit trail is never deleted.",
+                "Keep a copy of the pendant's data folder, and begin a new one with --data.",
         ),
-        Judgement("project", "Records", "Project", "more files than are counted" if project is None else sized(project), "plain"),
-        Judgement("data", "Records", "The pendant's data, with what was deleted", "more files than are counted" if data is None else sized(data), "plain"),
+        Judgement("project", "Records", "Project",
+            "more files than are counted" if project is None else sized(project), "plain"),
+        Judgement("data", "Records", "The pendant's data, with what was deleted",
+            "more files than are counted" if data is None else sized(data), "plain"),
     )  # fmt: skip
 
 

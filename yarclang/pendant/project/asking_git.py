@@ -153,4 +153,5 @@ def _refusal(folder: Path, output: str) -> Exception:
     first = next((line for line in output.splitlines() if line.startswith(("fatal:", "error:"))), "")
     if "Needed a single revision" in output or "unknown revision" in output or "bad revision" in output:
         return Missing(output)
-    return Trouble(f"git can't read this repository: {first[:200] or 'it gives no reason'}", "use git on the computer itself", "git")  # fmt: skip
+    return Trouble(f"git can't read this repository: {first[:200] or 'it gives no reason'}",
+        "use git on the computer itself", "git")  # fmt: skip

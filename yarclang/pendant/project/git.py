@@ -116,7 +116,8 @@ class Git:
             raise Trouble("there is no commit to compare with", "commit on the computer itself", "git")
         blob = self._blobs().get(file)
         if blob is not None and blob.size > MOST_TEXT:
-            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, and at most {MOST_TEXT:,} are compared", "use git on the computer itself", "large")  # fmt: skip
+            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, and at most {MOST_TEXT:,} are compared",
+                "use git on the computer itself", "large")  # fmt: skip
         base = b"" if blob is None else ask(self._folder.root, "cat-file", "blob", blob.hash, most=MOST_TEXT)
         try:
             present = self._folder.read(file)[0]

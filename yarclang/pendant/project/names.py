@@ -42,7 +42,8 @@ def parts_of(name: str) -> tuple[str, ...]:
         )  # fmt: skip
     for part in parts:
         if part.startswith("."):
-            raise Trouble(f"{quoted(part)} is hidden, and the pendant leaves such files alone", "choose another name", "")  # fmt: skip
+            raise Trouble(f"{quoted(part)} is hidden, and the pendant leaves such files alone",
+                "choose another name", "")  # fmt: skip
         if len(part.encode()) > MOST_NAME:
             problem = (
                 f"the name {quoted(part)} has {len(part.encode())} bytes, and at most {MOST_NAME} are allowed"

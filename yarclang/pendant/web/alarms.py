@@ -148,11 +148,15 @@ def _alarm_shown(alarm: Alarm) -> AlarmShown:
 
 
 ROUTES = (
-    Route("GET", "/api/alarms", _list, "Return alarms, the newest first: open ones, or with ?which=past the others (`before`: smaller "
-            "numbers only; `count`: 500 at most).", None, AlarmList, "viewer"),
-    Route("GET", "/api/alarms/export", _export, "Return all alarms as CSV, to be saved.", None, None, "viewer"),
+    Route("GET", "/api/alarms", _list,
+        "Return alarms, the newest first: open ones, or with ?which=past the others (`before`: smaller "
+        "numbers only; `count`: 500 at most).", None, AlarmList, "viewer"),
+    Route("GET", "/api/alarms/export", _export, "Return all alarms as CSV, to be saved.", None, None,
+        "viewer"),
     Route("GET", "/api/alarms/{number}", _alarm_by_number, "Return an alarm.", None, AlarmShown, "viewer"),
-    Route("POST", "/api/alarms/acknowledge", _acknowledge, "Acknowledge alarms, for all screens.", Acknowledge, Acknowledged, "operator"),
-    Route("GET", "/api/findings/{code}", _finding, "Return what the catalogue of findings says of a code.", None, FindingShown, "viewer"),
+    Route("POST", "/api/alarms/acknowledge", _acknowledge, "Acknowledge alarms, for all screens.",
+        Acknowledge, Acknowledged, "operator"),
+    Route("GET", "/api/findings/{code}", _finding, "Return what the catalogue of findings says of a code.",
+        None, FindingShown, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -56,6 +56,7 @@ async def _language(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/language", _language, "Return the words of the language by their kinds.", None, Language, "viewer"),
+    Route("GET", "/api/language", _language, "Return the words of the language by their kinds.", None,
+        Language, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -91,7 +91,8 @@ async def _about(service: Service, request: Request) -> Response:
             selection = backups.selection()
         except Trouble as trouble:
             return BackupShown(
-                robot=backups.robot.name, files=0, size=0, logs=0, logs_size=0, trouble=f"{trouble.what}: {trouble.remedy}",
+                robot=backups.robot.name, files=0, size=0, logs=0, logs_size=0,
+                    trouble=f"{trouble.what}: {trouble.remedy}",
                 left_out=(), notes=notes, undo=undo, waits=waits,
             )  # fmt: skip
         return BackupShown(
@@ -225,13 +226,20 @@ def _notes(backups: Backups, upload: Upload) -> tuple[str, ...]:
 
 
 ROUTES = (
-    Route("GET", "/api/backup", _backup, "Return a zip of the project to be saved; `?logs=1`: with logs of runs.", None, None, "service"),
-    Route("GET", "/api/backup/about", _about, "Return what a backup would have, and which restores can be undone.", None, BackupShown, "service"),
-    Route("POST", "/api/backup/upload", _upload, "Take a zip as the body, judge it and return what restoring it would change; nothing is changed "
-            "yet.", None, RestorePlan, "service", MOST_ZIP),
-    Route("GET", "/api/backup/plan", _plan, "Return what the zip that waits would change now.", None, RestorePlan, "service"),
+    Route("GET", "/api/backup", _backup,
+        "Return a zip of the project to be saved; `?logs=1`: with logs of runs.", None, None, "service"),
+    Route("GET", "/api/backup/about", _about,
+        "Return what a backup would have, and which restores can be undone.", None, BackupShown, "service"),
+    Route("POST", "/api/backup/upload", _upload,
+        "Take a zip as the body, judge it and return what restoring it would change; nothing is changed "
+        "yet.", None, RestorePlan, "service", MOST_ZIP),
+    Route("GET", "/api/backup/plan", _plan, "Return what the zip that waits would change now.", None,
+        RestorePlan, "service"),
     Route("POST", "/api/backup/forget", _forget, "Forget the zip that waits.", None, Done, "service"),
-    Route("POST", "/api/backup/restore", _apply, "Restore the zip that waits. What is replaced or deleted is kept.", ApplyRestore, Restored, "service, PIN"),
-    Route("POST", "/api/backup/undo", _undo, "Take what a restore has replaced as the zip that waits.", UndoRestore, RestorePlan, "service"),
+    Route("POST", "/api/backup/restore", _apply,
+        "Restore the zip that waits. What is replaced or deleted is kept.", ApplyRestore, Restored,
+            "service, PIN"),
+    Route("POST", "/api/backup/undo", _undo, "Take what a restore has replaced as the zip that waits.",
+        UndoRestore, RestorePlan, "service"),
 )  # fmt: skip
 """All routes of this file."""

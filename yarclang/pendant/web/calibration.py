@@ -79,15 +79,25 @@ async def _write(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/calibration", _answer, "Return the calibration of this session, else the newest of another one.", None, said.CalibrationShown, "viewer"),
-    Route("POST", "/api/calibration", _begin, "Begin a calibration.", said.BeginCalibration, said.CalibrationShown, "programmer"),
-    Route("DELETE", "/api/calibration", _forget, "Forget this session's calibration.", None, said.CalibrationShown, "programmer"),
-    Route("POST", "/api/calibration/touch", _touch, "Record the robot's position as a touch.", said.TakeTouch, said.CalibrationShown, "programmer"),
-    Route("POST", "/api/calibration/remove", _remove, "Take a touch away.", said.RemoveTouch, said.CalibrationShown, "programmer"),
-    Route("POST", "/api/calibration/look", _look_at, "Return the text of an offer that leads to a place at which the result can be inspected; "
-            "nothing moves.", said.LookCalibration, said.LookText, "programmer"),
-    Route("POST", "/api/calibration/propose", _propose, "Return the change of a file that the result makes; nothing is written.", said.ProposeCalibration, said.CalibrationProposal, "programmer"),
-    Route("POST", "/api/calibration/write", _write, "Write the result: into the robot's or the cell's file (role service and PIN), or into a "
-            "program.", said.WriteCalibration, said.CalibrationWritten, "programmer"),
+    Route("GET", "/api/calibration", _answer,
+        "Return the calibration of this session, else the newest of another one.", None,
+            said.CalibrationShown, "viewer"),
+    Route("POST", "/api/calibration", _begin, "Begin a calibration.", said.BeginCalibration,
+        said.CalibrationShown, "programmer"),
+    Route("DELETE", "/api/calibration", _forget, "Forget this session's calibration.", None,
+        said.CalibrationShown, "programmer"),
+    Route("POST", "/api/calibration/touch", _touch, "Record the robot's position as a touch.", said.TakeTouch,
+        said.CalibrationShown, "programmer"),
+    Route("POST", "/api/calibration/remove", _remove, "Take a touch away.", said.RemoveTouch,
+        said.CalibrationShown, "programmer"),
+    Route("POST", "/api/calibration/look", _look_at,
+        "Return the text of an offer that leads to a place at which the result can be inspected; nothing "
+        "moves.", said.LookCalibration, said.LookText, "programmer"),
+    Route("POST", "/api/calibration/propose", _propose,
+        "Return the change of a file that the result makes; nothing is written.", said.ProposeCalibration,
+            said.CalibrationProposal, "programmer"),
+    Route("POST", "/api/calibration/write", _write,
+        "Write the result: into the robot's or the cell's file (role service and PIN), or into a program.",
+            said.WriteCalibration, said.CalibrationWritten, "programmer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -95,8 +95,12 @@ async def _rested(service: Service) -> None:
 
 
 ROUTES = (
-    Route("GET", "/api/system/controller", _controller, "Return what the controller is, and which files wait for a restart.", None, ControllerShown, "viewer"),
-    Route("POST", "/api/system/restart", _ending("restart"), "Restart the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
-    Route("POST", "/api/system/shut-down", _ending("shut-down"), "End the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
+    Route("GET", "/api/system/controller", _controller,
+        "Return what the controller is, and which files wait for a restart.", None, ControllerShown,
+            "viewer"),
+    Route("POST", "/api/system/restart", _ending("restart"),
+        "Restart the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
+    Route("POST", "/api/system/shut-down", _ending("shut-down"),
+        "End the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
 )  # fmt: skip
 """All routes of this file."""

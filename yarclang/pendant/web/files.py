@@ -54,7 +54,8 @@ _KINDS: dict[str, _Kind] = {
     ".yarc": "program",
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".gif", ".webp", ".bmp", ".tif", ".tiff"), "picture"),
     **dict.fromkeys(
-        (".toml", ".txt", ".md", ".csv", ".urdf", ".srdf", ".xml", ".json", ".yaml", ".yml", ".ini", ".py", ".svg"),
+        (".toml", ".txt", ".md", ".csv", ".urdf", ".srdf", ".xml", ".json", ".yaml", ".yml", ".ini", ".py",
+            ".svg"),
         "text",
     ),
 }  # fmt: skip
@@ -235,19 +236,33 @@ async def _difference(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/files", _list, "Return the files and folders of the project.", None, FileList, "viewer"),
-    Route("GET", "/api/files/{path:path}", _text, "Return a text of the project, up to 1 MiB in UTF-8.", None, FileText, "viewer"),
-    Route("PUT", "/api/files/{path:path}", _save, "Save a text: 409 with the code `changed` and the present hash if it isn't as it was opened.", SaveFile, FileWritten, "programmer", _MOST_SAVED),
-    Route("POST", "/api/files/copy", _copy, "Copy a file to a path that is free.", TwoPaths, FileWritten, "programmer"),
-    Route("POST", "/api/files/rename", _rename, "Give a file or folder another path, which must be free.", TwoPaths, OnePath, "programmer"),
+    Route("GET", "/api/files", _list, "Return the files and folders of the project.", None, FileList,
+        "viewer"),
+    Route("GET", "/api/files/{path:path}", _text, "Return a text of the project, up to 1 MiB in UTF-8.", None,
+        FileText, "viewer"),
+    Route("PUT", "/api/files/{path:path}", _save,
+        "Save a text: 409 with the code `changed` and the present hash if it isn't as it was opened.",
+            SaveFile, FileWritten, "programmer", _MOST_SAVED),
+    Route("POST", "/api/files/copy", _copy, "Copy a file to a path that is free.", TwoPaths, FileWritten,
+        "programmer"),
+    Route("POST", "/api/files/rename", _rename, "Give a file or folder another path, which must be free.",
+        TwoPaths, OnePath, "programmer"),
     Route("POST", "/api/files/folder", _folder, "Make a folder.", OnePath, OnePath, "programmer"),
-    Route("POST", "/api/files/delete", _delete, "Delete a file or folder; it can be brought back.", OnePath, DeletedShown, "programmer"),
-    Route("POST", "/api/files/restore", _restore, "Restore a deleted file; return its present path.", Restore, OnePath, "programmer"),
-    Route("GET", "/api/trash", _trash, "Return what was deleted and can be brought back.", None, DeletedList, "viewer"),
-    Route("POST", "/api/upload/{path:path}", _upload, "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it "
-            "replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
-    Route("GET", "/api/download/{path:path}", _download, "Return a file to be saved, never shown.", None, None, "viewer"),
-    Route("GET", "/api/git", _git, "Return what has changed since the last commit, and who did so at the pendant.", None, GitState, "viewer"),
-    Route("GET", "/api/git/difference/{path:path}", _difference, "Return a text as of the last commit and as it is now.", None, Difference, "viewer"),
+    Route("POST", "/api/files/delete", _delete, "Delete a file or folder; it can be brought back.", OnePath,
+        DeletedShown, "programmer"),
+    Route("POST", "/api/files/restore", _restore, "Restore a deleted file; return its present path.", Restore,
+        OnePath, "programmer"),
+    Route("GET", "/api/trash", _trash, "Return what was deleted and can be brought back.", None, DeletedList,
+        "viewer"),
+    Route("POST", "/api/upload/{path:path}", _upload,
+        "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it "
+        "replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
+    Route("GET", "/api/download/{path:path}", _download, "Return a file to be saved, never shown.", None,
+        None, "viewer"),
+    Route("GET", "/api/git", _git,
+        "Return what has changed since the last commit, and who did so at the pendant.", None, GitState,
+            "viewer"),
+    Route("GET", "/api/git/difference/{path:path}", _difference,
+        "Return a text as of the last commit and as it is now.", None, Difference, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

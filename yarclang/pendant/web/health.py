@@ -73,7 +73,8 @@ def _judged(service: Service) -> tuple[Judgement, ...]:
         *of_speed(machine, sampler.share, sampler.lag.all),
         *of_link(showing.heard_health, connected=showing.connected),
         *of_stored(
-            stored.logs, stored.logs_size, stored.growth, stored.project, stored.data, stored.database, stored.deeds
+            stored.logs, stored.logs_size, stored.growth, stored.project, stored.data, stored.database,
+                stored.deeds
         ),
     )  # fmt: skip
 
@@ -106,6 +107,8 @@ def _text(
 
 
 ROUTES = (
-    Route("GET", "/api/system/health", _health, "Return how disk, memory, processors, link and records are, and the versions.", None, SystemHealth, "viewer"),
+    Route("GET", "/api/system/health", _health,
+        "Return how disk, memory, processors, link and records are, and the versions.", None, SystemHealth,
+            "viewer"),
 )  # fmt: skip
 """All routes of this file."""

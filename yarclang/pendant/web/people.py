@@ -220,7 +220,8 @@ async def _audit(service: Service, request: Request) -> Response:
 
 ROUTES = (
     Route("GET", "/api/me", _names_of_users, "Return who is logged in here.", None, Me, ""),
-    Route("POST", "/api/first", _first, "Make the first user, with the token of the one-time link, and log in.", First, Me, ""),
+    Route("POST", "/api/first", _first,
+        "Make the first user, with the token of the one-time link, and log in.", First, Me, ""),
     Route("POST", "/api/login", _login, "Log in: sets the cookie of the session.", Login, Me, ""),
     Route("POST", "/api/logout", _logout, "End this session.", None, Done, "viewer"),
     Route("POST", "/api/pin", _pin, "Allow service work for five minutes.", Pin, Me, "service"),
@@ -229,9 +230,12 @@ ROUTES = (
     Route("POST", "/api/users", _add_user, "Add a user.", NewUser, Done, "service, PIN"),
     Route("POST", "/api/users/{user}", _change_user, "Change a user.", ChangeUser, Done, "service, PIN"),
     Route("DELETE", "/api/users/{user}", _remove_user, "Remove a user.", None, Done, "service, PIN"),
-    Route("GET", "/api/sessions", _sessions, "Return the sessions of everybody (service), or one's own.", None, SessionList, "viewer"),
-    Route("DELETE", "/api/sessions/{session}", _end_session, "End a session: one's own, or (service, PIN) anybody's.", None, Done, "viewer"),
-    Route("GET", "/api/audit", _audit, "Return entries of the audit trail, the newest first (`before`: smaller numbers only; `count`: "
-            "500 at most).", None, Audit, "service"),
+    Route("GET", "/api/sessions", _sessions, "Return the sessions of everybody (service), or one's own.",
+        None, SessionList, "viewer"),
+    Route("DELETE", "/api/sessions/{session}", _end_session,
+        "End a session: one's own, or (service, PIN) anybody's.", None, Done, "viewer"),
+    Route("GET", "/api/audit", _audit,
+        "Return entries of the audit trail, the newest first (`before`: smaller numbers only; `count`: 500 "
+        "at most).", None, Audit, "service"),
 )  # fmt: skip
 """All routes of this file."""

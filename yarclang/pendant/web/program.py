@@ -236,12 +236,21 @@ async def _new(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("POST", "/api/program/list", _list, "Return a program as a list of commands, however broken it is.", said.ListProgram, said.ProgramListing, "viewer"),
-    Route("POST", "/api/program/edit", _edit, "Return the edits that make a change of a program; nothing is saved.", said.EditProgram, said.EditedProgram, "programmer"),
-    Route("GET", "/api/program/forms", _forms, "Return the forms for new commands, with the names that the saved program `file` knows (?file=; "
-            "without: those of the project).", None, said.CommandForms, "viewer"),
-    Route("POST", "/api/program/forms", _forms_for, "Return the forms for new commands, with the names that a text knows.", said.ListProgram, said.CommandForms, "viewer"),
-    Route("GET", "/api/program/templates", _templates, "Return the programs to begin with.", None, said.ProgramTemplates, "viewer"),
-    Route("POST", "/api/program/new", _new, "Return a program to begin with that is proved for this robot; nothing is saved.", said.NewProgram, said.NewText, "programmer"),
+    Route("POST", "/api/program/list", _list, "Return a program as a list of commands, however broken it is.",
+        said.ListProgram, said.ProgramListing, "viewer"),
+    Route("POST", "/api/program/edit", _edit,
+        "Return the edits that make a change of a program; nothing is saved.", said.EditProgram,
+            said.EditedProgram, "programmer"),
+    Route("GET", "/api/program/forms", _forms,
+        "Return the forms for new commands, with the names that the saved program `file` knows (?file=; "
+        "without: those of the project).", None, said.CommandForms, "viewer"),
+    Route("POST", "/api/program/forms", _forms_for,
+        "Return the forms for new commands, with the names that a text knows.", said.ListProgram,
+            said.CommandForms, "viewer"),
+    Route("GET", "/api/program/templates", _templates, "Return the programs to begin with.", None,
+        said.ProgramTemplates, "viewer"),
+    Route("POST", "/api/program/new", _new,
+        "Return a program to begin with that is proved for this robot; nothing is saved.", said.NewProgram,
+            said.NewText, "programmer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -129,10 +129,14 @@ async def _programs(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/robot", _robot, "Return what the robot is: joints, limits, frames.", None, RobotShown, "viewer"),
+    Route("GET", "/api/robot", _robot, "Return what the robot is: joints, limits, frames.", None, RobotShown,
+        "viewer"),
     Route("GET", "/api/programs", _programs, "Return the programs of the project.", None, Programs, "viewer"),
-    Route("POST", "/api/control", _ask_control, "Take control of the robot, or ask its owner for it.", None, Asked, "operator"),
-    Route("POST", "/api/control/give", _give_control, "Give control to the session that asked, keep it, or (to nobody) release it.", GiveControl, Asked, "operator"),
+    Route("POST", "/api/control", _ask_control, "Take control of the robot, or ask its owner for it.", None,
+        Asked, "operator"),
+    Route("POST", "/api/control/give", _give_control,
+        "Give control to the session that asked, keep it, or (to nobody) release it.", GiveControl, Asked,
+            "operator"),
     *(_order_route(kind) for kind in OVER_HTTP),
 )  # fmt: skip
 """All routes of this file."""

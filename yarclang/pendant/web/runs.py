@@ -92,9 +92,12 @@ def _window(request: Request) -> Window | None:
 
 
 ROUTES = (
-    Route("GET", "/api/runs", _list, "Return the logs of runs, up to 1,000, those that were changed last first.", None, RunList, "viewer"),
-    Route("GET", "/api/runs/show/{place}/{path:path}", _show, "Return what a log shows: lines, signals, states, events and the way of the robot (?from=&to=: "
-            "lines of this time only [s]).", None, RunShown, "viewer"),
-    Route("GET", "/api/runs/download/{place}/{path:path}", _download, "Return a log to be saved.", None, None, "viewer"),
+    Route("GET", "/api/runs", _list,
+        "Return the logs of runs, up to 1,000, those that were changed last first.", None, RunList, "viewer"),
+    Route("GET", "/api/runs/show/{place}/{path:path}", _show,
+        "Return what a log shows: lines, signals, states, events and the way of the robot (?from=&to=: "
+        "lines of this time only [s]).", None, RunShown, "viewer"),
+    Route("GET", "/api/runs/download/{place}/{path:path}", _download, "Return a log to be saved.", None, None,
+        "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -168,9 +168,14 @@ def _restart(robot: Robot, project: ProjectFolder) -> bool:
 
 
 ROUTES = (
-    Route("GET", "/api/tools", _tools, "Return frames with their origin, and the tools of robot.toml with their masses.", None, said.ToolsShown, "viewer"),
-    Route("POST", "/api/tools/payload", _propose, "Return what a payload would change: robot.toml, its findings, and the torques of the joints. "
-            "Nothing is written.", said.Payload, said.PayloadShown, "programmer"),
-    Route("POST", "/api/tools/payload/save", _save, "Write a payload into robot.toml: 409 with the code `changed` if it isn't as it was shown.", said.SavePayload, said.PayloadWritten, "service"),
+    Route("GET", "/api/tools", _tools,
+        "Return frames with their origin, and the tools of robot.toml with their masses.", None,
+            said.ToolsShown, "viewer"),
+    Route("POST", "/api/tools/payload", _propose,
+        "Return what a payload would change: robot.toml, its findings, and the torques of the joints. "
+        "Nothing is written.", said.Payload, said.PayloadShown, "programmer"),
+    Route("POST", "/api/tools/payload/save", _save,
+        "Write a payload into robot.toml: 409 with the code `changed` if it isn't as it was shown.",
+            said.SavePayload, said.PayloadWritten, "service"),
 )  # fmt: skip
 """All routes of this file."""

@@ -217,7 +217,8 @@ def _values(values: dict[str, Any]) -> EntryValues:
         try:
             return EntryValues.model_validate_json(json.dumps(values, default=str))
         except (ValidationError, ValueError) as error:
-            bad = {str(one["loc"][0]) for one in error.errors() if one["loc"]} if isinstance(error, ValidationError) else set(values)  # fmt: skip
+            bad = {str(one["loc"][0]) for one in error.errors() if one["loc"]} if isinstance(error,
+                ValidationError) else set(values)  # fmt: skip
             values = {key: value for key, value in values.items() if key not in bad}
             if not bad:
                 return EntryValues()

@@ -113,7 +113,8 @@ def difference_text(comparison: Comparison, command: Compared) -> str:
                 parts.append(f"may touch: {_touching(first)} -> {_touching(second)}")
             if command.keeps:
                 parts.append(
-                    f"keeps to: {', '.join(first.keeps) or 'nothing'} -> {', '.join(second.keeps) or 'nothing'}"
+                    f"keeps to: {', '.join(first.keeps) or 'nothing'} -> "
+                    f"{', '.join(second.keeps) or 'nothing'}"
                 )
             return "; ".join(parts)
         case _:
@@ -131,7 +132,10 @@ def _touching(act: Act) -> str:
 def path_text(robot: Robot, path: PathDifference) -> str:
     """Return a difference of paths: `5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`."""
     joint = f"{robot.joint_names[path.joint]} by {path.joint_off:.4g} {robot.axis_unit_names[path.joint]}"
-    return f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % of the way"
+    return (
+        f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % "
+        "of the way"
+    )
 
 
 def _act_text(act: Act) -> str:

@@ -125,7 +125,10 @@ def _effect(inspected: Inspected, step: Step) -> str | None:
     """Return the effect of a step without motion; None if there is nothing to report."""
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
-            return f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is planned and proved from there when it runs"
+            return (
+                f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is "
+                "planned and proved from there when it runs"
+            )
         case Dwell(duration=duration):
             return f"the robot stands for {duration:g} s"
         case SetOutput(output=output, value=value):
@@ -143,9 +146,16 @@ def _effect(inspected: Inspected, step: Step) -> str | None:
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):
-            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines after ELSE are carried out"
+            return (
+                f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the "
+                "lines after ELSE are carried out"
+            )
         case When(offset=Offset() as offset):
-            return f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned and proved there when it runs, and refused into the ELSE; what stands here is the place without a shift"
+            return (
+                f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned "
+                "and proved there when it runs, and refused into the ELSE; what stands here is the place "
+                "without a shift"
+            )
         case When(condition=condition):
             compared = simple(condition)
             if compared is None:
@@ -195,7 +205,10 @@ def _frames(inspected: Inspected) -> Iterator[str]:
 def _link(label: str, link: FrameLink) -> str:
     name = f"{{{link.name}}}"
     if link.parent is None:
-        return f"{label:9}  {name:12}  {'the robot ends there' if link.name == 'FLANGE' else 'the robot stands there'}"
+        return (
+            f"{label:9}  {name:12}  "
+            f"{'the robot ends there' if link.name == 'FLANGE' else 'the robot stands there'}"
+        )
     where = (
         "the robot's" if link.source is None or link.span is None else f"{link.source.name}:{link.span.line}"
     )
@@ -322,7 +335,10 @@ def _time(inspected: Inspected) -> Iterator[str]:
             asked_time = "the shortest"
         if isinstance(inspected.step, TimedMove):
             yield from _table(inspected.step)
-        yield f"{law}asked for {asked_time}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
+        yield (
+            f"{law}asked for {asked_time}; {curve.segments} segments of {curve.segment / MS:.6g} ms: "
+            f"{curve.duration:.3f} s"
+        )
     yield from flow_lines(inspected.flows)
     speed = inspected.certificate.zone_speed if inspected.certificate is not None else None
     if speed is not None and speed.share > _AT_ITS_SPEED:
@@ -340,13 +356,19 @@ def _table(step: TimedMove) -> Iterator[str]:
     whence = f"timetable in {step.file}" if step.file else "timetable"
     said = f" with {given_values}" if table.velocities is not None else ""
     stretched = f", all times times {step.stretch:.10g}" if step.stretch != 1.0 else ""
-    yield f"{whence}: {rows:,} row{'s' * (rows != 1)}{said}, from {table.times[0]:.10g} to {table.times[-1]:.10g} s{stretched}"
+    yield (
+        f"{whence}: {rows:,} row{'s' * (rows != 1)}{said}, from {table.times[0]:.10g} to "
+        f"{table.times[-1]:.10g} s{stretched}"
+    )
     if table.velocities is None:
         between = (
             "the cubic spline in time through all rows, with continuous acceleration, at rest at both ends"
         )
     else:
-        between = f"the {'cubic' if table.accelerations is None else 'quintic'} polynomial in time with the {given_values} of both rows"
+        between = (
+            f"the {'cubic' if table.accelerations is None else 'quintic'} polynomial in time with the "
+            f"{given_values} of both rows"
+        )
     yield f"between the rows: {between}"
 
 
@@ -383,8 +405,8 @@ def _pace(pace: Pace, duration: float) -> Iterator[str]:
 
 def _limit_text(limit: Limit) -> str:
     return (
-        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of what may be used, {limit.time:.3f} s after its start "
-        f"({limit.s * 100:.0f} % of the way)"
+        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of what may be used, {limit.time:.3f} s "
+        f"after its start ({limit.s * 100:.0f} % of the way)"
     )
 
 
@@ -397,7 +419,10 @@ def _certificate(certificate: CommandCertificate | None) -> Iterator[str]:
         f"{bound_text(deviation.remainder_position, MM)} mm, {bound_text(deviation.remainder_angle, DEG)} deg"
     )
     end = f"{bound_text(deviation.end_position, MM)} mm, {bound_text(deviation.end_angle, DEG)} deg"
-    yield f"path within {path} of the programmed one (of that {left} for what lies between the places looked at)"
+    yield (
+        f"path within {path} of the programmed one (of that {left} for what lies between the places looked "
+        "at)"
+    )
     yield f"end within {end} of the target"
     loads = (
         ("position", certificate.position),

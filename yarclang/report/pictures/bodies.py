@@ -214,8 +214,8 @@ def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
 
 
 def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
-    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger than
-    `sign` times `bound`.
+    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger
+    than `sign` times `bound`.
     """
     beyond = sign * (triangles[:, :, axis] - bound)
     outside = beyond > 0.0

@@ -150,7 +150,10 @@ def draw_clearance(axes: Axes, trace: Clearance, factor: float, unit: str, width
     if not trace.pair:
         return f"nowhere below {SEEN / MM:g} mm"
     first, second = map(short_name, trace.pair)
-    return f"least: {trace.apart[row] / MM:.3g} mm, {first} and {second}, at {trace.times[row] / factor:.4g} {unit}"
+    return (
+        f"least: {trace.apart[row] / MM:.3g} mm, {first} and {second}, at {trace.times[row] / factor:.4g} "
+        f"{unit}"
+    )
 
 
 def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:

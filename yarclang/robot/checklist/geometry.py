@@ -208,7 +208,10 @@ def _lines(robot: Robot, q: Array) -> Item:
             "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
         )
         return Item("lines", "to do", result, remedy)
-    result = f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; {'; '.join(ended)}"
+    result = (
+        f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; "
+        f"{'; '.join(ended)}"
+    )
     return Item("lines", "note", result, "see yarc reach where the arm can hold its orientation")
 
 

@@ -48,8 +48,9 @@ def mass_items(robot: Robot) -> Iterator[Item]:
         often = float((torques > 1.0).any(axis=1).mean())
         most = f"{most}, and in {often:.0%} of them a joint needs more than all of its effort"
         remedy = (
-            "motions there are refused: check masses (kg), effort (N m), gravity, and what the tools weigh; "
-            "[joints.NAME] effort goes before the URDF's, and checked = false in [dynamics] leaves torques out"
+            "motions there are refused: check masses (kg), effort (N m), gravity, and what the tools "
+            "weigh; [joints.NAME] effort goes before the URDF's, and checked = false in [dynamics] leaves "
+            "torques out"
         )
         yield Item("torques", "note", f"{total}; {most}{without}", remedy)
     else:

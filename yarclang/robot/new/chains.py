@@ -28,7 +28,8 @@ SHORTEST_ARM = 3
 """The least number of joints that an arm has before its branches may count as fingers."""
 
 HANDS = re.compile(
-    r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle|welder|eoat|camera|sensor|_sc$",
+    r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle"
+    r"|welder|eoat|camera|sensor|_sc$",
     re.IGNORECASE,
 )
 """Pattern of names of links that are mounted on a flange, or are a second shape of the last link."""

@@ -56,7 +56,10 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         f"name = {_text(sketch.name)}",
         f"title = {_text(sketch.title)}",
         f"urdf = {_text(sketch.urdf)}",
-        f"base = {_text(chain.base)}  # the link that is {{B}}{_choice(sketch.base_said, chain.base_choices)}",
+        (
+            f"base = {_text(chain.base)}  # the link that is "
+            f"{{B}}{_choice(sketch.base_said, chain.base_choices)}"
+        ),
         f"flange = {_text(chain.flange)}  # the link that is {{FLANGE}}"
         + _choice(sketch.tip_said, (*chain.flange_choices, *chain.other_tips)),
     ]

@@ -177,7 +177,8 @@ def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
         (flag,) = yield from operation.numbers(HOMING, 1)
     if flag != 2.0 or operation.now - since < 0.9 * _TRIAL:
         raise Trouble(
-            "the controller wouldn't stop the search if this computer failed: its PLCs don't run as they must",
+            "the controller wouldn't stop the search if this computer failed: its PLCs don't run as they "
+            "must",
             "`yarc settings` has I5=3; look what else the controller is busy with",
             "Y1612",
         )

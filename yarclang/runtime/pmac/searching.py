@@ -46,7 +46,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     answer = yield Replan(job.offset + leg.job.offset + command.begins, joints)
     if not isinstance(answer, Replanned):
         raise Trouble(
-            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: {answer or PROGRAM_UNKNOWN}",
+            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: "
+            f"{answer or PROGRAM_UNKNOWN}",
             "the robot stands where it was found; move it from there by hand, or with --approach",
             "Y1638",
         )

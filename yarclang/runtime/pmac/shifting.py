@@ -47,7 +47,10 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
         yield from held_meanwhile(operation, f"at {title(barrier)}")
         if isinstance(answer, tuple):
             break
-        refused = f"{title(barrier)}: with {{{offset.frame}}} shifted by {shift_text} it can't be done: {answer or PROGRAM_UNKNOWN}"
+        refused = (
+            f"{title(barrier)}: with {{{offset.frame}}} shifted by {shift_text} it can't be done: "
+            f"{answer or PROGRAM_UNKNOWN}"
+        )
         if answer is None or not _has_no_else(job.legs, place):
             operation.remark(refused, warning=True)
             return []

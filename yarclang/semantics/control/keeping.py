@@ -115,7 +115,10 @@ def _limits(
     if len(values) > len(wanted):
         *names, last = (name for _, name in wanted)
         names_ = f"{', '.join(names)} and {last}" if names else last
-        message = f"{kind} takes {f'{len(wanted)} values at most, {names_}' if names else names_}, and {len(values)} values stand here"
+        message = (
+            f"{kind} takes {f'{len(wanted)} values at most, {names_}' if names else names_}, and "
+            f"{len(values)} values stand here"
+        )
         span = head.span(values[len(wanted)].place)
         findings.add("Y0401", message, span, f"for example {word_specs()['KEEP'].example}")
         return None
@@ -127,7 +130,10 @@ def _limits(
         return None
     angle = found[0]
     if kind != "ABOVE" and not LEAST_TILT <= angle <= MOST_TILT:
-        message = f"{kind} takes an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg, and this is {angle / DEG:.6g}"
+        message = (
+            f"{kind} takes an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg, and this is "
+            f"{angle / DEG:.6g}"
+        )
         help_ = "0 would be a motion without any deviation: write 1 (deg)"
         if angle > MOST_TILT:
             help_ = "180 (deg) would forbid nothing: take the KEEP away, or write a smaller angle"
@@ -135,13 +141,22 @@ def _limits(
         return None
     near, far = (*found[1:], *(LEAST_SIGHT, np.inf)[len(found) - 1 :])[:2]
     if not near >= LEAST_SIGHT:
-        message = f"{kind} takes a least distance of {LEAST_SIGHT / MM:g} mm or more, and this is {near / MM:.6g} mm"
+        message = (
+            f"{kind} takes a least distance of {LEAST_SIGHT / MM:g} mm or more, and this is {near / MM:.6g} "
+            "mm"
+        )
         help_ = "at the apex of the cone there is no direction: write a larger distance, or leave it out"
         findings.add("Y0482", message, head.span(values[1].place), help_)
         return None
     if not far >= near + LEAST_SIGHT:
-        message = f"{kind} keeps a distance from {near / MM:.6g} to {far / MM:.6g} mm: no motion could be proved to do so"
-        help_ = f"the largest distance comes last, and is at least {LEAST_SIGHT / MM:g} mm more than the least one"
+        message = (
+            f"{kind} keeps a distance from {near / MM:.6g} to {far / MM:.6g} mm: no motion could be proved "
+            "to do so"
+        )
+        help_ = (
+            f"the largest distance comes last, and is at least {LEAST_SIGHT / MM:g} mm more than the least "
+            "one"
+        )
         findings.add("Y0482", message, head.span(values[2].place), help_)
         return None
     return tuple(found)

@@ -28,14 +28,14 @@ folders `*.dist-info` of the environment. Extras (`pendant`, `view`, `bags`, `fl
 
 | library | licence |
 |---|---|
-"""
+"""  # noqa: E501
 
 BUNDLES = """
 The pendant's pages have these libraries in them, bundled into `yarclang/pendant/pages/bundles`, with their notices:
 
 | library | licence |
 |---|---|
-"""
+"""  # noqa: E501
 
 
 def required() -> dict[str, frozenset[str]]:

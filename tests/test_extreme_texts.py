@@ -54,7 +54,7 @@ TEXTS = {
         "REPEAT $B\n"
         "END"),
     "way-points": "P0010 MOVEJ_SPLINE " + "; ".join(["0 0 0 0 0 0"] * 7_000) + " [5] (deg,s)",
-    "way-points in lines": "P0010 MOVEJ_SPLINE 0 0 0 0 0 0;\n" + "0 0 0 0 0 1;\n" * 20_000 + "0 0 0 0 0 0 [5] (deg,s)",
+    "way-points in lines": "P0010 MOVEJ_SPLINE 0 0 0 0 0 0;\n" + "0 0 0 0 0 1;\n" * 20_000 + "0 0 0 0 0 0 [5] (deg,s)",  # noqa: E501
     "values": "P0010 MOVEJ " + "1 " * 45_000,
     "words": "P0010 MOVEJ " + "a " * 45_000,
     "options": "P0010 MOVEJ HOME [5] (s) " + "BLEND 5 " * 11_000,
@@ -148,7 +148,7 @@ MANY = {
     "minus signs": filled("LET A{k} = " + "-" * 90 + "1\n"),
     "suppressions": filled("! yarc: ignore[Y0601]\n"),
     "suppressions of codes that aren't there": "! yarc: ignore[" + "Y0001," * 1_600 + "]",
-    "suppressions of many codes that are nearly right": "! yarc: ignore[" + ",".join(f"Y0{k}x" for k in range(1_400)) + "]",
+    "suppressions of many codes that are nearly right": "! yarc: ignore[" + ",".join(f"Y0{k}x" for k in range(1_400)) + "]",  # noqa: E501
     "suppressions of many findings": filled("P{k} MOVEJ 0 0 0 0 0 9 [5] ! yarc: ignore[Y0601,Y0602]\n"),
     "texts in no quotes": filled("P{k} HOLD A B C D\n"),
     "digits": "1" * SHORT,

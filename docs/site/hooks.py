@@ -1,7 +1,9 @@
-"""Complete the documentation site: pages of the top folder, pages made from the code, files that pages link to.
+"""Complete the documentation site: pages of the top folder, pages made from the code, files that pages link
+to.
 
-MkDocs calls the functions `on_...`. A link that leads out of `docs/` is wrong in a site: README.md becomes the first page, other Markdown files become pages
-of their path, and sources become pages that show them in colour.
+MkDocs calls the functions `on_...`. A link that leads out of `docs/` is wrong in a site: README.md becomes
+the first page, other Markdown files become pages of their path, and sources become pages that show them in
+colour.
 """
 
 import posixpath
@@ -120,7 +122,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def indented(text: str) -> str:
-    """Return Markdown whose lists are indented by four spaces a level, which Python-Markdown needs; GitHub takes the width of the marker."""
+    """Return Markdown whose lists are indented by four spaces a level, which Python-Markdown needs; GitHub
+    takes the width of the marker.
+    """
     lines = []
     columns: list[int] = []
     for line in text.split("\n"):

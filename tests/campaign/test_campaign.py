@@ -148,7 +148,7 @@ def test_texts_that_are_forged_are_found(what):
         lines = made.text.split("\n")
         points = [
             number for number, line in enumerate(lines)
-            if line[:1] in "XYZABCUVW" and line[1:2].strip("-").isdigit() and number > lines.index("RAPID") + 2
+            if line[:1] in "XYZABCUVW" and line[1:2].strip("-").isdigit() and number > lines.index("RAPID") + 2  # noqa: E501
         ]  # fmt: skip
         if what == "time":
             number = next(number for number, line in enumerate(lines) if line.startswith("TM"))

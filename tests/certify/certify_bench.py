@@ -308,7 +308,7 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
         f"; duration {duration:.3f} s",
         {
             "rotary": "; loading moves nothing; R moves the robot slowly to the start, then runs the program",
-            "prog": "; loading moves nothing; with all motors closed-loop, &1B1R runs it, from the start only",
+            "prog": "; loading moves nothing; with all motors closed-loop, &1B1R runs it, from the start only",  # noqa: E501
         }[target],
         "; commands: step, index, name, line in the source, first and last line of the moves in this file",
         "; certificate -",

@@ -117,7 +117,7 @@ def test_slower_it_works(tmp_path, ur5):
     value, (finding,) = compiled(program.format("0.9"), folder)
     assert (value, finding.code) == (None, "Y1801")
     shown = re.match(
-        r"shoulder_lift_joint needs ([\d.]+) N m, 1\d\d\.\d% of its effort of ([\d.]+) N m, [\d.]+ s after its start \(\d+ %\)",
+        r"shoulder_lift_joint needs ([\d.]+) N m, 1\d\d\.\d% of its effort of ([\d.]+) N m, [\d.]+ s after its start \(\d+ %\)",  # noqa: E501
         finding.message,
     )
     assert float(shown[1]) == pytest.approx(quick.share * 150, rel=2 * REMAINDER)

@@ -50,7 +50,7 @@ def with_cell(tmp_path, cell, program, robot="INDUSTRIAL6", head=HEAD):
                 "frame": "B"},
             "P0010 DMOVE 0 0 -100 0 0 0",
             "Y0907",
-            r"\{TCP\} goes [\d.]+ mm out of the zone Z, from [\d.]+ s to [\d.]+ s after its start \(\d+ % to 100 %\); worst at .* in \{B\}",
+            r"\{TCP\} goes [\d.]+ mm out of the zone Z, from [\d.]+ s to [\d.]+ s after its start \(\d+ % to 100 %\); worst at .* in \{B\}",  # noqa: E501
         ),
         (
             {"rule": "allowed", "shape": "cylinder", "radius": 900, "length": 4000, "frame": "B",

@@ -84,7 +84,7 @@ import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts what runs in the background without an ear for Ctrl-C
 from yarclang.cli.yarc import main
 main()
-"""
+"""  # noqa: E501
 
 
 def on_a_terminal(*command):

@@ -80,7 +80,7 @@ for line in sys.stdin:
             os._exit(status)
     print(child, flush=True)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
-"""
+"""  # noqa: E501
 
 
 def chain(count):

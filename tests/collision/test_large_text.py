@@ -58,7 +58,7 @@ DAE = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COL
 </accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="{faces}">
 <input semantic="VERTEX" source="#v" offset="0"/><p>{named}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>
 <visual_scene id="s"><node id="a"><matrix>0 -1 0 50 1 0 0 0 0 0 2 0 0 0 0 1</matrix><instance_geometry url="#g"/></node></visual_scene>
-</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""  # noqa: E501
 
 
 def text_dae(faces):

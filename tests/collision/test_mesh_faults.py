@@ -93,7 +93,7 @@ def dae(corners=CORNERS, faces=FACES) -> bytes:
         '<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input '
         f'semantic="POSITION" source="#p"/></vertices><triangles count="{len(faces)}"><input '
         'semantic="VERTEX" source="#v" offset="0"/>'
-        f"<p>{rows(faces)}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "
+        f"<p>{rows(faces)}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "  # noqa: E501
         'id="s"><node id="n"><instance_geometry '
         'url="#g"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene '
         'url="#s"/></scene></COLLADA>'

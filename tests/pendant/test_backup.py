@@ -484,7 +484,7 @@ with (top / "saved.zip").open("rb") as saved:
     backup = judged(saved.fileno())
     print("ready", flush=True)
     apply(folder, saved.fileno(), backup, plan_of(folder, backup).digest, "anna", About("1", "R", "f", "2026-01-02T03:04:05+00:00"), remove=True)
-"""
+"""  # noqa: E501
 
 
 def test_a_kill_in_the_middle_leaves_old_or_new(tmp_path):
@@ -502,7 +502,7 @@ def test_a_kill_in_the_middle_leaves_old_or_new(tmp_path):
         ) as process:
             process.stdout.readline()
             end = time.monotonic() + 60.0
-            while sum(one.stat().st_size > 10 for one in folder.root.glob("[0-9]*")) <= count and process.poll() is None:  # fmt: skip
+            while sum(one.stat().st_size > 10 for one in folder.root.glob("[0-9]*")) <= count and process.poll() is None:  # fmt: skip  # noqa: E501
                 assert time.monotonic() < end
             process.send_signal(signal.SIGKILL)
             process.wait(30)

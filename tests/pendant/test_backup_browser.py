@@ -23,7 +23,7 @@ def place(tmp_path):
 
 def fits(browser):
     """Return True if nothing of the page is cut off sideways."""
-    return browser.execute_script("const p = document.getElementById('page'); return p.scrollWidth <= p.clientWidth")  # fmt: skip
+    return browser.execute_script("const p = document.getElementById('page'); return p.scrollWidth <= p.clientWidth")  # fmt: skip  # noqa: E501
 
 
 def test_a_backup_is_restored_and_undone(place, tmp_path):

@@ -192,7 +192,7 @@ def test_every_page_in_both_sizes(place):
                   small: pressed.filter((one) => box(one).height < 43.5 || box(one).width < 43.5).map((one) => one.textContent || one.type),
                   nameless: pressed.filter((one) => !(one.textContent || one.ariaLabel || one.labels?.length || one.closest("label"))).length,
                 };
-                """
+                """  # noqa: E501
             )
             assert found["wide"] <= width, (page, width)
             assert found["stop"]["right"] <= width
@@ -223,7 +223,7 @@ CUT = """
   window.addEventListener("error", (event) => window.wrong.push(event.message));
   window.addEventListener("unhandledrejection", (event) => window.wrong.push(String(event.reason?.stack ?? event.reason)));
 })();
-"""
+"""  # noqa: E501
 """Let a page be cut off from its server, and keep the errors that nobody has caught."""
 
 
@@ -388,7 +388,7 @@ def test_a_joystick_needs_its_button(place):
         """
         window.pad = {id: "a test", connected: true, index: 0, axes: [0, 0, 0, 0], buttons: [{pressed: false, value: 0}]};
         navigator.getGamepads = () => [window.pad];
-        """
+        """  # noqa: E501
     )
     start = place.joints()
     browser.execute_script("window.pad.axes = [1, 0, 0, 0]")

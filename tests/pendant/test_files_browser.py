@@ -85,7 +85,7 @@ def fits(browser, what):
               small: pressed.filter((one) => box(one).height < 43.5 || box(one).width < 43.5).map((one) => one.textContent),
               stop: Boolean(hit.closest("#stop")),
             };
-            """
+            """  # noqa: E501
         )
         assert found["wide"] <= max(width, found["right"]), (what, width)
         assert found["small"] == [], (what, width)

@@ -205,7 +205,7 @@ def test_names_that_nothing_new_gets(tmp_path, name):
 
 @pytest.mark.parametrize(
     "name",
-    ["Ünïcode.yarc", "程序.yarc", "برنامج.yarc", "می‌خواهم.yarc", "👩‍🔧.yarc", "n" * 255, "é" * 127, "-r", "a b",
+    ["Ünïcode.yarc", "程序.yarc", "برنامج.yarc", "می‌خواهم.yarc", "👩‍🔧.yarc", "n" * 255, "é" * 127, "-r", "a b",  # noqa: E501
         "$(x)", "'\";--"],
 )  # fmt: skip
 def test_names_in_any_script(tmp_path, name):

@@ -106,7 +106,7 @@ def test_what_is_told_before_the_start(place):
           const box = one.getBoundingClientRect();
           return box.bottom > innerHeight || box.right > innerWidth || box.top < 0 || box.height < 43.5;
         }).map((one) => one.textContent || one.ariaLabel);
-        """
+        """  # noqa: E501
     )
     assert hidden == []
     size(browser, *SIZE)

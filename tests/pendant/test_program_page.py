@@ -264,7 +264,7 @@ def test_names_are_texts_and_sizes_fit(page):
                   out: all.filter((one) => one.getBoundingClientRect().right > document.getElementById('page').getBoundingClientRect().right + 1).map((one) => one.textContent),
                   images: document.querySelectorAll('#page img').length,
                 };
-                """
+                """  # noqa: E501
             )
             assert found == {"wide": width, "small": [], "out": [], "images": 0}, (width, tab)
     size(page.browser, *SIZES[0])
@@ -290,7 +290,7 @@ def test_the_line_that_runs_is_lit(page):
         """
         const post = (word, body) => fetch(`/api/orders/${word}`, {method: "POST", headers: {"content-type": "application/json"}, body: JSON.stringify(body)}).then((one) => one.json());
         post("load", {file: "bend.yarc", approach: true}).then((told) => post("run", {program: told.program.number, approach: true}));
-        """
+        """  # noqa: E501
     )
     until(
         lambda: (

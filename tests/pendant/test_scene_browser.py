@@ -63,7 +63,7 @@ import("/scene/scene.js").then(({ Scene3D }) => {
     place.addEventListener("drawn", () => done(true), { once: true });
   });
 });
-"""
+"""  # noqa: E501
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ def test_bodies_stand_where_they_should(place):
           labels: [...document.querySelectorAll("#trial .label3d")].map((one) => one.textContent),
           images: document.querySelectorAll("#trial img").length,
         };
-        """,
+        """,  # noqa: E501
         HOSTILE,
     )
     names = {one[0]: one for one in found["items"]}
@@ -118,7 +118,7 @@ def test_bodies_stand_where_they_should(place):
         const gl = trial.painter.renderer.getContext();
         const read = (x, y) => { const four = new Uint8Array(4); gl.readPixels(x, y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, four); return [...four]; };
         return [read(gl.drawingBufferWidth / 2, gl.drawingBufferHeight / 2), read(4, gl.drawingBufferHeight - 4)];
-        """
+        """  # noqa: E501
     )
     assert max(abs(one - other) for one, other in zip(*pixel, strict=True)) > 40, pixel
 
@@ -142,7 +142,7 @@ def test_the_ghost_stands_elsewhere(place):
           };
           wait();
         });
-        """
+        """  # noqa: E501
     )
     assert abs(found[0][0] - 0.9396926) < 1e-5
     assert abs(found[1][1] + 0.5) < 1e-5

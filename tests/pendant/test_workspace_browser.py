@@ -28,7 +28,7 @@ const high = camera.position.distanceTo(origin) * 1.9 * Math.tan((camera.fov * M
 const tip = origin.clone();
 tip.z += 0.5 * high;
 return [at(origin), at(tip)];
-"""
+"""  # noqa: E501
 
 
 @pytest.fixture

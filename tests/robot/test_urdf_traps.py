@@ -324,8 +324,8 @@ def test_other_formats_are_named(text, words, tmp_path):
 @pytest.mark.parametrize(
     ("tcp", "words"),
     [
-        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),
-        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),
+        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),  # noqa: E501
+        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),  # noqa: E501
         ("0,0,100,90,0,0", "z of TCP leads neither out nor back along the tool"),
     ],
 )  # fmt: skip

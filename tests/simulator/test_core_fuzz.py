@@ -20,7 +20,7 @@ WORDS = st.sampled_from(
     ENDWHILE P1=P1+1 P(P1)=5 M1==1 M1|=2 CMD"R" CMD"#1J+" CMD"^A" SEND"x" DISPLAY"x" ENABLE PLC2 DISABLE PLC2 ENABLE PLC 0..31 OPEN PLC0
     I5=3 I8=0 I10=1 I10=0 I16=0 I17=0 I15=1 I42=1 I5113=10 I5194=0 I5195=0 I113=5 I114=-5 I115=0 I111=16 I119=0 I120=0 I121=0 I122=0
     I122=1000 I124=$200000 HOME1 HOMEZ1 PSET X5 G1 M3 T2 S100 NORMAL K-1 CC1 READ(A) ADDRESS&1#2 ; // "
-    I108=0 I5190=0 RX$B0 WY$78400,5""".replace("\n", " ").split(" ")
+    I108=0 I5190=0 RX$B0 WY$78400,5""".replace("\n", " ").split(" ")  # noqa: E501
 )
 FRAGMENTS = st.lists(st.one_of(WORDS, WORDS, NUMBERS), min_size=1, max_size=6).flatmap(
     lambda parts: st.sampled_from(["", " "]).map(lambda glue: glue.join(parts))

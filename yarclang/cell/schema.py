@@ -211,7 +211,9 @@ class CellTable(Document):
         "allow": AllowTable,
     }
     examples: ClassVar = {
-        "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',
+        "parent": (
+            'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.'
+        ),
         "values": "values = [...], one a joint.",
         "variable": 'for example variable = "M11".',
         "name": 'for example name = "TABLE": findings name it.',

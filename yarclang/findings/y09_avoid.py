@@ -50,10 +50,12 @@ FINDINGS = (
         "no-way-found",
         "error",
         "no way round was found",
-        "Start and target are free, but the search found no path between them. The number of its tries is fixed, so that it gives the same answer "
-        "on every machine. This proves nothing: a path through a narrow gap may exist. The message says how far the search came, and which body or zone blocks it from there on. "
-        'A message that begins with "there is no way" is a proof: a zone forbids a joint the range between start and target, or is a box between them that the arm cannot '
-        "reach past. Both are checked before the search.",
+        "Start and target are free, but the search found no path between them. The number of its tries is "
+        "fixed, so that it gives the same answer on every machine. This proves nothing: a path through a "
+        "narrow gap may exist. The message says how far the search came, and which body or zone blocks it "
+        'from there on. A message that begins with "there is no way" is a proof: a zone forbids a joint the '
+        "range between start and target, or is a box between them that the arm cannot reach past. Both are "
+        "checked before the search.",
         "P0010 MOVEJ_AVOID 90 0 0 0 0 0 [5] (deg,s)      ! behind a wall",
         "P0010 MOVEJ_AVOID 0 60 -80 0 0 0 [5] (deg,s)    ! over the wall\n"
         "P0020 MOVEJ_AVOID 90 0 0 0 0 0 [5] (deg,s)",

@@ -13,7 +13,7 @@ from yarclang.frozen import frozen
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, lost_corner
 
 _HEADER = re.compile(
-    rb"ply\s*?\nformat[ \t]+(?P<form>ascii|binary_little_endian|binary_big_endian)[ \t]+\S+\s*?\n(?P<lines>(?:[^\n]*\n)*?)end_header\r?\n"
+    rb"ply\s*?\nformat[ \t]+(?P<form>ascii|binary_little_endian|binary_big_endian)[ \t]+\S+\s*?\n(?P<lines>(?:[^\n]*\n)*?)end_header\r?\n"  # noqa: E501
 )
 _LONGEST_HEADER = 100_000
 _TYPES = {

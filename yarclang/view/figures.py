@@ -29,7 +29,7 @@ STYLE = """<style>
 .mantine-Button-label { white-space: normal; overflow: visible; overflow-wrap: anywhere; text-align: left; line-height: 1.3; height: auto; }
 [data-dock-tab] { padding-inline: 0.45em !important; }
 .mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
-</style>"""
+</style>"""  # noqa: E501
 """Style of buttons and tabs. Buttons show their whole text, since viser cuts off what doesn't fit on a line;
 tabs fit on one line.
 """

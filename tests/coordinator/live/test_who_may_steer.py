@@ -225,7 +225,7 @@ def test_another_user_is_refused_even_where_the_file_lets_it_in():
 
 
 REQUESTS = [
-    b"POST / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nContent-Type: text/plain\r\nContent-Length: 60\r\nA: b\r\nC: d\r\nE: f\r\nG: h\r\nI: j\r\n\r\n",
+    b"POST / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nContent-Type: text/plain\r\nContent-Length: 60\r\nA: b\r\nC: d\r\nE: f\r\nG: h\r\nI: j\r\n\r\n",  # noqa: E501
     b"GET / HTTP/1.1\r\nUpgrade: websocket\r\n\r\n",
     b"OPTIONS /a HTTP/1.0\r\n\r\n",
     b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",

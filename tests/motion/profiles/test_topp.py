@@ -10,10 +10,10 @@ from yarclang.robot.description import load_robot
 LINE = "P0020 MOVEL_TOPP 200 1074.4 1326 10 -5 20 [MIN]"
 PROGRAMS = {
     "joints": "P0020 MOVEJ_TOPP 60 10 -20 30 40 -50 [MIN]",
-    "spline": "P0020 MOVEJ_SPLINE_TOPP 10 0 5 0 10 0; 40 25 -30 20 60 50; 10 -20 0 0 30 0; 60 0 0 0 -30 90 [MIN]",
+    "spline": "P0020 MOVEJ_SPLINE_TOPP 10 0 5 0 10 0; 40 25 -30 20 60 50; 10 -20 0 0 30 0; 60 0 0 0 -30 90 [MIN]",  # noqa: E501
     "line": LINE,
     "arc": "P0020 MOVEC_TOPP 60 1134.4 1176; 120 1174.4 1176 0 0 20 [MIN]",
-    "poses": "P0020 MOVEL_SPLINE_TOPP 60 1134.4 1176 0 0 10; 120 1174.4 1226 0 0 20; 180 1174.4 1126 5 0 0 [MIN]",
+    "poses": "P0020 MOVEL_SPLINE_TOPP 60 1134.4 1176 0 0 10; 120 1174.4 1226 0 0 20; 180 1174.4 1126 5 0 0 [MIN]",  # noqa: E501
 }
 
 

@@ -100,7 +100,9 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
         return
     first = int(moves[0])
     if not arms or not arms[0].on or arms[0].line > first:
-        yield f"the guard isn't armed (P8100=1) before the move in line {first}, which {count - 1} more follow"
+        yield (
+            f"the guard isn't armed (P8100=1) before the move in line {first}, which {count - 1} more follow"
+        )
         return
     if len(arms) < 2:
         yield (

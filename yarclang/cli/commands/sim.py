@@ -69,7 +69,7 @@ Faults:
 
 Times are the machine's, in s. @line120 instead of one: when 120 program lines have been written (WRITEBUFFER). Switches stay
 on and amplifiers stay bad until $$$.
-"""
+"""  # noqa: E501
 
 
 @click.command("sim", epilog=_FAULTS)

@@ -22,7 +22,7 @@ COMMAND = CommandSpec(
 One curve of the moving frame with continuous acceleration, from where it stands through all way-points, without a
 stop. Positions and unit quaternions are natural cubic splines over the distance from way-point to way-point (a turn of 1 rad counts
 as 100 mm). Equal neighbours count once; half a turn between two neighbours is an error. The arm keeps its configuration.
-""",
+""",  # noqa: E501
     build=_build,
     examples=(
         (

@@ -47,7 +47,7 @@ Pages may ask initialize, completion, hover, signatureHelp, codeAction, formatti
 It tells publishDiagnostics, `yarc/begun` (each time before initialize), `yarc/refused` (why a message wasn't handed on), and `yarc/ended`. At most 4 serve at once: then the socket is closed with the code 4409; with 4403 for other roles.
 
 A socket is closed with the code 4401 if nobody is logged in, or the session has ended.
-"""
+"""  # noqa: E501
 
 
 def document(routes: Iterable[Route]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ _HEAD = """\
 # counts for motors; ms for times.
 # A comment with "{mark}" marks a value that came from a rule and not from a fact. Check it on the machine or in its
 # manual, then delete the mark; yarc robot check lists what is left.
-"""
+"""  # noqa: E501
 
 
 _TOOL = (

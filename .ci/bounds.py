@@ -1,4 +1,6 @@
-"""Check that every library is installed in the oldest version that pyproject.toml allows: a bound that nobody can install isn't tried."""
+"""Check that every library is installed in the oldest version that pyproject.toml allows: a bound that
+nobody can install isn't tried.
+"""
 
 import re
 import sys

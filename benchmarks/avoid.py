@@ -1,6 +1,6 @@
 """The figures of avoiding motions in RESULTS.md: `python benchmarks/avoid.py`, in an environment with
-yarclang. `tight` measures only the tight places, which need yarclang[test] for the third arm. `tight peer`
-also runs RRT-Connect with 5 s for each problem on the same checker.
+yarclang. `lines` measures only MOVEL_AVOID. `tight` measures only the tight places, which need yarclang[test]
+for the third arm. `tight peer` also runs RRT-Connect with 5 s for each problem on the same checker.
 
 A problem is a place among obstacles with a known solution: the arm moves between two joint positions of a
 hidden walk, each step of which was found free, and obstacles are drawn that leave the walk free and block the
@@ -24,9 +24,13 @@ from yarclang.cli.yarc import main as yarc
 from yarclang.collision.free import plain_free_space
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.watched import tool_frame
+from yarclang.motion.avoid.lines import find_course
 from yarclang.motion.avoid.room import Room, room_of
-from yarclang.motion.avoid.way import Way, find_way
+from yarclang.motion.avoid.way import NoWay, Way, find_way
+from yarclang.motion.cartesian import CartesianPath, along
+from yarclang.motion.paths.line import line_between
 from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.shapes import Box, Shape, Sphere
 from yarclang.source import SourceFile
@@ -55,6 +59,9 @@ class Problem:
 
 def main() -> None:
     """Measure all, and print the table."""
+    if "lines" in sys.argv[1:]:
+        on_lines()
+        return
     if "tight" in sys.argv[1:]:
         in_tight_places(with_peer="peer" in sys.argv[1:])
         return
@@ -116,6 +123,49 @@ def in_tight_places(*, with_peer: bool) -> None:
                 f"{statistics.median(cpu):.2f} s), "
                 f"slowest {max(took):.2f} s ({max(cpu):.2f} s)"
             )
+
+
+def on_lines() -> None:
+    """Measure lines around obstacles: past a box, and in the first problems with hidden walks, of which not
+    all have a way in one configuration and about one axis. Print a table.
+    """
+    robot = load_robot("INDUSTRIAL6").value
+    assert robot is not None
+    print(
+        "| INDUSTRIAL6, MOVEL_AVOID | found | of | legs, mean | computing: median | slowest |\n"
+        "|---|---|---|---|---|---|"
+    )
+    for what, problems in (("past a box", past_a_box(robot)), ("hidden walks", solvable(robot, LINES))):
+        tried = [found for one in problems if (found := _on_lines(robot, one)) is not None]
+        times = [took for took, _ in tried]
+        legs = [count for _, count in tried if count]
+        print(
+            f"| {what} | {len(legs)} | {len(tried)} | {statistics.mean(legs):.1f} | "
+            f"{statistics.median(times):.2f} s | {max(times):.2f} s |"
+        )
+
+
+LINES = 60
+"""Number of problems with hidden walks that are tried with lines."""
+
+
+def _on_lines(robot: Robot, problem: Problem) -> tuple[float, int] | None:
+    """Return the processor time of a search [s], and the number of legs found, 0 for none; None if the
+    straight line turns by half a revolution, or is free.
+    """
+    room, moving = room_around(robot, problem.cell), tool_frame(robot).flange_from_moving
+    poses = tool_poses(robot.chain, np.stack([problem.start, problem.goal]), moving)
+    line = line_between(*poses)
+    if line is None:
+        return None
+    path = along(robot.chain, robot.limits, moving, line, problem.start, reason="any")
+    begun = time.process_time()
+    straight = path if isinstance(path, CartesianPath) else None
+    found = find_course(room, line, straight, problem.start, [problem.goal])
+    took = time.process_time() - begun
+    if isinstance(found, NoWay):
+        return took, 0
+    return None if len(found.paths) == 1 else (took, len(found.paths))
 
 
 def past_a_box(robot: Robot) -> list[Problem]:

@@ -1,11 +1,15 @@
-"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet machine; the load is printed beside the figures.
+"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet
+machine; the load is printed beside the figures.
 
-Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of one thread), `overhead` (what a task costs that does
-nothing), `cache` (1,000 unchanged programs, checked again), `campaign` (random programs a second, of a campaign that is killed in the middle and goes on, and what 10^6 would take),
-`length` (processor time of a command in programs of 10^3 to 10^5 lines, and what 10^6 would take). Matrix products use one thread. With `--programs 8`, everything takes
-a minute, and shows only that it works.
+Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of
+one thread), `overhead` (what a task costs that does nothing), `cache` (1,000 unchanged programs, checked
+again), `campaign` (random programs a second, of a campaign that is killed in the middle and goes on, and what
+10^6 would take), `length` (processor time of a command in programs of 10^3 to 10^5 lines, and what 10^6 would
+take). Matrix products use one thread. With `--programs 8`, everything takes a minute, and shows only that it
+works.
 
-Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's cost flat.
+Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's
+cost flat.
 """
 
 from __future__ import annotations
@@ -75,7 +79,8 @@ def cluster(folder: Path, count: int) -> Iterator[str]:
     log = (folder / "log").open("wb")
     started = [
         subprocess.Popen(
-            [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"],
+            [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
+                "--no-dashboard"],
             cwd=folder, stdout=log, stderr=log,
         )
     ]  # fmt: skip
@@ -155,7 +160,9 @@ def measure_cache(folder: Path, count: int) -> Iterator[str]:
 
 
 def measure_campaign(folder: Path, count: int) -> Iterator[str]:
-    """Yield the rate of a campaign of 50 times as many programs, which is killed once and goes on, and its worst figures."""
+    """Yield the rate of a campaign of 50 times as many programs, which is killed once and goes on, and its
+    worst figures.
+    """
     programs_, state = 50 * count, folder / "campaign"
     arguments = ["campaign", "--programs", str(programs_), "--state", str(state), "--format", "json"]
     begin = time.perf_counter()
@@ -181,7 +188,10 @@ def measure_campaign(folder: Path, count: int) -> Iterator[str]:
     report = json.loads(made.stdout)
     rate, hours = report["programs"] / taken, report["motion_seconds"] / 3600.0
     of_processor = report["processor_seconds"] / report["programs"]
-    yield f"| a campaign of {programs_:,} programs, killed and resumed | {taken:.0f} s, {rate:.1f} programs/s, {of_processor:.2f} s of one core each | |"
+    yield (
+        f"| a campaign of {programs_:,} programs, killed and resumed | {taken:.0f} s, {rate:.1f} "
+        f"programs/s, {of_processor:.2f} s of one core each | |"
+    )
     yield f"| {report['compiled']:,} of them compile | {hours:.2f} h of motion | |"
     worst = ", ".join(
         f"{name} {one['share']:.6f} (seed {one['seed']})" for name, one in report["worst"].items()
@@ -193,17 +203,25 @@ def measure_campaign(folder: Path, count: int) -> Iterator[str]:
 
 
 def measure_length(folder: Path, count: int) -> Iterator[str]:
-    """Yield the cost of a command in programs of different lengths, up to 500 times as many lines as programs."""
+    """Yield the cost of a command in programs of different lengths, up to 500 times as many lines as
+    programs.
+    """
     short, longest = 5 * count, 500 * count
     costs = []
     base = cost_of(programs(folder / "length-base", 1, 2), folder)
     for motions in (short, 10 * short, longest):
         taken = cost_of(programs(folder / f"length-{motions}", 1, motions), folder) - base
         costs.append(taken / motions)
-        yield f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} times that of {short:,} |"
+        yield (
+            f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} "
+            f"times that of {short:,} |"
+        )
     growth = max(1.0, costs[-1] / costs[-2])
     hours = costs[-1] * growth * 1e6 / 3600.0
-    yield f"| a command of 10^6, by the growth of the last tenfold | {costs[-1] * growth * 1e3:.2f} ms, {hours:.1f} h altogether | flat |"
+    yield (
+        f"| a command of 10^6, by the growth of the last tenfold | {costs[-1] * growth * 1e3:.2f} ms, "
+        f"{hours:.1f} h altogether | flat |"
+    )
 
 
 def cost_of(made: Path, folder: Path) -> float:

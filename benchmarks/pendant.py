@@ -36,7 +36,7 @@ window.WebSocket = class extends Real {
   }
 };
 for (const kind of ["pointerdown", "pointerup"]) window.addEventListener(kind, () => { window[kind] = performance.now(); }, true);
-"""
+"""  # noqa: E501
 TURNS = 40
 PLUS = "[data-axis=J1][data-sign='1']"
 MINUS = "[data-axis=J1][data-sign='-1']"

@@ -53,7 +53,7 @@ def send(self, data):
 
 tcp.Wire.send = send
 main(["ros", "--robot", "INDUSTRIAL6", "--to", "tcp://127.0.0.1:{port}", "--log", {log!r}, "--port", "0", "0"])
-"""
+"""  # noqa: E501
 POINTS = 100
 PATIENCE = 30.0
 """Time after which nothing more is expected on the wire [s]."""

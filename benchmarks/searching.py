@@ -62,8 +62,9 @@ tcp.Wire.send = send
 main(["run", sys.argv[1], "--to", sys.argv[2], "--no-log", "--yes"])
 """
 SEARCHES = {
-    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 "
-    "MOVEL 0 1174.4 1000 0 0 0 [2]\n",
+    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\n"
+    "P0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\n"
+    "P0030 MOVEL 0 1174.4 1000 0 0 0 [2]\n",
 }
 
 

@@ -65,7 +65,8 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=1, help="how often each text is judged")
     chosen = parser.parse_args()
     print(
-        "| text | verdict, CPU | memory | text's size | proof | yarcc --proof, CPU |\n|---|---|---|---|---|---|"
+        "| text | verdict, CPU | memory | text's size | proof | yarcc --proof, CPU |\n"
+        "|---|---|---|---|---|---|"
     )
     many = programs.lines(chosen.lines)
     for name, text, options in (

@@ -1,8 +1,9 @@
-"""Compare both checkers on the texts of changed compilers: `python benchmarks/verifying_mutants.py [--count 200]`.
+"""Compare both checkers on the texts of changed compilers:
+`python benchmarks/verifying_mutants.py [--count 200]`.
 
-Each mutant of `mutants.py` compiles the programs of `mutant_corpus.py`. A text that differs from the one without
-the change is kept, even if the mutant's certificate refuses it. Then the unchanged judge and the small checker
-read that text. The checker gets the proof of the right text, with the hash of the changed one.
+Each mutant of `mutants.py` compiles the programs of `mutant_corpus.py`. A text that differs from the one
+without the change is kept, even if the mutant's certificate refuses it. Then the unchanged judge and the
+small checker read that text. The checker gets the proof of the right text, with the hash of the changed one.
 
 A text that the judge refuses and the checker accepts, with nothing unchecked except torques, is printed as
 `ACCEPTED`. The exit status is then 1. Results are kept line by line, so a stopped run goes on.
@@ -65,7 +66,9 @@ def proofs(folder: Path) -> dict[str, dict[str, Any]]:
     return made
 
 
-def verdicts(texts: dict[str, str], known: dict[str, dict[str, Any]], folder: Path) -> list[tuple[str, str, str]]:
+def verdicts(
+    texts: dict[str, str], known: dict[str, dict[str, Any]], folder: Path
+) -> list[tuple[str, str, str]]:
     """Return (program, reasons of the judge, verdict of the checker) of each text; no reasons if it holds."""
     import yarclang
     from yarclang.verify.verdict import ALWAYS_UNCHECKED, verify
@@ -110,7 +113,9 @@ def main() -> int:
     accepted = []
     for each in drawn:
         for name, codes, seen in known[each.key]["rows"]:
-            counts["refused by the judge" if codes else "accepted by the judge", f"{seen} by the checker"] += 1
+            counts[
+                "refused by the judge" if codes else "accepted by the judge", f"{seen} by the checker"
+            ] += 1
             if codes and seen == "accepted":
                 accepted.append(f"ACCEPTED {each.key}: {name} ({codes})")
     changed = sum(bool(known[each.key]["rows"]) for each in drawn)

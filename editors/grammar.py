@@ -1,4 +1,5 @@
-"""Writes the TextMate grammar and the snippets of editors/vscode, and Vim's syntax file, from the words of the language: `python editors/grammar.py`.
+"""Writes the TextMate grammar and the snippets of editors/vscode, and Vim's syntax file, from the words of
+the language: `python editors/grammar.py`.
 
 The tests compare the files with what this makes, so that a new command, profile or unit is never missing.
 """
@@ -29,8 +30,8 @@ _NUMBER = r"(?:[0-9]+(?:\.(?!\.)[0-9]*)?|(?<!\.)\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?!
 def grammar() -> dict[str, Any]:
     """The TextMate grammar: a line's own words first, then what may stand anywhere.
 
-    Themes colour its scopes as they colour the kinds that the language server gives words, so that nothing changes its colour when the server
-    has started.
+    Themes colour its scopes as they colour the kinds that the language server gives words, so that nothing
+    changes its colour when the server has started.
     """
     known = words()
     units = _any(known.units)
@@ -75,7 +76,9 @@ def grammar() -> dict[str, Any]:
 
 
 def snippets() -> dict[str, Any]:
-    """A snippet for each command and declaration: its first example, with the numbers and names to fill in."""
+    """A snippet for each command and declaration: its first example, with the numbers and names to fill
+    in.
+    """
     made: dict[str, Any] = {}
     for spec in commands().values():
         made[spec.name] = _snippet(spec.name, spec.examples[0].splitlines()[0], spec.summary)

@@ -3,7 +3,8 @@
 
     PYTHONPATH=. /usr/bin/python3 examples/send_plan.py examples/moveit_plan.yaml
 
-The file has a trajectory_msgs/JointTrajectory as `rostopic echo` writes it. PYTHONPATH is for the type of the action: where control_msgs is installed, it isn't needed.
+The file has a trajectory_msgs/JointTrajectory as `rostopic echo` writes it. PYTHONPATH is for the type of the
+action: where control_msgs is installed, it isn't needed.
 """
 
 import sys

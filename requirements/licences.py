@@ -1,4 +1,5 @@
-"""Write THIRD_PARTY.md: the libraries that come with a normal install, and their licences by their own metadata.
+"""Write THIRD_PARTY.md: the libraries that come with a normal install, and their licences by their own
+metadata.
 
 Run it with the Python of the development environment after requirements/run.txt has changed:
 `python requirements/licences.py > THIRD_PARTY.md`. tests/test_licences.py compares both.
@@ -27,18 +28,20 @@ folders `*.dist-info` of the environment. Extras (`pendant`, `view`, `bags`, `fl
 
 | library | licence |
 |---|---|
-"""
+"""  # noqa: E501
 
 BUNDLES = """
 The pendant's pages have these libraries in them, bundled into `yarclang/pendant/pages/bundles`, with their notices:
 
 | library | licence |
 |---|---|
-"""
+"""  # noqa: E501
 
 
 def required() -> dict[str, frozenset[str]]:
-    """Return the libraries of a normal install with their versions; some have one for each version of Python."""
+    """Return the libraries of a normal install with their versions; some have one for each version of
+    Python.
+    """
     found: dict[str, set[str]] = {}
     for name, version in REQUIRED.findall((ROOT / "requirements/run.txt").read_text(encoding="utf-8")):
         found.setdefault(name, set()).add(version)

@@ -23,7 +23,9 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(items):
-    """The browser's tests come first: they are slow, and at the end only one of the workers would be busy with them."""
+    """The browser's tests come first: they are slow, and at the end only one of the workers would be busy
+    with them.
+    """
     items.sort(key=lambda item: item.path.name != "test_browser.py")
 
 
@@ -36,7 +38,9 @@ def pytest_collection_finish():
 
 @pytest.fixture(scope="session", autouse=True)
 def place_of_locks():
-    """Locks and sockets of robots by themselves: others on this computer, tests too, may hold the same addresses."""
+    """Locks and sockets of robots by themselves: others on this computer, tests too, may hold the same
+    addresses.
+    """
     path = Path(tempfile.mkdtemp(prefix="yarc-tests-"))  # not tmp_path: the path of a socket must be short
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(path))

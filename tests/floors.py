@@ -1,8 +1,10 @@
 """Floors of tests that draw their cases by chance: the share of the cases that must really be exercised.
 
-A test that may leave a case early passes with an empty run if all cases are left early. Such a test counts its cases, and its floor fails the run.
+A test that may leave a case early passes with an empty run if all cases are left early. Such a test counts
+its cases, and its floor fails the run.
 
-A share of few cases is below its floor by chance now and then. Then more are drawn, and all of them together are held to the floor.
+A share of few cases is below its floor by chance now and then. Then more are drawn, and all of them together
+are held to the floor.
 """
 
 import functools
@@ -22,13 +24,17 @@ class Tally:
         self.reached[what] += bool(reached)
 
     def below(self, floors):
-        """Return a sentence for each name whose share of exercised cases is below its floor, or of which no case was drawn.
+        """Return a sentence for each name whose share of exercised cases is below its floor, or of which no
+        case was drawn.
 
         Args:
             floors: the least share by name; at least one case must be exercised in any case.
         """
         return [
-            f"{what}: {self.reached[what]} of {self.drawn[what]} cases exercised, at least {least:.0%} expected"
+            (
+                f"{what}: {self.reached[what]} of {self.drawn[what]} cases exercised, at least {least:.0%} "
+                "expected"
+            )
             for what, least in floors.items()
             if self.reached[what] < max(1.0, least * self.drawn[what])
         ]
@@ -39,7 +45,8 @@ ROUNDS = 8
 
 
 def exercises(**floors):
-    """Decorate a test that runs many drawn cases: the test gets a `tally`, and fails if a share is below its floor in all rounds together.
+    """Decorate a test that runs many drawn cases: the test gets a `tally`, and fails if a share is below its
+    floor in all rounds together.
 
     The decorator stands above `given`, and `tally` is the first parameter of the test.
     """

@@ -56,12 +56,18 @@ FOREIGN = (
 )
 SIGNS = "!\"#$%&'()*+,-./:;<=>?@[\\]^_`{|}~ 0123456789PMEeVx\n"
 PIECES = (
-    "!", '"', "{", "}", "[", "]", "(", ")", "$(", ";", ",", ";\n", "\n", "\r\n", "\r", " ! ", "{!", '{"', "P0010 ", "P1", "END\n", "ELSE\n",
-    "REPEAT 3\n", "REPEAT I 2\n", "SUB X {A} B (mm)\n", "IF 1 > 0\n", "WHEN DOOR ON\n", "LET A = ", "FRAME {F} ", "JOINTS J ", "DEFAULT ",
-    "USE PALLET\n", "CELL \"cell.toml\"\n", "ROBOT INDUSTRIAL6\n", "STOP\n", "CALL X {TCP} 1 (mm)\n", " BLEND 5", " ACC 30%", " NEAR HOME", " TOL 0.05",
-    "[MIN]", "[V 250]", "[50%]", "(mm,deg,s)", "(deg)", "{TCP}", "{B}", "$A", "$(A*2)", "$", "%", "**", "1e999", "-1e308", "nan", "inf",
-    "0x10", "1_000", "1,5", "30-5", "9" * 400, "1." + "0" * 300, "P" + "1" * 30, "A" * 300, "(" * 120, ")" * 120, "-" * 120, "[" * 50,
-    "! yarc: ignore[Y0603]", "! yarc: ignore[", "; yarcc ", "CLOSE\n", "\\", "#", "//", "_RPY", "_AVOID", "_SPLINE", "_TOPP", "HOME",
+    "!", '"', "{", "}", "[", "]", "(", ")", "$(", ";", ",", ";\n", "\n", "\r\n", "\r", " ! ", "{!", '{"',
+        "P0010 ", "P1", "END\n", "ELSE\n",
+    "REPEAT 3\n", "REPEAT I 2\n", "SUB X {A} B (mm)\n", "IF 1 > 0\n", "WHEN DOOR ON\n", "LET A = ",
+        "FRAME {F} ", "JOINTS J ", "DEFAULT ",
+    "USE PALLET\n", "CELL \"cell.toml\"\n", "ROBOT INDUSTRIAL6\n", "STOP\n", "CALL X {TCP} 1 (mm)\n",
+        " BLEND 5", " ACC 30%", " NEAR HOME", " TOL 0.05",
+    "[MIN]", "[V 250]", "[50%]", "(mm,deg,s)", "(deg)", "{TCP}", "{B}", "$A", "$(A*2)", "$", "%", "**",
+        "1e999", "-1e308", "nan", "inf",
+    "0x10", "1_000", "1,5", "30-5", "9" * 400, "1." + "0" * 300, "P" + "1" * 30, "A" * 300, "(" * 120,
+        ")" * 120, "-" * 120, "[" * 50,
+    "! yarc: ignore[Y0603]", "! yarc: ignore[", "; yarcc ", "CLOSE\n", "\\", "#", "//", "_RPY", "_AVOID",
+        "_SPLINE", "_TOPP", "HOME",
 )  # fmt: skip
 
 
@@ -136,8 +142,10 @@ def character_replaced(text, draw):
 def all_of_one_replaced(text, draw):
     """What an editor or a text processor does to all of them at once."""
     old, new = draw.choice(
-        ((" ", "\u00a0"), (" ", "\u3000"), ("-", "\u2212"), ("-", "\u2013"), ('"', "\u201c"), ("\n", "\r"), ("\n", "\r\n"), ("\n", "\u2028"), ("\n", "\x85"),
-         (" ", "\t"), (" ", ""), (" ", "\u200b "), (".", ","), ("{", "("), ("0", "O"), ("\n", "\n\ufeff"), ("\n", " "), ("P", "\u0420"))
+        ((" ", "\u00a0"), (" ", "\u3000"), ("-", "\u2212"), ("-", "\u2013"), ('"', "\u201c"), ("\n", "\r"),
+            ("\n", "\r\n"), ("\n", "\u2028"), ("\n", "\x85"),
+         (" ", "\t"), (" ", ""), (" ", "\u200b "), (".", ","), ("{", "("), ("0", "O"), ("\n", ("\n"
+             "\ufeff")), ("\n", " "), ("P", "\u0420"))
     )  # fmt: skip
     return text.replace(old, new)
 
@@ -252,8 +260,10 @@ def repeated(text, draw):
 
 
 MUTATIONS = (
-    character_deleted, character_put_in, character_put_in, character_doubled, characters_swapped, character_replaced, character_replaced,
-    all_of_one_replaced, made_wide, token_deleted, token_doubled, tokens_swapped, token_replaced, token_replaced, line_deleted, line_doubled,
+    character_deleted, character_put_in, character_put_in, character_doubled, characters_swapped,
+        character_replaced, character_replaced,
+    all_of_one_replaced, made_wide, token_deleted, token_doubled, tokens_swapped, token_replaced,
+        token_replaced, line_deleted, line_doubled,
     lines_swapped, lines_joined, cut_off, spliced, part_of_another_put_in, nested, repeated,
 )  # fmt: skip
 
@@ -296,7 +306,9 @@ def _placed(finding: Diagnostic) -> tuple[str, Span | None]:
 
 
 class Laws:
-    """What must hold of any text. A checker remembers what editors' servers remember, from one text to the next."""
+    """What must hold of any text. A checker remembers what editors' servers remember, from one text to the
+    next.
+    """
 
     def __init__(self) -> None:
         self.analysts = {robot: Analyst(Options(robot=robot)) for robot in (None, "INDUSTRIAL6")}
@@ -306,7 +318,8 @@ class Laws:
     def broken(self, seed: int, folder: Path, text: str) -> list[str]:
         """The laws that a text breaks, in words.
 
-        How long its check takes without planning [s] is kept in `seconds`, and in `unrolls_far` whether loops of many rounds are the reason.
+        How long its check takes without planning [s] is kept in `seconds`, and in `unrolls_far` whether loops
+        of many rounds are the reason.
         """
         source = SourceFile(str(folder / "test.yarc"), text)
         try:
@@ -378,7 +391,9 @@ class Laws:
 
 
 def _robot_of(text: str) -> str | None:
-    """The robot that is said besides: the text's own, as far as it can be read, else that of most programs."""
+    """The robot that is said besides: the text's own, as far as it can be read, else that of most
+    programs.
+    """
     return None if re.search(r"^[ \t]*ROBOT\b", text, re.MULTILINE) else "INDUSTRIAL6"
 
 

@@ -1,4 +1,6 @@
-"""Importing this leaves numpy one thread: the workers of a test run share the cores, and so do the processes that they start."""
+"""Importing this leaves numpy one thread: the workers of a test run share the cores, and so do the
+processes that they start.
+"""
 
 import os
 

@@ -1,4 +1,6 @@
-"""Any serial arm: made of its URDF by `yarc robot new` without a word, its programs are planned and certified."""
+"""Any serial arm: made of its URDF by `yarc robot new` without a word, its programs are planned and
+certified.
+"""
 
 import re
 import shutil
@@ -37,11 +39,15 @@ def errors(diagnostics):
 
 
 HIT_THEMSELVES = {"talos-9", "baxter-left", "baxter-right", "tiago-8"}
-"""The HOME that is guessed for them is free, but these arms are so near to a leg, a torso or a column that they hit it beside it."""
+"""The HOME that is guessed for them is free, but these arms are so near to a leg, a torso or a column that
+they hit it beside it.
+"""
 
 
 OVERLOADED = {"talos-9", "baxter-left", "baxter-right"}
-"""In the shortest times that guessed accelerations allow, or stretched out, these arms need a little more than their motors' efforts."""
+"""In the shortest times that guessed accelerations allow, or stretched out, these arms need a little more
+than their motors' efforts.
+"""
 
 
 @pytest.mark.parametrize("name", REAL)
@@ -90,8 +96,8 @@ OF_INDUSTRIAL6 = sorted(
 
 
 THROUGH_THE_WRIST = {"07_inspection_tour.yarc": "Y0601"}
-"""One goes straight through a singularity of the wrist. The calibrated arm has none there but comes within 0.01 deg of one, and
-would have to turn J4 half round in no time: that is refused, and truly so."""
+"""One goes straight through a singularity of the wrist. The calibrated arm has none there but comes within
+0.01 deg of one, and would have to turn J4 half round in no time: that is refused, and truly so."""
 
 
 @pytest.mark.parametrize("example", OF_INDUSTRIAL6)
@@ -134,7 +140,9 @@ joint = st.one_of(
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(joints=st.lists(joint, min_size=1, max_size=9), seed=st.integers(0, 99))
 def test_a_random_chain(tally, joints, seed, tmp_path_factory):
-    """Its forward kinematics are Pinocchio's, inverse undoes forward, and its programs compile or say why not."""
+    """Its forward kinematics are Pinocchio's, inverse undoes forward, and its programs compile or say why
+    not.
+    """
     folder = tmp_path_factory.mktemp("chain")
     (folder / "chain.urdf").write_text(urdf_of(joints))
     robot = made(folder / "chain.urdf", folder / "arm")
@@ -152,7 +160,8 @@ def test_a_random_chain(tally, joints, seed, tmp_path_factory):
     said = errors(diagnostics)
     assert (made_of_it is None) == bool(said)
     tally.count("compiled", made_of_it is not None)
-    # a random chain may hit itself, and a line may lead through a singularity or to a limit; nothing else may come of it
+    # a random chain may hit itself, and a line may lead through a singularity or to a limit; nothing else may
+    # come of it
     said = [one for one in said if not one.startswith(("Y0902", "Y0925"))]
     assert all(one[:3] in {"Y05", "Y06", "Y07", "Y08"} for one in said), said
     if len(joints) < 6:
@@ -175,8 +184,11 @@ def test_a_pose_that_four_joints_cannot_hold_is_one_error(line, tmp_path):
 def test_four_joints_follow_a_line_that_they_can_hold(tmp_path):
     made(EXAMPLES / "scara.urdf", tmp_path / "scara", "--tcp", "0,0,50")
     text = (
-        "DEFAULT {TCP} [MIN] (mm,deg,s) {B}\nP0010 MOVEL 450 100 50 180 0 30\nP0020 MOVEL 300 -200 100 180 0 -60\n"
-        "P0030 DMOVE 20 10 5 0 0 15\nP0040 MOVEJ_RPY 450 100 50 180 0 0\n"
+        "DEFAULT {TCP} [MIN] (mm,deg,s) {B}\n"
+        "P0010 MOVEL 450 100 50 180 0 30\n"
+        "P0020 MOVEL 300 -200 100 180 0 -60\n"
+        "P0030 DMOVE 20 10 5 0 0 15\n"
+        "P0040 MOVEJ_RPY 450 100 50 180 0 0\n"
     )
     result, diagnostics = compiled(text, str(tmp_path / "scara"))
     assert errors(diagnostics) == []

@@ -103,7 +103,9 @@ NEAR = "START 0 -6.158742074 -46.519197172 0 52.677939245 0 (deg)\nDEFAULT {TCP}
 
 
 def test_a_line_that_leaves_the_workspace_says_where_and_by_how_much(run):
-    """The tool turns inwards: half way the wrist is 338 mm farther out than the tool, at y 1738, z 1500 mm."""
+    """The tool turns inwards: half way the wrist is 338 mm farther out than the tool, at y 1738, z 1500
+    mm.
+    """
     program = "P0010 MOVEJ_RPY 0 1400 1500 0 0 95\nP0020 MOVEL 0 1400 1500 0 0 -95\n"
     status, found, written = run(NEAR + program)
     assert (status, written) == (1, False)
@@ -145,7 +147,10 @@ def test_a_line_from_the_straight_wrist_sideways_is_singular(run):
 
 
 def test_a_line_straight_through_the_straight_wrist_is_fine(run):
-    program = "P0010 DMOVE {TCP} 0 0 -200 0 0 0 [5] (mm,deg,s) {B}\nP0020 DMOVE {TCP} 0 0 200 0 0 0 [5] (mm,deg,s) {B}\n"
+    program = (
+        "P0010 DMOVE {TCP} 0 0 -200 0 0 0 [5] (mm,deg,s) {B}\n"
+        "P0020 DMOVE {TCP} 0 0 200 0 0 0 [5] (mm,deg,s) {B}\n"
+    )
     assert run(program)[:2] == (0, [])
 
 
@@ -330,8 +335,10 @@ def test_a_text_of_any_length_is_one_finding():
 
 @pytest.mark.parametrize(
     "words",
-    [["check", "--no-plan"], ["fmt"], ["fmt", "--diff"], ["check", "--no-plan", "--format", "json"], ["check", "--no-plan", "--format", "junit"],
-     ["check", "--no-plan", "--format", "sarif"], ["check", "--no-plan", "--format", "github"], ["check", "--fix", "--diff"]],
+    [["check", "--no-plan"], ["fmt"], ["fmt", "--diff"], ["check", "--no-plan", "--format", "json"],
+        ["check", "--no-plan", "--format", "junit"],
+     ["check", "--no-plan", "--format", "sarif"], ["check", "--no-plan", "--format", "github"],
+         ["check", "--fix", "--diff"]],
     ids=" ".join,
 )  # fmt: skip
 @pytest.mark.parametrize("text", ["p0010 stop\n", "p0010 movek\n", "P0010 MOVEJ ["])

@@ -56,7 +56,8 @@ def test_movel_follows_the_line_of_the_conformance(conformance):
     s = np.array([sample["s"] for sample in samples])
     expected = np.array([sample["q_deg"] for sample in samples])
     assert np.degrees(motion.path.joints(s)) == pytest.approx(expected, abs=1e-6)
-    # and in time: the executed law differs from the pure one by its ramps, and its blend of 27 segments for 26.7
+    # and in time: the executed law differs from the pure one by its ramps, and its blend of 27 segments for
+    # 26.7
     q, _, _ = plan.sample(np.array([sample["t"] for sample in samples]))
     assert np.abs(np.degrees(q) - expected).max() < 0.2
 

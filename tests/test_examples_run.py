@@ -1,4 +1,6 @@
-"""The examples with inputs, outputs and holds run on the simulator and end to a count, whatever the operator's patience."""
+"""The examples with inputs, outputs and holds run on the simulator and end to a count, whatever the
+operator's patience.
+"""
 
 import contextlib
 from dataclasses import replace
@@ -39,7 +41,9 @@ NAMES = sorted(path.name for path in EXAMPLES.glob("*.yarc") if path.name >= "05
 
 
 class Operator:
-    """Goes on at each HOLD, answers 2 where a number is asked, and tells the simulated cell which command the program waits at, as the coordinator does."""
+    """Goes on at each HOLD, answers 2 where a number is asked, and tells the simulated cell which command
+    the program waits at, as the coordinator does.
+    """
 
     def __init__(self, world, cell):
         self.world, self.cell, self.heard = world, cell, 0
@@ -166,11 +170,13 @@ def test_an_example_runs_to_its_end(name):
 
 
 def test_there_are_such_examples():
-    assert len(NAMES) == 28
+    assert len(NAMES) == 30
 
 
 def test_the_called_jobs_are_those_of_their_numbers():
-    """The first number changes after it was read; the gripper is tried twice; the second job is the other one."""
+    """The first number changes after it was read; the gripper is tried twice; the second job is the other
+    one.
+    """
     name = "16_called_by_number.yarc"
     world, ended = carried_out(name)
     told = [one for one in world.told if isinstance(one, OutputSet)]

@@ -1,4 +1,6 @@
-"""The examples 21 to 24 go through their ways: each script below lets the machines around the robot do something else."""
+"""The examples 21 to 24 go through their ways: each script below lets the machines around the robot do
+something else.
+"""
 
 import shutil
 from functools import cache
@@ -21,7 +23,9 @@ LONG = 1500.0
 
 
 def entry(change, **when):
-    """An entry of a script: `entry("HELD=ON", at=2.0)`, `entry("BOX=OFF", output="BOX_FULL=ON", delay=1.0)`."""
+    """An entry of a script: `entry("HELD=ON", at=2.0)`,
+    `entry("BOX=OFF", output="BOX_FULL=ON", delay=1.0)`.
+    """
     name, value = change.split("=")
     keys = {"input": name, "to": int(value) if value.isdecimal() else value, **when}
     lines = (
@@ -307,7 +311,9 @@ STOPS = (2.0, 3.5, 4.5, 5.3, 5.6, 6.2, 6.8, 7.2, 7.6, 8.0, 8.4, 9.0)
 
 @pytest.mark.parametrize("stop", STOPS)
 def test_a_run_goes_on_after_a_stop_at_any_time(play, stop):
-    """The second run finds what the first one kept, and what it left between the fingers and in the machine."""
+    """The second run finds what the first one kept, and what it left between the fingers and in the
+    machine.
+    """
     first = own(RECOVERY, stop=stop)
     assert not first.ended.well
     kept = first.world.kept
@@ -327,7 +333,9 @@ def test_a_run_goes_on_after_a_stop_at_any_time(play, stop):
 
 
 def test_these_stops_leave_all_that_can_be_left():
-    """Nothing, a part between the fingers, one in the machine whose deed was noted or wasn't, and one that is counted."""
+    """Nothing, a part between the fingers, one in the machine whose deed was noted or wasn't, and one that
+    is counted.
+    """
     found = set()
     for stop in STOPS:
         first = own(RECOVERY, stop=stop)

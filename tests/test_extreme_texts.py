@@ -1,4 +1,6 @@
-"""Texts that are as deep, as long or as large as nobody writes them: a finding soon, at every door, and no failure."""
+"""Texts that are as deep, as long or as large as nobody writes them: a finding soon, at every door, and no
+failure.
+"""
 
 import gc
 import time
@@ -35,13 +37,24 @@ TEXTS = {
     "arguments": "LET A = MAX(" + ",".join(["1"] * (LONG // 2)) + ")",
     "digits": "1" * LONG,
     "digits of names": "LET A = 1\n" + "P0010 MOVEJ " + "1" * 40_000 + "A",
-    "a number of 10,000 digits": "P0010 MOVEJ " + "1" * DEEP + " 0 0 0 0 0 [5] (deg,s)\nLET A = " + "1" * DEEP,
+    "a number of 10,000 digits": "P0010 MOVEJ " + "1" * DEEP + (" 0 0 0 0 0 [5] (deg,s)\n"
+        "LET A = ") + "1" * DEEP,
     "a loop of 10,000 digits": "REPEAT " + "1" * DEEP + "\nP0010 STOP\nEND",
     "an index of 10,000 digits": "P" + "1" * DEEP + " STOP\nP" + "0" * DEEP + "1 STOP\n",
-    "no numbers": "P0010 MOVEJ 1e999 nan inf -inf 0 -1e999 [1e999] (deg,s)\nLET A = 1e999\nREPEAT 1e999\nEND\nP0020 MOVEJ $A 0 0 0 0 0 [$A] (deg,s)",
-    "numbers that nobody can compute": "LET A = 10**10**10**10\nLET B = 9**9**9\nLET C = 1/0\nLET D = 0**-1\nLET E = SQRT(-1)\nREPEAT $B\nEND",
+    "no numbers": ("P0010 MOVEJ 1e999 nan inf -inf 0 -1e999 [1e999] (deg,s)\n"
+        "LET A = 1e999\n"
+        "REPEAT 1e999\n"
+        "END\n"
+        "P0020 MOVEJ $A 0 0 0 0 0 [$A] (deg,s)"),
+    "numbers that nobody can compute": ("LET A = 10**10**10**10\n"
+        "LET B = 9**9**9\n"
+        "LET C = 1/0\n"
+        "LET D = 0**-1\n"
+        "LET E = SQRT(-1)\n"
+        "REPEAT $B\n"
+        "END"),
     "way-points": "P0010 MOVEJ_SPLINE " + "; ".join(["0 0 0 0 0 0"] * 7_000) + " [5] (deg,s)",
-    "way-points in lines": "P0010 MOVEJ_SPLINE 0 0 0 0 0 0;\n" + "0 0 0 0 0 1;\n" * 20_000 + "0 0 0 0 0 0 [5] (deg,s)",
+    "way-points in lines": "P0010 MOVEJ_SPLINE 0 0 0 0 0 0;\n" + "0 0 0 0 0 1;\n" * 20_000 + "0 0 0 0 0 0 [5] (deg,s)",  # noqa: E501
     "values": "P0010 MOVEJ " + "1 " * 45_000,
     "words": "P0010 MOVEJ " + "a " * 45_000,
     "options": "P0010 MOVEJ HOME [5] (s) " + "BLEND 5 " * 11_000,
@@ -89,7 +102,9 @@ QUICKLY = 0.5
 
 
 def filled(line, head="DEFAULT {TCP} [5] (mm,deg,s) {B}\n", tail=""):
-    """Return a text of SHORT characters: `line` again and again, with its number for {k} and the one before for {j}."""
+    """Return a text of SHORT characters: `line` again and again, with its number for {k} and the one
+    before for {j}.
+    """
     text, number = head, 1
     while len(text) + len(tail) < SHORT:
         text += line.replace("{k}", str(number)).replace("{j}", str(number - 1))
@@ -106,12 +121,19 @@ MANY = {
     "names that are nearly right": filled("LET ABCDEFGHIJ{k} = ABCDEFGHIX{k}\n"),
     "long names that are nearly right": filled("LET " + "AB" * 50 + "{k} = " + "BA" * 50 + "{j}\n"),
     "names of 40 letters that are nearly right": filled("LET " + "AB" * 20 + "{k} = " + "BA" * 20 + "{j}\n"),
-    "names of 195 letters that are nearly right": filled("LET " + "AB" * 96 + "{k} = 1\nLET C = " + "BA" * 96 + "{j}\n"),
-    "names without a meaning in commands": filled("P1 MOVEJ $B{k} $C{k} $D{k} $E{k} $F{k} $G{k}\n", "".join(f"LET A{k} = 1\n" for k in range(420))),
+    "names of 195 letters that are nearly right": filled("LET " + "AB" * 96 + ("{k} = 1\n"
+        "LET C = ") + "BA" * 96 + "{j}\n"),
+    "names without a meaning in commands": filled("P1 MOVEJ $B{k} $C{k} $D{k} $E{k} $F{k} $G{k}\n",
+        "".join(f"LET A{k} = 1\n" for k in range(420))),
     "commands that are nearly right": filled("P{k} MOVJE_SPLNIE{k} 1 1 1 1 1 1\n"),
     "frames without a meaning": filled("FRAME {F{k}} 1 2 3 0 0 0 {G{k}}\n"),
     "frames on frames": filled("FRAME {F{k}} 1 2 3 0 0 0 {F{j}}\n", "FRAME {F0} 1 2 3 0 0 0 {B}\n"),
-    "SUBs that call twice": filled("SUB S{k}\nP1 CALL S{j}\nP2 CALL S{j}\nEND\n", "SUB S0\nP1 MOVEJ HOME\nEND\n", "P1 CALL S140\n"),
+    "SUBs that call twice": filled("SUB S{k}\n"
+        "P1 CALL S{j}\n"
+        "P2 CALL S{j}\n"
+        "END\n", "SUB S0\n"
+        "P1 MOVEJ HOME\n"
+        "END\n", "P1 CALL S140\n"),
     "SUBs that call what isn't there": filled("SUB S{k}\nP1 CALL R{k}\nEND\n"),
     "modules": filled("USE M{k}\n"),
     "cells": filled('CELL "c{k}.toml"\n'),
@@ -119,13 +141,14 @@ MANY = {
     "blocks": filled("REPEAT I{k} 2\n"),
     "conditions in a loop": "REPEAT I 200\n" + "IF I > 5\n" * 98 + "P1 MOVEJ HOME\n" + "END\n" * 99,
     "mistakes in a loop": filled("P{k} MOVEJ $(1/0) 0 0 0 0 0\n", "REPEAT I 3000\n", "END\n"),
-    "motions in a loop": filled("P{k} MOVEL $I 1000 1000 -90 0 0 [5] (mm,deg,s)\n", "REPEAT I 100\n", "END\n"),
+    "motions in a loop": filled("P{k} MOVEL $I 1000 1000 -90 0 0 [5] (mm,deg,s)\n", "REPEAT I 100\n",
+        "END\n"),
     "empty loops": filled("REPEAT 900\nEND\n"),
     "loops in loops": "REPEAT I 440\nREPEAT J 440\n" + "IF I + J > 5\nEND\n" * 3 + "END\nEND\n",
     "minus signs": filled("LET A{k} = " + "-" * 90 + "1\n"),
     "suppressions": filled("! yarc: ignore[Y0601]\n"),
     "suppressions of codes that aren't there": "! yarc: ignore[" + "Y0001," * 1_600 + "]",
-    "suppressions of many codes that are nearly right": "! yarc: ignore[" + ",".join(f"Y0{k}x" for k in range(1_400)) + "]",
+    "suppressions of many codes that are nearly right": "! yarc: ignore[" + ",".join(f"Y0{k}x" for k in range(1_400)) + "]",  # noqa: E501
     "suppressions of many findings": filled("P{k} MOVEJ 0 0 0 0 0 9 [5] ! yarc: ignore[Y0601,Y0602]\n"),
     "texts in no quotes": filled("P{k} HOLD A B C D\n"),
     "digits": "1" * SHORT,

@@ -1,4 +1,6 @@
-"""Facts don't come back out of prose: nobody reads a message, and which findings belong together is said in the catalogue."""
+"""Facts don't come back out of prose: nobody reads a message, and which findings belong together is said
+in the catalogue.
+"""
 
 import ast
 import re
@@ -113,7 +115,9 @@ def allowed(path: str) -> bool:
 
 
 def test_nobody_reads_a_message_back():
-    """What a message says for people, `Diagnostic.subject` says for programs; `findings/` says which findings belong together."""
+    """What a message says for people, `Diagnostic.subject` says for programs; `findings/` says which
+    findings belong together.
+    """
     found = [
         f"{name}:{line}: {way}"
         for path in sorted(PACKAGE.rglob("*.py"))

@@ -170,7 +170,10 @@ def test_a_huge_file_is_refused_by_its_size(tmp_path):
     assert refused(path) == "it has 50,000,000,000 bytes; at most 1,000 are read"
 
 
-SHELL = f"exec {sys.executable} -c 'import sys; from pathlib import Path; from yarclang.files import read_whole; print(read_whole(Path(sys.argv[1]), 1000))'"
+SHELL = (
+    f"exec {sys.executable} -c 'import sys; from pathlib import Path; from yarclang.files import "
+    "read_whole; print(read_whole(Path(sys.argv[1]), 1000))'"
+)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,6 @@
-"""Each example compiles to just the bytes and the plan that stand in tests/golden; --rewrite-golden writes them anew."""
+"""Each example compiles to just the bytes and the plan that stand in tests/golden; --rewrite-golden writes
+them anew.
+"""
 
 import functools
 import re
@@ -38,10 +40,10 @@ def summary(compiled):
         origin = compiled.program.steps[motion.step].origin
         end = np.round(motion.curve.points[-1] / robot.axis_units, 4) + 0.0
         lines.append(
-            f"{origin.index} {origin.name}: {motion.curve.segments} segments of {motion.curve.segment * 1e3:.6g} ms, "
-            f"to {' '.join(f'{value:g}' for value in end)}; velocity {proved.velocity.share * 100:.1f} % "
-            f"({proved.velocity.name}), acceleration {proved.acceleration.share * 100:.1f} %, "
-            f"jerk {proved.jerk.share * 100:.1f} %"
+            f"{origin.index} {origin.name}: {motion.curve.segments} segments of "
+            f"{motion.curve.segment * 1e3:.6g} ms, to {' '.join(f'{value:g}' for value in end)}; velocity "
+            f"{proved.velocity.share * 100:.1f} % ({proved.velocity.name}), acceleration "
+            f"{proved.acceleration.share * 100:.1f} %, jerk {proved.jerk.share * 100:.1f} %"
         )
     return "\n".join(lines) + "\n"
 

@@ -1,4 +1,6 @@
-"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads, sockets, start-up, circles, files that are named in texts."""
+"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads,
+sockets, start-up, circles, files that are named in texts.
+"""
 
 import ast
 import re
@@ -106,7 +108,9 @@ SOCKETS = {
     "view/server.py": {"http"},
     "view/show.py": {"queue", "time"},
 }
-"""Modules that do so in the other folders, and what each needs: the protocols themselves know neither socket nor clock."""
+"""Modules that do so in the other folders, and what each needs: the protocols themselves know neither
+socket nor clock.
+"""
 DRAWERS = {"common", "helper", "helpers", "manager", "managers", "misc", "util", "utils"}
 WORLD = {
     "asyncio",
@@ -167,7 +171,9 @@ def test_no_drawers():
 
 
 def test_only_doors_talk_to_the_world():
-    """The same input gives the same bytes: no clock, thread, socket or print below the doors, but for what SOCKETS allows."""
+    """The same input gives the same bytes: no clock, thread, socket or print below the doors, but for what
+    SOCKETS allows.
+    """
     found = [
         f"{path.relative_to(ROOT)}:{line}: {name}"
         for path in modules("yarclang")
@@ -230,7 +236,8 @@ NAMED = re.compile(r"`([a-z._][\w.-]*(?:/[\w.-]+)*/?)`")
 def lost(text: str, *rooms: Path) -> list[str]:
     """Return the files and folders that a text names and that aren't there.
 
-    A name is looked for from the top, from the package, from `rooms`, and from folders that are named before it.
+    A name is looked for from the top, from the package, from `rooms`, and from folders that are named before
+    it.
     """
     places, missing = [ROOT, PACKAGE, *rooms], []
     for name in NAMED.findall(text):
@@ -243,7 +250,9 @@ def lost(text: str, *rooms: Path) -> list[str]:
 
 
 def pieces(page: str) -> list[str]:
-    """Return the pieces of a page within which names follow each other: rows of tables, and paragraphs; sections in CONTRIBUTING.md."""
+    """Return the pieces of a page within which names follow each other: rows of tables, and paragraphs;
+    sections in CONTRIBUTING.md.
+    """
     text = (ROOT / page).read_text()
     if page == "CONTRIBUTING.md":
         return text.split("\n## ")
@@ -288,7 +297,8 @@ def test_names_of_files_that_are_gone_are_seen():
 
 
 def imports() -> dict[str, set[str]]:
-    """Return, for each module of the package, the modules that it imports anywhere: in functions and for types too.
+    """Return, for each module of the package, the modules that it imports anywhere: in functions and for
+    types too.
 
     Without the package's own face, which imports the pipeline and gives it its version.
     """

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from programs import checked
 
-from yarclang.cell.keeping import keep
+from yarclang.cell.keeping import Keep, region_of
 from yarclang.hir import (
     Allowed,
     ArcMove,
@@ -38,7 +38,9 @@ parts = st.recursive(plain, lambda inner: st.lists(inner, max_size=3).map(tuple)
 
 
 def spelled(part):
-    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like another (of either sign, which nothing computes)."""
+    """What is to be told apart: 0.0 is another value than -0.0, 1 another than 1.0, and any NaN is like
+    another (of either sign, which nothing computes).
+    """
     return tuple(map(spelled, part)) if isinstance(part, tuple) else (type(part), repr(part))
 
 
@@ -89,7 +91,8 @@ OTHERS = {
     "search": (None, Search("M12", 1.0, "TOUCH")),
     "file": ("", "path.csv"),
     "allowed": ((), (Allowed("BOX", "GRIPPER"),)),
-    "keeps": ((), (keep("UPRIGHT", ("TCP", "B"), np.eye(4), np.eye(4), 0.2),)),
+    "avoids": (False, True),
+    "keeps": ((), (Keep("UPRIGHT", "TCP", "B", region_of("UPRIGHT", np.eye(4), np.eye(4), 0.2)),)),
 }
 """Two values of each field of a motion. A new field needs a pair here."""
 

@@ -12,7 +12,8 @@ OWN = ("backend_pmac", "certify/pmac", "pmac", "runtime/pmac", "simulator", "ver
 """The rooms of the kind; `verify` checks its texts."""
 
 WORDS = re.compile(
-    r"turbo|pmac|\.pmc\b|rotary|\bP81\d\d\b|(?-i:\bM[1-9]\d*\b)|\bixx?\d\d\b|\bi8\b|\bi10\b|SPLINE1|DWELL0|\bBSTART\b",
+    r"turbo|pmac|\.pmc\b|rotary|\bP81\d\d\b|(?-i:\bM[1-9]\d*\b)|\bixx?\d\d\b|\bi8\b|\bi10\b|SPLINE1|DWELL0"
+    r"|\bBSTART\b",
     re.IGNORECASE,
 )
 """Names of the kind, of its files, its buffer, its variables and its statements."""

@@ -96,7 +96,9 @@ def test_a_way_that_has_no_end_ends_with_the_program():
 
 @dataclass
 class Drawn:
-    """The lines of some commands, and how long they take: (least, most, fewest, waits), computed independently."""
+    """The lines of some commands, and how long they take: (least, most, fewest, waits), computed
+    independently.
+    """
 
     lines: list[str]
     takes: tuple[float, float, int, int]
@@ -287,7 +289,9 @@ def test_every_command_says_the_same(tmp_path, monkeypatch):
 
 
 def shown(loaded, compiled):
-    """The lines of `yarc run` and of the prompt about a program, as it is carried out along one of its ways."""
+    """The lines of `yarc run` and of the prompt about a program, as it is carried out along one of its
+    ways.
+    """
     described = program_described(1, loaded)
     said: list[str] = []
     screen = SimpleNamespace(live=False, say=lambda text, below="": said.append(text))

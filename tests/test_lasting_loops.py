@@ -1,4 +1,6 @@
-"""How long programs with loops take: the shortest way through, and the longest in which each loop makes one pass, by an enumeration of all ways."""
+"""How long programs with loops take: the shortest way through, and the longest in which each loop makes
+one pass, by an enumeration of all ways.
+"""
 
 import pytest
 from hypothesis import given
@@ -64,7 +66,9 @@ def own(inner):
 
 
 def ways(parts_, begin, end):
-    """All ways through parts: (seconds, waits, how it ends: on, exit, next, stop), and if one of them passes a loop that begins anew."""
+    """All ways through parts: (seconds, waits, how it ends: on, exit, next, stop), and if one of them
+    passes a loop that begins anew.
+    """
     found = [(0.0, 0, "on")]
     loops, at = False, begin
     while at < end:
@@ -145,7 +149,8 @@ def test_no_way_is_shorter_and_the_least_is_one(tree):
         ([1.0, "loop", 2.0, "next", "endloop"], Lasting(3.0, 3.0, 0, 0, True)),
         (["loop", 2.0, "exit", "endloop", 5.0], known(7.0)),
         (["ask", "else", 2.0, "end"], Lasting(0.0, 2.0, 1, 1)),
-        (["loop", 2.0, "when", 9.0, "finish", "end", "when", "exit", "end", "next", "endloop"], Lasting(2.0, 11.0, 0, 0, True)),
+        (["loop", 2.0, "when", 9.0, "finish", "end", "when", "exit", "end", "next", "endloop"],
+            Lasting(2.0, 11.0, 0, 0, True)),
     ],
 )  # fmt: skip
 def test_some_programs(made, lasting):

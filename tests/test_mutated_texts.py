@@ -1,7 +1,8 @@
 """Any text is checked, formatted, coloured and asked about without a failure, and soon.
 
-Usually 400 texts are drawn, half a minute of one core; YARCLANG_RANDOM_TEXTS=25000 in the environment draws so many, for a night. What breaks a law is
-told with its seed and its text. With YARCLANG_RANDOM_TEXTS_TIMES=FILE, the time of each text's check is written there [s], after its seed.
+Usually 400 texts are drawn, half a minute of one core; YARCLANG_RANDOM_TEXTS=25000 in the environment draws
+so many, for a night. What breaks a law is told with its seed and its text. With
+YARCLANG_RANDOM_TEXTS_TIMES=FILE, the time of each text's check is written there [s], after its seed.
 """
 
 import os

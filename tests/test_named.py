@@ -60,7 +60,7 @@ def test_a_code_that_stands_in_two_families(forge):
     )
     with pytest.raises(
         NamedTwice,
-        match=r"finding Y0401 stands twice: in yarclang\.findings\.y04\w+ and in yarclang\.findings\.y99_forged",
+        match=r"finding Y0401 stands twice: in yarclang\.findings\.y04\w+ and in yarclang\.findings\.y99_forged",  # noqa: E501
     ):
         findings._catalogue()
 

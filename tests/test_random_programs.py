@@ -1,10 +1,13 @@
 """Whatever compiles keeps every limit and the tolerance, as an independent reading of the text finds.
 
-Usually 400 programs and 20 of chains are drawn, about three minutes of one core; YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so
-many, for a night: `YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is told with its program and its seed.
+Usually 400 programs and 20 of chains are drawn, about three minutes of one core;
+YARCLANG_RANDOM_PROGRAMS=10000 in the environment draws so many, for a night:
+`YARCLANG_RANDOM_PROGRAMS=10000 pytest -n auto tests/test_random_programs.py`. A fault is told with its
+program and its seed.
 
-A planner that refuses everything keeps all limits. So each arm's first block of programs, which every run draws, is held to `FLOORS`: of each kind of motion,
-law, time and option a share must be planned and certified. One block is one test, so that the floors hold in any worker.
+A planner that refuses everything keeps all limits. So each arm's first block of programs, which every run
+draws, is held to `FLOORS`: of each kind of motion, law, time and option a share must be planned and
+certified. One block is one test, so that the floors hold in any worker.
 """
 
 import os
@@ -41,12 +44,16 @@ EASY = 1000
 """Programs of seeds below have few motions."""
 
 BLOCK = 40
-"""So many programs are one test: enough that each feature is drawn in a block, and few enough that tests run side by side."""
+"""So many programs are one test: enough that each feature is drawn in a block, and few enough that tests
+run side by side.
+"""
 
 FLOORS = dict.fromkeys(
     [
-        "joints", "joints of a pose", "joints by an increment", "joint_spline", "line", "line by an increment", "arc",
-        "pose_spline", "timed", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share", "speed", "ceiling", "ACC", "BLEND", "SET", "ON",
+        "joints", "joints of a pose", "joints by an increment", "joint_spline", "line",
+            "line by an increment", "arc",
+        "pose_spline", "timed", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share",
+            "speed", "ceiling", "ACC", "BLEND", "SET", "ON",
     ],
     0.2,
 ) | {"programs": 0.4, "motions": 0.35, "corners passed in motion": 0.2}  # fmt: skip
@@ -56,7 +63,9 @@ CHAINS = max(4, COUNT // 100)
 """Programs of chains for each arm: the longest programs."""
 
 CHAIN_FLOORS = {"chains": 0.4, "long chains": 0.4, "corners of chains": 0.7, "chains with outputs": 0.3}
-"""The least share of an arm's chains that must be planned and certified, and of their corners that must be passed without a stop."""
+"""The least share of an arm's chains that must be planned and certified, and of their corners that must be
+passed without a stop.
+"""
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 ARMS = {name: Arm.in_folder(load_robot(name).value.folder) for name in ROBOTS}
@@ -169,7 +178,8 @@ def folder(tmp_path_factory):
 
 
 def held(robot, arm, program, seed):
-    """Hold what is planned of a program against an independent reading; return whether it was planned and certified, and where it flows.
+    """Hold what is planned of a program against an independent reading; return whether it was planned and
+    certified, and where it flows.
 
     The planner may refuse. What it plans must be well by that reading, and by the certificate.
     """

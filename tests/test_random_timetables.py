@@ -1,5 +1,5 @@
-"""Whatever compiles of a timetable is where it says at any time, and keeps the limits, as an independent reading of the text finds; what breaks a limit is
-refused with a stretch that works.
+"""Whatever compiles of a timetable is where it says at any time, and keeps the limits, as an independent
+reading of the text finds; what breaks a limit is refused with a stretch that works.
 
 200 tables are drawn; YARCLANG_RANDOM_TIMETABLES=10000 in the environment draws so many.
 """
@@ -18,7 +18,9 @@ from yarclang.independent.reading import read, shares
 COUNT = int(os.environ.get("YARCLANG_RANDOM_TIMETABLES", "200"))
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 FLOORS = {"as it is": 0.3, "stretched": 0.15, "positions": 0.25, "velocities": 0.25, "accelerations": 0.25}
-"""The least share of the tables that must be carried out as they are, or with the stretch that is told; of each kind one in three is drawn."""
+"""The least share of the tables that must be carried out as they are, or with the stretch that is told; of
+each kind one in three is drawn.
+"""
 
 WITHIN = 1e-4
 """The usual tolerance [rad]; of sliding joints 0.1 mm."""

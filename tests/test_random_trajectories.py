@@ -1,7 +1,10 @@
-"""Trajectories as a planner of ROS makes them are executed as they say, at their times, within all limits; and too fast ones are refused with a STRETCH that works.
+"""Trajectories as a planner of ROS makes them are executed as they say, at their times, within all limits;
+and too fast ones are refused with a STRETCH that works.
 
-A path through random joint positions is passed with a trapezoidal speed and sampled at a fixed rate, as MoveIt's time-optimal parameterization does: the accelerations jump, at both ends too. Way-points
-stand in the program or in a file, with velocities, with these and accelerations, or with neither. What the text does is read and judged by tests/independent.py and scipy alone.
+A path through random joint positions is passed with a trapezoidal speed and sampled at a fixed rate, as
+MoveIt's time-optimal parameterization does: the accelerations jump, at both ends too. Way-points stand in the
+program or in a file, with velocities, with these and accelerations, or with neither. What the text does is
+read and judged by tests/independent.py and scipy alone.
 
 YARCLANG_RANDOM_TRAJECTORIES=5000 in the environment draws so many, for a night.
 """
@@ -35,7 +38,9 @@ ROUNDED = 2e-8
 """What the decimals of the text add [rad or m]."""
 
 SURE, ROUND_OFF = 0.8, 1.3
-"""A path that uses up to SURE of all limits must be accepted. What is executed may round its peaks off within the tolerance: one that uses ROUND_OFF of a limit can't be."""
+"""A path that uses up to SURE of all limits must be accepted. What is executed may round its peaks off
+within the tolerance: one that uses ROUND_OFF of a limit can't be.
+"""
 
 
 class Trajectory:

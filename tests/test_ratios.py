@@ -1,4 +1,6 @@
-"""The record of the main ratios, the table in RESULTS.md, and the warnings are of one mind; nothing is measured here."""
+"""The record of the main ratios, the table in RESULTS.md, and the warnings are of one mind; nothing is
+measured here.
+"""
 
 import sys
 from pathlib import Path

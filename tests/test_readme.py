@@ -1,4 +1,5 @@
-"""README.md and the pages of its tour show what happens: their programs are written to files, their commands run, their output compared.
+"""README.md and the pages of its tour show what happens: their programs are written to files, their commands
+run, their output compared.
 
 `pytest tests/test_readme.py --rewrite-golden` puts the output of today into them.
 """

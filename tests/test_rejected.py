@@ -1,4 +1,6 @@
-"""Each file of tests/rejected says on its lines what is to be found there; one finding missing or too many fails."""
+"""Each file of tests/rejected says on its lines what is to be found there; one finding missing or too many
+fails.
+"""
 
 import re
 from pathlib import Path

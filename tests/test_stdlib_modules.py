@@ -217,7 +217,9 @@ def test_emptying_begins_with_the_upper_layer(tmp_path):
 
 
 def drawn(done, count=400):
-    """The places of {GRIPPER} in {BOX} [mm] on each motion of the call, (count, 3) each, evenly over its time."""
+    """The places of {GRIPPER} in {BOX} [mm] on each motion of the call, (count, 3) each, evenly over its
+    time.
+    """
     step = done.program.steps[done.plan.motions[-1].step]
     goal = step.waypoints[-1] if hasattr(step, "waypoints") else step.goal
     places = []
@@ -339,7 +341,8 @@ def test_a_pattern_that_begins_elsewhere_is_refused_where_it_would_bend(tmp_path
     text = PROGRAM.format(robot="INDUSTRIAL6", module="PATTERN")
     path = tmp_path / "program.yarc"
     path.write_text(
-        f"{text}P0020 MOVEJ_RPY {{GRIPPER}} 50 0 0 0 0 0 {{BOX}}\nP0030 CALL PATTERN.CIRCLE {{GRIPPER}} {{BOX}} 40 50\n"
+        f"{text}P0020 MOVEJ_RPY {{GRIPPER}} 50 0 0 0 0 0 {{BOX}}\n"
+        f"P0030 CALL PATTERN.CIRCLE {{GRIPPER}} {{BOX}} 40 50\n"
     )
     opened = open_program(str(path), Options())
     result = compile_module(opened.value.module, opened.value.request)

@@ -1,4 +1,6 @@
-"""Names that may be meant by a mistyped word: the nearest one is named, and looking for it takes no longer than a bound."""
+"""Names that may be meant by a mistyped word: the nearest one is named, and looking for it takes no longer
+than a bound.
+"""
 
 import random
 import string

@@ -1,4 +1,6 @@
-"""Tool paths of short pieces, as the benchmark draws them: certified, fast, and run on the simulator to a count."""
+"""Tool paths of short pieces, as the benchmark draws them: certified, fast, and run on the simulator to a
+count.
+"""
 
 import sys
 import tracemalloc

@@ -362,6 +362,9 @@ class AvoidMove(MotionHead):
 class LineMove(MotionHead):
     """A motion of the moving frame along a straight line. The frame rotates about one fixed axis by the
     smaller angle.
+
+    If it `avoids`, the planner replaces it by LineMoves that don't: one if the straight line is free,
+    otherwise several around what is in the way. The last of them has its goal.
     """
 
     leads_frame = True
@@ -374,6 +377,7 @@ class LineMove(MotionHead):
     search: Search | None = None
     allowed: tuple[Allowed, ...] = ()
     keeps: tuple[Keep, ...] = ()
+    avoids: bool = False
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:

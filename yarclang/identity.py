@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.cell.keeping import Keep, Sight
 from yarclang.decisions import simple
 from yarclang.hir import (
     FrameLink,
@@ -83,6 +84,8 @@ def key_of(step: Motion) -> bytes:
         *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
         # Add the rules only if there are any, for the same reason.
         *((tuple([("keep", one.told) for one in step.keeps]),) if step.keeps else ()),
+        # Written only if the line may be left, likewise.
+        *(("avoids",) if isinstance(step, LineMove) and step.avoids else ()),
     )
 
 
@@ -204,6 +207,12 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
     kind: Any = type(value)
     if value is None or kind is float or kind is str:  # by far the most frequent kinds
         feed(f"{value!r};".encode())
+    elif kind is Keep and not isinstance(value.region, Sight):  # type: ignore[attr-defined]
+        # the form of all rules before there were cones
+        keep: Keep = value  # type: ignore[assignment]
+        feed(b"Keep(")
+        _feed(feed, (keep.kind, keep.frame, keep.of, *keep.region.numbers))
+        feed(b")")
     elif (known := _known_fields(kind)) is not None:
         head, names = known
         feed(head)
@@ -245,6 +254,7 @@ _LATER: dict[str, object] = {
     "pieces": 0,
     "keeps": (),
     "keep": None,
+    "avoids": False,
 }
 """Fields added after programs had been hashed, with their default values.
 

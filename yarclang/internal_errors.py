@@ -49,7 +49,10 @@ def _report(error: BaseException, source: SourceFile | None, span: Span | None) 
 
     lines = [
         "this is a bug of yarclang, not of the program: please report it with these lines",
-        f"yarclang {_version()}, Python {platform.python_version()}, {platform.system()} {platform.machine()}",
+        (
+            f"yarclang {_version()}, Python {platform.python_version()}, {platform.system()} "
+            f"{platform.machine()}"
+        ),
         traceback.format_exception_only(type(error), error)[-1].strip()[:_LONGEST],
     ]
     calls = list(frames_of(error))

@@ -1,7 +1,9 @@
-"""Complete the documentation site: pages of the top folder, pages made from the code, files that pages link to.
+"""Complete the documentation site: pages of the top folder, pages made from the code, files that pages link
+to.
 
-MkDocs calls the functions `on_...`. A link that leads out of `docs/` is wrong in a site: README.md becomes the first page, other Markdown files become pages
-of their path, and sources become pages that show them in colour.
+MkDocs calls the functions `on_...`. A link that leads out of `docs/` is wrong in a site: README.md becomes
+the first page, other Markdown files become pages of their path, and sources become pages that show them in
+colour.
 """
 
 import posixpath
@@ -83,7 +85,17 @@ def shown(path: Path, text: str) -> str:
     """Return the page that shows a file of the top folder."""
     if path.suffix == ".md":
         return text
-    return f"---\nsearch:\n  exclude: true\n---\n# {path.name}\n\n```{LANGUAGES.get(path.suffix, 'text')}\n{text.rstrip()}\n```\n"
+    return (
+        "---\n"
+        "search:\n"
+        "  exclude: true\n"
+        "---\n"
+        f"# {path.name}\n"
+        "\n"
+        f"```{LANGUAGES.get(path.suffix, 'text')}\n"
+        f"{text.rstrip()}\n"
+        "```\n"
+    )
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:  # noqa: ARG001  (MkDocs' signature)
@@ -110,7 +122,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 
 def indented(text: str) -> str:
-    """Return Markdown whose lists are indented by four spaces a level, which Python-Markdown needs; GitHub takes the width of the marker."""
+    """Return Markdown whose lists are indented by four spaces a level, which Python-Markdown needs; GitHub
+    takes the width of the marker.
+    """
     lines = []
     columns: list[int] = []
     for line in text.split("\n"):

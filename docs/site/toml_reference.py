@@ -1,4 +1,6 @@
-"""Make the references of robot.toml and cell.toml from the forms that yarclang reads them with; keys.toml says in words what each key is."""
+"""Make the references of robot.toml and cell.toml from the forms that yarclang reads them with; keys.toml
+says in words what each key is.
+"""
 
 import tomllib
 from collections.abc import Iterator

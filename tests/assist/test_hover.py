@@ -135,7 +135,9 @@ def test_suppressed_codes_are_explained():
 
 
 def test_a_half_typed_line_leaves_the_others_what_they_were(planned):
-    """Lines that are as they were have their motions of before the edit, wherever they are now; those that were changed have none."""
+    """Lines that are as they were have their motions of before the edit, wherever they are now; those that
+    were changed have none.
+    """
     text = PROGRAM.replace("P0010 MOVEJ READY\n", "P0007 MOV\nP0010 MOVEJ READY\n").replace(
         "P0040 MOVEJ 10", "P0040 MOVEJ 11"
     )

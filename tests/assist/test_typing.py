@@ -18,8 +18,10 @@ from yarclang.assist.view import View
 
 PATHS = sorted(EXAMPLES.glob("*.yarc"))
 PIECES = [
-    "", " ", "{", "}", "[", "]", "(", ")", "$", "$(", ";", "!", '"', "\n", "\r", "\x0c", "\t", "%", ".", "ä", "🤖", "P", "P0", "SUB ", "END",
-    "REPEAT I 3\n", "ELSE\n", "1e999", "MOVEL ", "{TCP", "$PITCH", "_", "=", "USE ", "BLEND ", "! yarc: ignore[", "\u2028", "-",
+    "", " ", "{", "}", "[", "]", "(", ")", "$", "$(", ";", "!", '"', "\n", "\r", "\x0c", "\t", "%", ".", "ä",
+        "🤖", "P", "P0", "SUB ", "END",
+    "REPEAT I 3\n", "ELSE\n", "1e999", "MOVEL ", "{TCP", "$PITCH", "_", "=", "USE ", "BLEND ",
+        "! yarc: ignore[", "\u2028", "-",
 ]  # fmt: skip
 
 

@@ -1,4 +1,6 @@
-"""The settings that a controller gets: definitions and feedback are inverses, limits in counts, stops that stop."""
+"""The settings that a controller gets: definitions and feedback are inverses, limits in counts, stops that
+stop.
+"""
 
 import math
 import re

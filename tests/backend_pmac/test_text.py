@@ -50,7 +50,9 @@ def test_the_map_leads_to_the_lines_of_each_command():
 
 
 def test_neighbours_with_one_segment_time_are_one_sequence():
-    """6 s and 2 s at 50 ms: the stop between is the end point three times; 1.7 s too; [MIN] has another TM."""
+    """6 s and 2 s at 50 ms: the stop between is the end point three times; 1.7 s too; [MIN] has another
+    TM.
+    """
     made, _ = compiled(PROGRAM)
     text = made.text.split("SPLINE1\n")[1]
     assert len(re.findall(r"^TM", text, re.M)) == 2

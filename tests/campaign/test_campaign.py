@@ -1,4 +1,6 @@
-"""`yarc campaign`: the same report wherever it runs and however often it is killed; what is wrong is found."""
+"""`yarc campaign`: the same report wherever it runs and however often it is killed; what is wrong is
+found.
+"""
 
 import json
 import os
@@ -146,7 +148,7 @@ def test_texts_that_are_forged_are_found(what):
         lines = made.text.split("\n")
         points = [
             number for number, line in enumerate(lines)
-            if line[:1] in "XYZABCUVW" and line[1:2].strip("-").isdigit() and number > lines.index("RAPID") + 2
+            if line[:1] in "XYZABCUVW" and line[1:2].strip("-").isdigit() and number > lines.index("RAPID") + 2  # noqa: E501
         ]  # fmt: skip
         if what == "time":
             number = next(number for number, line in enumerate(lines) if line.startswith("TM"))
@@ -203,7 +205,13 @@ def test_robots_and_cells_of_ones_own(tmp_path):
     shutil.copytree("stdlib/robots/industrial6", tmp_path / "ours")
     cell = tmp_path / "cell.toml"
     cell.write_text(
-        'units = "mm,deg"\n[[obstacles]]\nname = "WALL"\nshape = "box"\nsize = [4000, 100, 4000]\nframe = "B"\nxyz = [0, 900, 0]\n'
+        'units = "mm,deg"\n'
+        "[[obstacles]]\n"
+        'name = "WALL"\n'
+        'shape = "box"\n'
+        "size = [4000, 100, 4000]\n"
+        'frame = "B"\n'
+        "xyz = [0, 900, 0]\n"
     )
     free = report("--programs", 4, "--robot", tmp_path / "ours")
     walled = report("--programs", 4, "--robot", tmp_path / "ours", "--cell", cell)

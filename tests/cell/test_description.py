@@ -187,7 +187,10 @@ def test_a_quaternion_is_a_rotation(values):
 @pytest.mark.parametrize(("units", "scale"), [("mm,deg", 1.0), ("m,deg", 1e-3), ("in,rad", 1 / 25.4)])
 def test_units_say_the_same_place(units, scale):
     angle = 1.0 if "deg" in units else np.pi / 180
-    frame = f'{{ parent = "B", xyz = {[10 * scale, 20 * scale, 30 * scale]}, rpy = {[5 * angle, 6 * angle, 7 * angle]} }}'
+    frame = (
+        f'{{ parent = "B", xyz = {[10 * scale, 20 * scale, 30 * scale]}, rpy = '
+        f"{[5 * angle, 6 * angle, 7 * angle]} }}"
+    )
     expected = rpy_rotation(np.radians([5, 6, 7]))
     for text in (
         f'units = "{units}"\n[frames]\nA = {frame}',

@@ -1,4 +1,6 @@
-"""Start zones of a cell: joint windows of all joints, in the cell's units; what isn't one is said at its line."""
+"""Start zones of a cell: joint windows of all joints, in the cell's units; what isn't one is said at its
+line.
+"""
 
 import numpy as np
 import pytest

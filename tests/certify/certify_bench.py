@@ -210,7 +210,8 @@ def origin(step: int, name: str = "MOVE") -> hir.Origin:
 class Job:
     """One command: its primitive, and its move lines up to the end [rad, m] (None for a STOP) at TM [ms].
 
-    `blend` is what the map says of one that flows into the next, `any_jerk` that its jerk has no limit; `puts` are lines that stand before its move line number `put_at`.
+    `blend` is what the map says of one that flows into the next, `any_jerk` that its jerk has no limit;
+    `puts` are lines that stand before its move line number `put_at`.
     """
 
     motion: object
@@ -307,7 +308,7 @@ def emit(robot, start, jobs, target="rotary", decimals=9) -> str:
         f"; duration {duration:.3f} s",
         {
             "rotary": "; loading moves nothing; R moves the robot slowly to the start, then runs the program",
-            "prog": "; loading moves nothing; with all motors closed-loop, &1B1R runs it, from the start only",
+            "prog": "; loading moves nothing; with all motors closed-loop, &1B1R runs it, from the start only",  # noqa: E501
         }[target],
         "; commands: step, index, name, line in the source, first and last line of the moves in this file",
         "; certificate -",

@@ -1,4 +1,6 @@
-"""Chains of motions that flow into each other, planned by the tests: laws overlap, and what is done of all of them is added."""
+"""Chains of motions that flow into each other, planned by the tests: laws overlap, and what is done of all
+of them is added.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ from yarclang.robot.kinematics.fk import tool_poses
 
 @dataclass
 class Leg:
-    """One motion: its primitive, and its path over s, of poses (k, 4, 4) or of joints (k, n), with a law of n segments."""
+    """One motion: its primitive, and its path over s, of poses (k, 4, 4) or of joints (k, n), with a law
+    of n segments.
+    """
 
     motion: object
     path: Callable
@@ -63,7 +67,9 @@ class Chain:
         return middle - self.overlaps[corner] // 2, middle + self.overlaps[corner] // 2
 
     def jobs(self, legs: Sequence[Leg], sets=()) -> list[Job]:
-        """Commands with their move lines; `sets` are (corner, step, line) of outputs set in the middle of a blend."""
+        """Commands with their move lines; `sets` are (corner, step, line) of outputs set in the middle of
+        a blend.
+        """
         lines = self.control[3:-2]
         made = []
         for k, (leg, (first, last)) in enumerate(zip(legs, self.spans, strict=True)):
@@ -105,7 +111,9 @@ def in_joints(legs, overlaps, start) -> Chain:
 
 
 def of_poses(legs, overlaps, start) -> Chain:
-    """Paths of poses of {TCP}, added: the way of each from the corner where it begins, and its turn before those that came."""
+    """Paths of poses of {TCP}, added: the way of each from the corner where it begins, and its turn before
+    those that came.
+    """
     done, spans = shares(legs, overlaps)
     first = legs[0].path(np.zeros(1))[0]
     points = np.tile(first[:3, 3], (done.shape[1], 1))

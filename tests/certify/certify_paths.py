@@ -1,4 +1,6 @@
-"""Paths of the moving frame by other means than the judge's: circles from perpendicular bisectors, scipy's rotations and splines."""
+"""Paths of the moving frame by other means than the judge's: circles from perpendicular bisectors, scipy's
+rotations and splines.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +65,9 @@ def chord(poses) -> np.ndarray:
 
 
 def spline_poses(poses, s, bc_type="natural") -> np.ndarray:
-    """Poses (k, 4, 4) on the natural splines of position and quaternion through way-points, at shares `s` of u."""
+    """Poses (k, 4, 4) on the natural splines of position and quaternion through way-points, at shares `s`
+    of u.
+    """
     u = chord(poses)
     q = np.array([Rotation.from_matrix(p[:3, :3]).as_quat() for p in poses])
     for k in range(1, len(q)):
@@ -79,8 +83,8 @@ def arm_curve(robot, start_q, poses_of, tool=FLANGE_FROM_TCP):
 
 
 def off_path(robot, start, points, h, poses_of, tool=FLANGE_FROM_TCP, per_segment=8):
-    """By dense sampling: the largest distance [m] from the nearest place of the path, and, at the places nearest in position and turn
-    together, the largest distance and angle [rad].
+    """By dense sampling: the largest distance [m] from the nearest place of the path, and, at the places
+    nearest in position and turn together, the largest distance and angle [rad].
     """
     _, q, *_ = sample(start, points, h, per_segment)
     return off_path_at(tool_poses(robot.chain, q, tool), poses_of)

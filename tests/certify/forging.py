@@ -1,4 +1,6 @@
-"""Changes of controller texts as a careful forger makes them: the map's line numbers are moved along, the seal is made anew."""
+"""Changes of controller texts as a careful forger makes them: the map's line numbers are moved along, the
+seal is made anew.
+"""
 
 import hashlib
 import re

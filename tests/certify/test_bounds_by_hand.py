@@ -1,4 +1,6 @@
-"""Bounds that stay above the truth even with a term too few are held against a second calculation: power series, and arms whose lengths are seen at once."""
+"""Bounds that stay above the truth even with a term too few are held against a second calculation: power
+series, and arms whose lengths are seen at once.
+"""
 
 from dataclasses import replace
 from math import factorial
@@ -20,7 +22,9 @@ MASSES, STIFF = np.array([4.0, 7.0]), np.array([0.3, 0.8])
 
 
 def arm(kinds):
-    """Return joints at x = 0 and 1 m that turn about z (R) or slide along x (P), with centres of mass 0.5 m and 3 m out."""
+    """Return joints at x = 0 and 1 m that turn about z (R) or slide along x (P), with centres of mass 0.5
+    m and 3 m out.
+    """
     screws = [
         np.concatenate([-np.cross(Z, place * X), Z]) if kind == "R" else np.concatenate([X, NOTHING])
         for place, kind in enumerate(kinds)
@@ -116,7 +120,9 @@ def test_a_slide_reaches_as_far_as_it_goes():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_speeds_of_parabolas_are_bounded_sharply(seed):
-    """Where the remainder is 0 the bounds lie around the speeds, and no farther away than the quarters of Bernstein polynomials do."""
+    """Where the remainder is 0 the bounds lie around the speeds, and no farther away than the quarters of
+    Bernstein polynomials do.
+    """
     random = np.random.default_rng(seed)
     d = 0.2
     v0, change, curve = random.uniform(-1, 1, (3, 3)) * np.array([1.0, 0.05, 0.05])[:, None]

@@ -1,4 +1,6 @@
-"""Speeds that motions say they never exceed (`[V<=250]`): kept by all kinds of motions, no slower than they need, and proved."""
+"""Speeds that motions say they never exceed (`[V<=250]`): kept by all kinds of motions, no slower than
+they need, and proved.
+"""
 
 import math
 import re
@@ -90,7 +92,10 @@ def test_chains_keep_to_each_and_to_the_larger_one_in_a_corner(said):
 
 def test_long_chains_keep_them():
     turns = "\n".join(
-        f"P{10 * n:04d} DMOVE {3 * math.cos(n / 40):.3f} {3 * math.sin(n / 40):.3f} 0 0 0 0 {{B}} [V<={30 if 20 < n < 40 else 60}] BLEND 0.3"
+        (
+            f"P{10 * n:04d} DMOVE {3 * math.cos(n / 40):.3f} {3 * math.sin(n / 40):.3f} 0 0 0 0 {{B}} "
+            f"[V<={30 if 20 < n < 40 else 60}] BLEND 0.3"
+        )
         for n in range(2, 62)
     )
     text = (
@@ -107,9 +112,10 @@ def test_long_chains_keep_them():
 
 
 def test_several_frames_keep_their_own():
-    text = (
-        HEAD
-        + "FRAME {TIP} 0 0 300 0 0 0 {TCP}\nP0010 MOVEJ {TIP} -30 0 10 90 20 0 [V<=100]\nP0020 MOVEJ -30 0 10 0 20 0 [V<=100]"
+    text = HEAD + (
+        "FRAME {TIP} 0 0 300 0 0 0 {TCP}\n"
+        "P0010 MOVEJ {TIP} -30 0 10 90 20 0 [V<=100]\n"
+        "P0020 MOVEJ -30 0 10 0 20 0 [V<=100]"
     )
     made, findings = compiled(text)
     assert not [one for one in findings if one.is_error], findings

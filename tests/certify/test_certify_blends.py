@@ -1,4 +1,6 @@
-"""Motions that flow into each other: what is right is proved, what is wrong by a little is found, dense sampling is never beyond a bound."""
+"""Motions that flow into each other: what is right is proved, what is wrong by a little is found, dense
+sampling is never beyond a bound.
+"""
 
 import json
 import re
@@ -217,7 +219,9 @@ def test_a_text_without_its_source():
 
 
 def test_times_of_a_chain():
-    """From mid-blend to mid-blend; the seams of a chain are on whole segments, its end is right to half of one."""
+    """From mid-blend to mid-blend; the seams of a chain are on whole segments, its end is right to half of
+    one.
+    """
     robot = industrial6()
     _, jobs = joint_chain()
     times = [54 * 0.05, 50 * 0.05, 56 * 0.05]
@@ -487,7 +491,9 @@ def test_joint_balls(seed, half):
 
 
 def test_a_joint_motion_turns_the_frame_by_what_its_joints_turn():
-    """A tail whose joints turn against each other, by nothing together: the sum of both ways turns the frame by a little."""
+    """A tail whose joints turn against each other, by nothing together: the sum of both ways turns the
+    frame by a little.
+    """
     robot = industrial6()
     corner = np.array([0, 20, -30, 0, 10, 0]) * DEG
     start = tool_poses(robot.chain, corner[None], FLANGE_FROM_TCP)[0]
@@ -554,7 +560,9 @@ def test_two_frames_in_one_chain():
 @settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_no_text_stops_the_judge(tally, data):
-    """Numbers of moves, of the map and of TM changed at will: a certificate or a refusal, and both can be told."""
+    """Numbers of moves, of the map and of TM changed at will: a certificate or a refusal, and both can be
+    told.
+    """
     robot = industrial6()
     _, jobs, _ = frame_chain(data.draw(st.sampled_from(["lines", "arc", "curve"])))
     lines = emit(robot, Q0, jobs).split("\n")

@@ -1,4 +1,6 @@
-"""Registers, conditions and the ways of a CASE in a text: read back by the judge's own reader, and any forged one is refused."""
+"""Registers, conditions and the ways of a CASE in a text: read back by the judge's own reader, and any
+forged one is refused.
+"""
 
 import random
 
@@ -254,7 +256,9 @@ def test_a_forged_end_is_refused(ending, old, new):
 
 @pytest.mark.parametrize("kind", ["stop", "abort"])
 def test_a_way_that_goes_on_after_its_end_is_refused_without_the_program(ending, kind):
-    """A move line after the end would count as the way's, and the ways would be thought to part where they meet."""
+    """A move line after the end would count as the way's, and the ways would be thought to part where they
+    meet.
+    """
     lines = ending.text.splitlines()
     numbers = {
         number
@@ -342,8 +346,10 @@ def test_what_is_written_is_read_as_it_was_meant(tally):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "(", "$", "$n", "M", "M11=", "=1", "(M11)", "((M11=1))", "M11 = 1", "M11=1=1", "!", "--1", "+1", "M11=1e5", "$N:=1",
-     "(" * 10_000, "!" * 10_000, "(" * 100 + "M11=1" + ")" * 100, "M12345=1", "X11=1", "$N&($N=1)", "-($N=1)"],
+    ["", "(", "$", "$n", "M", "M11=", "=1", "(M11)", "((M11=1))", "M11 = 1", "M11=1=1", "!", "--1", "+1",
+        "M11=1e5", "$N:=1",
+     "(" * 10_000, "!" * 10_000, "(" * 100 + "M11=1" + ")" * 100, "M12345=1", "X11=1", "$N&($N=1)",
+         "-($N=1)"],
 )  # fmt: skip
 def test_a_text_in_another_form_says_nothing(text):
     assert read_condition(text) is None
@@ -376,7 +382,9 @@ P30 WAIT DOOR ON
     ],
 )
 def test_another_value_of_an_input_or_output_is_refused(old, new):
-    """A WAIT compares exactly while the program runs: a value that is off by a millionth is another condition."""
+    """A WAIT compares exactly while the program runs: a value that is off by a millionth is another
+    condition.
+    """
     found, _ = compiled(VALUES, "INDUSTRIAL6")
     assert not [one for one in judged(found, found.text).diagnostics if one.is_error]
     assert found.text.count(old) == 1

@@ -1,4 +1,6 @@
-"""Splines through hundreds of poses: what is proved of them holds against scipy's splines, and what it takes grows with their length and no faster."""
+"""Splines through hundreds of poses: what is proved of them holds against scipy's splines, and what it
+takes grows with their length and no faster.
+"""
 
 import tracemalloc
 
@@ -19,7 +21,9 @@ TOLERANCE, ANGLE = 0.02e-3, np.radians(0.002)
 
 
 def wander(seed, count, *, huge=False, doubled=False, closed=False):
-    """Way-points (count, 6) [mm, deg] 0.3 to 3 mm apart; on request one leg of 80 mm, some of them twice, or the end where the way begins."""
+    """Way-points (count, 6) [mm, deg] 0.3 to 3 mm apart; on request one leg of 80 mm, some of them twice,
+    or the end where the way begins.
+    """
     chance = np.random.default_rng(seed)
     heading = np.cumsum(chance.uniform(-0.15, 0.15, count))
     steps = chance.uniform(0.3, 3.0, count)
@@ -64,7 +68,8 @@ def poses_of(rows):
 
 
 def missed(executed, poses, branches=24):
-    """How far executed poses (N, 4, 4) are from the nearest place of the curve through way-points, at most [m], and the angle there [rad].
+    """How far executed poses (N, 4, 4) are from the nearest place of the curve through way-points, at most
+    [m], and the angle there [rad].
 
     The curve may cross itself: several places near each pose are looked at.
     """

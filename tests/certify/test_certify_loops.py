@@ -1,4 +1,6 @@
-"""Loops in a text: where each begins, begins anew, is left and ends must be the program's, and each pass must close."""
+"""Loops in a text: where each begins, begins anew, is left and ends must be the program's, and each pass
+must close.
+"""
 
 import re
 
@@ -48,7 +50,8 @@ def errors_alone(made, text):
 
 def test_the_text_is_the_programs(made):
     kinds = [line.split()[3] for line in barriers(made.text)]
-    assert kinds == ["loop", "when", "exit", "end", "next", "endloop", "loop", "when", "set", "next", "end", "endloop"]  # fmt: skip
+    assert kinds == ["loop", "when", "exit", "end", "next", "endloop", "loop", "when", "set", "next", "end",
+        "endloop"]  # fmt: skip
     assert not errors(made, made.text)
     assert not errors_alone(made, made.text)
     assert "each loop once" in made.text

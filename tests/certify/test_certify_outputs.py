@@ -17,7 +17,9 @@ GLUE, LAMP = hir.Signal("GLUE", "M1"), hir.Signal("LAMP", "M2")
 
 
 def with_sets(at=0, lines=("M1==1",), sets=((GLUE, 1.0),), behind=0):
-    """The chain of joint motions with SETs behind its first command; `lines` stand before move line `at` of the second."""
+    """The chain of joint motions with SETs behind its first command; `lines` stand before move line `at`
+    of the second.
+    """
     _, jobs = joint_chain()
     steps = [
         Job(hir.SetOutput(origin(behind + 1 + k, "SET"), signal, value), None)

@@ -1,4 +1,6 @@
-"""The certificate of what the planner makes: figures against another reading, and texts that are changed by a little."""
+"""The certificate of what the planner makes: figures against another reading, and texts that are changed
+by a little.
+"""
 
 import re
 from dataclasses import replace
@@ -51,7 +53,9 @@ def codes(result):
 
 
 def read(text):
-    """The control points [deg] of the last sequence, its segment time [s], and of each step its segments and its blend."""
+    """The control points [deg] of the last sequence, its segment time [s], and of each step its segments
+    and its blend.
+    """
     lines = text.split("\n")
     entries = [re.match(r"; command (\d+) \S+ \S+ \d+ (\d+) (\d+)(?: blend (\d+))?$", line) for line in lines]
     entries = [[int(x) if x else None for x in entry.groups()] for entry in entries if entry]
@@ -119,7 +123,9 @@ def test_the_line_and_the_arc_between_their_blends():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_move_line_that_is_changed(seed):
-    """Anywhere outside of blends, by 0.02 deg: found. Within one: found, or as far from the corner as is allowed."""
+    """Anywhere outside of blends, by 0.02 deg: found. Within one: found, or as far from the corner as is
+    allowed.
+    """
     text = compiled().text
     *_, spans = read(text)
     rng = np.random.default_rng(seed)
@@ -189,7 +195,9 @@ P0060 MOVEC 100 1174.4 1226; 0 1174.4 1176 0 0 0
 
 @pytest.mark.parametrize("target", ["rotary", "prog"])
 def test_the_ways_of_a_when(target):
-    """Each begins where the robot stood before both: a motion of the second way isn't one from the end of the first."""
+    """Each begins where the robot stood before both: a motion of the second way isn't one from the end of
+    the first.
+    """
     result = yarclang.compile(WAYS, robot="INDUSTRIAL6", target=target)
     assert result.value is not None, result.diagnostics
     kinds = [command.kind for command in result.value.certificate.commands]

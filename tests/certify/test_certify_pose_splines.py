@@ -1,4 +1,6 @@
-"""Splines of poses: proved against dense sampling, by claims and without, and refused where the curve is another one."""
+"""Splines of poses: proved against dense sampling, by claims and without, and refused where the curve is
+another one.
+"""
 
 import itertools
 from functools import cache
@@ -227,3 +229,26 @@ def test_derivatives_of_the_curve(seed, count, largest):
                 difference = np.diff(values, order, axis=0) / gap**order
                 noise = 1e-14 * 16 / gap**order
                 assert np.linalg.norm(difference, axis=1).max() <= bound[order - 1] * (1 + 1e-9) + noise
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(2, 4), st.floats(5e-4, 3e-3))
+def test_a_short_curve_is_bounded_some_micrometres_beyond_its_ends(seed, count, span):
+    """A frame that speeds up from rest begins a little before its path, also if the path has 2 mm."""
+    rng = np.random.default_rng(seed)
+    poses = [pose(np.zeros(3), Rotation.random(random_state=seed % 1000).as_matrix())]
+    for _ in range(count - 1):
+        way = rng.normal(size=3)
+        poses.append(moved(poses[-1], span * way / np.linalg.norm(way), rng.normal(size=3) * 0.02))
+    curve = PoseSpline.through(np.array(poses), np.eye(4))
+    aside = 4e-6 / curve.total
+    for begin, end in ((-aside, 0.0), (1.0, 1.0 + aside)):
+        bounds = curve.bounds(np.zeros(1, dtype=int), np.array([begin]), np.array([end]))
+        assert np.isfinite(bounds.position).all()
+        assert np.isfinite(bounds.rotation).all()
+        at = curve.at(np.zeros(50, dtype=int), np.linspace(begin, end, 50))
+        assert np.linalg.norm(at.along, axis=1).max() <= bounds.position[0, 0] * (1 + 1e-9)
+        assert np.linalg.norm(at.spin.reshape(50, 9), axis=1).max() <= bounds.rotation[0, 0] * (1 + 1e-9)
+    far = np.array([2e-4 / curve.total])
+    for begin, end in ((-far, 0.0 * far), (1.0 + 0.0 * far, 1.0 + far)):
+        assert np.isinf(curve.bounds(np.zeros(1, dtype=int), begin, end).position).all()

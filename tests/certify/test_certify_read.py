@@ -225,7 +225,9 @@ def test_the_lines_that_are_sent_are_those_that_were_read(target):
 
 
 def edited(data, text, least):
-    """Change a text at a place from `least` on: one digit, or a stretch that is cut out and anything put in."""
+    """Change a text at a place from `least` on: one digit, or a stretch that is cut out and anything put
+    in.
+    """
     if data.draw(st.booleans()):
         at = data.draw(st.sampled_from([one.start() for one in re.finditer(r"\d", text[least:])])) + least
         return text[:at] + data.draw(st.sampled_from("0123456789")) + text[at + 1 :]
@@ -257,7 +259,9 @@ REMEMBERED = Recent(10_000)
 @settings(max_examples=100, deadline=None)
 @given(st.data())
 def test_what_was_read_before_is_read_as_afresh(tally, data):
-    """Numbers, lines and refusals are the same whatever was read before, as well where a text was edited in the middle of moves."""
+    """Numbers, lines and refusals are the same whatever was read before, as well where a text was edited
+    in the middle of moves.
+    """
     text = everything().text()
     changed = edited(data, text, text.index("SPLINE1"))
     found, afresh = read(changed, CONTROLLER, REMEMBERED), read(changed, CONTROLLER)

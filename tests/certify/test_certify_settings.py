@@ -1,4 +1,6 @@
-"""The judge of the controller's settings: what yarc prints is proved for any robot, and each change of it is one clear finding."""
+"""The judge of the controller's settings: what yarc prints is proved for any robot, and each change of it
+is one clear finding.
+"""
 
 import re
 from dataclasses import replace
@@ -126,7 +128,9 @@ numbers = st.floats(0.1, 10.0).flatmap(lambda size: st.sampled_from([size, -size
 
 @st.composite
 def robots(draw):
-    """INDUSTRIAL6 on any drives: gears, couplings of XYZ and UVW, offsets, limits, motors, coordinate system."""
+    """INDUSTRIAL6 on any drives: gears, couplings of XYZ and UVW, offsets, limits, motors, coordinate
+    system.
+    """
     robot = ROBOTS["INDUSTRIAL6"]
     axes = draw(st.sampled_from([("X", "Y", "Z", "A", "B", "C"), ("A", "U", "V", "W", "X", "Y")]))
     coupling = np.eye(6)
@@ -189,7 +193,9 @@ def test_any_drives_are_proved(robot):
 @settings(max_examples=100, deadline=None)
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_plc_0_is_the_inverse_of_the_actuation(robot, seed):
-    """Evaluated in numbers, as the controller does, against `from_counts`; and the bounds that were proved hold."""
+    """Evaluated in numbers, as the controller does, against `from_counts`; and the bounds that were proved
+    hold.
+    """
     proved = judged(settings_text(robot), robot).value
     limits = robot.limits
     lower, upper = np.maximum(limits.lower, -600.0), np.minimum(limits.upper, 600.0)
@@ -215,7 +221,9 @@ def test_plc_0_is_the_inverse_of_the_actuation(robot, seed):
 @settings(max_examples=100, deadline=None)
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_what_is_proved_of_motors_holds(robot, seed):
-    """In numbers: limits beyond all that joints may do, rates that no joint notices too much, whatever the motors do."""
+    """In numbers: limits beyond all that joints may do, rates that no joint notices too much, whatever the
+    motors do.
+    """
     content = judged(settings_text(robot), robot).value.content
     random, limits, controller = np.random.default_rng(seed), robot.limits, robot.controller
 
@@ -519,7 +527,9 @@ def test_a_line_anywhere_is_refused(name):
 
 
 SMALL_CHANGES = re.compile(r"I\d+1[3-7]=|I\d+(19|2[0-2])=|I1[67]=")
-"""Limits within two counts, rates within 0.1 %, times of RAPID's ramps, more lines for the guard: proved with another digit, too."""
+"""Limits within two counts, rates within 0.1 %, times of RAPID's ramps, more lines for the guard: proved
+with another digit, too.
+"""
 
 
 def is_the_same(line, robot):

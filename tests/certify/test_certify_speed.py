@@ -1,4 +1,6 @@
-"""How fast the moving frame goes: bounds against dense sampling, a programmed speed that is kept, and ones that aren't."""
+"""How fast the moving frame goes: bounds against dense sampling, a programmed speed that is kept, and ones
+that aren't.
+"""
 
 import json
 from dataclasses import replace

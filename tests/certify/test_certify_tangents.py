@@ -1,4 +1,6 @@
-"""Corners that may not be left at all (BLEND 0): the whole chain is on both paths, wherever between knots it passes the corner."""
+"""Corners that may not be left at all (BLEND 0): the whole chain is on both paths, wherever between knots
+it passes the corner.
+"""
 
 import itertools
 
@@ -29,7 +31,9 @@ WAY = np.array([0.1, 0.02, 0.0])
 
 
 def one_law(paths, lengths, n):
-    """A chain with one law over the joined paths: the corners are passed at any instant; each leg's segments end at the nearest knot."""
+    """A chain with one law over the joined paths: the corners are passed at any instant; each leg's
+    segments end at the nearest knot.
+    """
     from tests.certify.certify_bench import grid_law
 
     s = knots(grid_law(n)) * sum(lengths)

@@ -1,4 +1,6 @@
-"""How far a text is from a timetable at the same time: never below what dense sampling finds, hardly above it; and what isn't the table's is found."""
+"""How far a text is from a timetable at the same time: never below what dense sampling finds, hardly above
+it; and what isn't the table's is found.
+"""
 
 import tracemalloc
 from dataclasses import replace

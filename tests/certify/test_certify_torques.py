@@ -1,4 +1,6 @@
-"""Torques along a text: the bounds between instants hold, and the findings name the joint, the place, gravity's part and a time that works."""
+"""Torques along a text: the bounds between instants hold, and the findings name the joint, the place,
+gravity's part and a time that works.
+"""
 
 import json
 import re
@@ -115,7 +117,7 @@ def test_slower_it_works(tmp_path, ur5):
     value, (finding,) = compiled(program.format("0.9"), folder)
     assert (value, finding.code) == (None, "Y1801")
     shown = re.match(
-        r"shoulder_lift_joint needs ([\d.]+) N m, 1\d\d\.\d% of its effort of ([\d.]+) N m, [\d.]+ s after its start \(\d+ %\)",
+        r"shoulder_lift_joint needs ([\d.]+) N m, 1\d\d\.\d% of its effort of ([\d.]+) N m, [\d.]+ s after its start \(\d+ %\)",  # noqa: E501
         finding.message,
     )
     assert float(shown[1]) == pytest.approx(quick.share * 150, rel=2 * REMAINDER)
@@ -150,7 +152,11 @@ def test_gravity_alone_is_too_much(tmp_path, ur5):
 
 
 def test_what_flows_together_takes_longer_together(tmp_path, ur5):
-    program = "START 0 -90 0 0 0 0 (deg)\nP10 MOVEJ 0 -50 0 0 0 0 [0.8] (deg,s) BLEND 5\nP20 MOVEJ 0 -20 30 0 0 0 [0.8] (deg,s)"
+    program = (
+        "START 0 -90 0 0 0 0 (deg)\n"
+        "P10 MOVEJ 0 -50 0 0 0 0 [0.8] (deg,s) BLEND 5\n"
+        "P20 MOVEJ 0 -20 30 0 0 0 [0.8] (deg,s)"
+    )
     value, found = compiled(program, with_effort(tmp_path, ur5))
     assert codes(found) == []
     effort = value.certificate.worst("torque").share * 150 * 0.97

@@ -1,4 +1,6 @@
-"""Zones from the text of a cell to the finding or the certificate: what breaks them is refused, and plans keep to slow ones."""
+"""Zones from the text of a cell to the finding or the certificate: what breaks them is refused, and plans
+keep to slow ones.
+"""
 
 import json
 import re
@@ -44,13 +46,15 @@ def with_cell(tmp_path, cell, program, robot="INDUSTRIAL6", head=HEAD):
     ("keys", "line", "code", "message"),
     [
         (
-            {"rule": "allowed", "shape": "half-space", "normal": [0, 0, 1], "xyz": [0, 0, 1050], "frame": "B"},
+            {"rule": "allowed", "shape": "half-space", "normal": [0, 0, 1], "xyz": [0, 0, 1050],
+                "frame": "B"},
             "P0010 DMOVE 0 0 -100 0 0 0",
             "Y0907",
-            r"\{TCP\} goes [\d.]+ mm out of the zone Z, from [\d.]+ s to [\d.]+ s after its start \(\d+ % to 100 %\); worst at .* in \{B\}",
+            r"\{TCP\} goes [\d.]+ mm out of the zone Z, from [\d.]+ s to [\d.]+ s after its start \(\d+ % to 100 %\); worst at .* in \{B\}",  # noqa: E501
         ),
         (
-            {"rule": "allowed", "shape": "cylinder", "radius": 900, "length": 4000, "frame": "B", "watch": ["arm"]},
+            {"rule": "allowed", "shape": "cylinder", "radius": 900, "length": 4000, "frame": "B",
+                "watch": ["arm"]},
             "P0010 MOVEJ 20 10 -40 0 30 0",
             "Y0907",
             r"link_6 goes [\d.]+ mm out of the zone Z",
@@ -62,13 +66,15 @@ def with_cell(tmp_path, cell, program, robot="INDUSTRIAL6", head=HEAD):
             r"\{TCP\} goes [\d.]+ mm into the zone Z",
         ),
         (
-            {"rule": "forbidden", "shape": "half-space", "normal": [0, 1, 0], "xyz": [0, 400, 0], "frame": "B", "watch": ["elbow"]},
+            {"rule": "forbidden", "shape": "half-space", "normal": [0, 1, 0], "xyz": [0, 400, 0],
+                "frame": "B", "watch": ["elbow"]},
             "P0010 MOVEJ 20 -30 -40 0 -30 0",
             "Y0908",
             r"the elbow goes [\d.]+ mm into the zone Z",
         ),
         (
-            {"rule": "forbidden", "shape": "half-space", "normal": [0, 0, -1], "xyz": [0, 0, 200], "margin": 900, "frame": "B"},
+            {"rule": "forbidden", "shape": "half-space", "normal": [0, 0, -1], "xyz": [0, 0, 200],
+                "margin": 900, "frame": "B"},
             "P0010 DMOVE 0 0 -100 0 0 0",
             "Y0908",
             r"comes within [\d.]+ mm of the border of the zone Z, from whose border it stays 900 mm away",
@@ -86,7 +92,8 @@ def with_cell(tmp_path, cell, program, robot="INDUSTRIAL6", head=HEAD):
             r"J1 and J2 are in the forbidden window of the zone Z, from",
         ),
         (
-            {"rule": "posture", "shape": "sphere", "radius": 100, "frame": "B", "xyz": [0, 900, 1100], "joints": {"J5": [-10, 90]}},
+            {"rule": "posture", "shape": "sphere", "radius": 100, "frame": "B", "xyz": [0, 900, 1100],
+                "joints": {"J5": [-10, 90]}},
             "P0010 MOVEJ -20 10 -40 0 -30 0",
             "Y0910",
             r"J5 is at -30 deg, 20 deg outside of the window of the zone Z while \{TCP\} is in it",
@@ -253,7 +260,14 @@ def test_a_loop_is_one_finding(tmp_path):
 
 
 def test_the_gripper_is_watched_with_its_room(tmp_path):
-    gripper = '[[obstacles]]\nname = "JAWS"\nshape = "box"\nframe = "FLANGE"\nxyz = [0, 150, 0]\nsize = [40, 100, 40]\n'
+    gripper = (
+        "[[obstacles]]\n"
+        'name = "JAWS"\n'
+        'shape = "box"\n'
+        'frame = "FLANGE"\n'
+        "xyz = [0, 150, 0]\n"
+        "size = [40, 100, 40]\n"
+    )
     wall = zone(rule="forbidden", shape="half-space", frame="B", normal=[0, 1, 0], xyz=[0, 1060, 0])
     line = "P0010 MOVEJ 0 10 -40 0 30 0"
     assert codes(with_cell(tmp_path, wall, line)[1]) == []
@@ -302,7 +316,14 @@ def test_no_way_round_is_advised_to_a_target_in_a_zone(tmp_path):
 
 
 def test_no_way_round_is_advised_to_a_target_in_an_obstacle(tmp_path):
-    post = '[[obstacles]]\nname = "POST"\nshape = "box"\nsize = [300, 300, 300]\nframe = "B"\nxyz = [0, 900, 1100]\n'
+    post = (
+        "[[obstacles]]\n"
+        'name = "POST"\n'
+        'shape = "box"\n'
+        "size = [300, 300, 300]\n"
+        'frame = "B"\n'
+        "xyz = [0, 900, 1100]\n"
+    )
     (finding,) = with_cell(tmp_path, post, "P0010 MOVEJ 0 7.6 -68.5 0 60.9 0")[1]
     assert finding.code == "Y0901"
     assert finding.fix is None

@@ -1,4 +1,6 @@
-"""Every peak is a bound of the exact motion of the printed numbers: compared in fractions, without a rounding."""
+"""Every peak is a bound of the exact motion of the printed numbers: compared in fractions, without a
+rounding.
+"""
 
 from fractions import Fraction
 

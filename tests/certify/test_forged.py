@@ -1,4 +1,6 @@
-"""A text that does anything but what its program says isn't carried out, by whichever door: each change gets one clear finding."""
+"""A text that does anything but what its program says isn't carried out, by whichever door: each change
+gets one clear finding.
+"""
 
 import re
 from functools import cache
@@ -17,19 +19,27 @@ PROGRAMS = {
     "rotary": HEAD + "P0010 MOVEJ 20 0 0 0 -30 0\nP0020 DMOVE 0 0 -60 0 0 0\nP0030 MOVEJ HOME\n",
     "barriers": HEAD
     + "INPUT DOOR M11\nOUTPUT GLUE M1 OFF\nP0010 MOVEJ 20 0 0 0 -30 0\nP0020 SET GLUE ON\nP0030 WAIT [0.5]\n"
-    'P0040 WAIT DOOR ON [5]\nP0050 DMOVE 0 0 -40 0 0 0\nWHEN DOOR ON\nP0060 MOVEJ HOME\nELSE\nP0070 HOLD "look"\n'
+    'P0040 WAIT DOOR ON [5]\nP0050 DMOVE 0 0 -40 0 0 0\nWHEN DOOR ON\nP0060 MOVEJ HOME\nELSE\nP0070 HOLD "look"\n'  # noqa: E501
     "P0080 MOVEJ HOME\nEND\nP0090 PULSE GLUE [0.5]\nP0100 MOVEJ 5 0 0 0 0 0\n",
-    "blends": HEAD
-    + "OUTPUT GLUE M1 OFF\nP0010 MOVEJ 20 0 0 0 -30 0 BLEND 5\nP0020 DMOVE 0 0 -60 0 0 0 BLEND 10\nP0030 SET GLUE ON\n"
-    "P0040 DMOVE 60 0 0 0 0 0\nP0050 DMOVE 0 0 80 0 0 0 [V 50]\n",
+    "blends": HEAD + "OUTPUT GLUE M1 OFF\n"
+    "P0010 MOVEJ 20 0 0 0 -30 0 BLEND 5\n"
+    "P0020 DMOVE 0 0 -60 0 0 0 BLEND 10\n"
+    "P0030 SET GLUE ON\n"
+    "P0040 DMOVE 60 0 0 0 0 0\n"
+    "P0050 DMOVE 0 0 80 0 0 0 [V 50]\n",
     "TOPP": HEAD
     + "P0010 MOVEJ_TOPP 40 10 -10 0 -30 0 [MIN]\nP0020 DMOVE_TOPP 0 0 -80 0 0 0 [MIN]\nP0030 MOVEJ HOME\n",
     "timed": HEAD
     + "P0010 MOVEJ_TIMED 20 0 0 0 -10 0 [1]; 40 10 -10 0 -30 0 [2.5] (deg,s)\nP0020 DMOVE 0 0 -60 0 0 0\n"
     "P0030 MOVEJ_TIMED 20 0 0 0 -10 0 [1.5] VEL -10 0 0 0 10 0; 0 0 0 0 0 0 [3] VEL 0 0 0 0 0 0 (deg,s)\n",
-    "prog": HEAD
-    + "INPUT DOOR M11\nOUTPUT GLUE M1 OFF\nP0010 MOVEJ 20 0 0 0 -30 0\nP0020 SET GLUE ON\nP0030 WAIT DOOR ON [5]\n"
-    "P0040 DMOVE 0 0 -40 0 0 0\nP0050 WAIT [0.5]\nP0060 MOVEJ HOME\n",
+    "prog": HEAD + "INPUT DOOR M11\n"
+    "OUTPUT GLUE M1 OFF\n"
+    "P0010 MOVEJ 20 0 0 0 -30 0\n"
+    "P0020 SET GLUE ON\n"
+    "P0030 WAIT DOOR ON [5]\n"
+    "P0040 DMOVE 0 0 -40 0 0 0\n"
+    "P0050 WAIT [0.5]\n"
+    "P0060 MOVEJ HOME\n",
 }
 ROTARY = ("rotary", "barriers", "blends", "TOPP", "timed")
 ALL = tuple(PROGRAMS)
@@ -39,7 +49,9 @@ LIMIT = "X169.9Y0Z0A0B0C0"
 
 @pytest.fixture(scope="module", autouse=True)
 def planned_once():
-    """The programs are planned once each: it is texts that change, and what a program asks for stays the same."""
+    """The programs are planned once each: it is texts that change, and what a program asks for stays the
+    same.
+    """
     known = {}
     plan = stages.plan_program
 
@@ -296,7 +308,9 @@ def errors(found):
 
 
 def refused(command, text, folder):
-    """By `yarc check` or `yarc run --dry-run`, which judge in one way: exit status 1, and a single finding."""
+    """By `yarc check` or `yarc run --dry-run`, which judge in one way: exit status 1, and a single
+    finding.
+    """
     (folder / "p.pmc").write_bytes(text.encode("utf-8", "surrogatepass"))
     # nobody is there: what is wrong with a text is found before
     words = ["p.pmc", "--dry-run", "--to", "tcp://127.0.0.1:1"] if command is run else ["p.pmc"]

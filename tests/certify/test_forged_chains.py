@@ -1,7 +1,8 @@
-"""Chains as one path, forged: a text, or the program beside it, is changed, and nothing that breaks a tolerance, a ball, a limit, a speed or the order is accepted.
+"""Chains as one path, forged: a text, or the program beside it, is changed, and nothing that breaks a
+tolerance, a ball, a limit, a speed or the order is accepted.
 
-What a changed text does is found by tests/independent.py, which shares nothing with the judge. The judge may refuse more than that: a map that says something
-else, or a path that is kept and can't be proved.
+What a changed text does is found by tests/independent.py, which shares nothing with the judge. The judge may
+refuse more than that: a map that says something else, or a path that is kept and can't be proved.
 """
 
 import re
@@ -42,7 +43,9 @@ from yarclang.robot.kinematics.fk import tool_poses
 
 COUNT, ROBOT = 14, "INDUSTRIAL6"
 KINDS = {"sharp": (25.0, 0.3, 50.0), "gentle": (15.0, 0.3, 20.0), "passed": (1.0, 0.0, 50.0)}
-"""Turns at the corners [deg], the ball [mm] and the speed [mm/s]: slowed down, kept in blends, and kept without a blend."""
+"""Turns at the corners [deg], the ball [mm] and the speed [mm/s]: slowed down, kept in blends, and kept
+without a blend.
+"""
 TOLERANCE = 0.05
 SET_BEHIND = 7
 
@@ -53,7 +56,8 @@ def said(turn, ball, speed):
     steps = 3.0 * np.stack((np.cos(headings), np.sin(headings), 0.0 * headings), axis=1)
     begin = np.array([[40.0, 1000.0, 1000.0]])
     points = np.vstack([begin, begin + np.cumsum(steps, axis=0)]).round(4)
-    return {"points": points, "balls": [ball] * (COUNT - 1) + [None], "speeds": [speed] * COUNT, "set": SET_BEHIND, "tol": [TOLERANCE] * COUNT}  # fmt: skip
+    return {"points": points, "balls": [ball] * (COUNT - 1) + [None], "speeds": [speed] * COUNT,
+        "set": SET_BEHIND, "tol": [TOLERANCE] * COUNT}  # fmt: skip
 
 
 def written(say):
@@ -271,7 +275,8 @@ def other_seam(text, random):
     return Forger(tuple(lines))
 
 
-TEXTS = (bump, bump, bump, digit, less, more, exchanged, other_time, warped, warped, slower, other_blend, other_seam)  # fmt: skip
+TEXTS = (bump, bump, bump, digit, less, more, exchanged, other_time, warped, warped, slower, other_blend,
+    other_seam)  # fmt: skip
 
 # changes of the program
 
@@ -320,9 +325,12 @@ def a_wait(say, random):
     return {**say, "waits": True}
 
 
-PROGRAMS = (moved_corner, moved_corner, other_order, other_speed, smaller_ball, no_ball, narrower, other_set, a_wait)  # fmt: skip
+PROGRAMS = (moved_corner, moved_corner, other_order, other_speed, smaller_ball, no_ball, narrower, other_set,
+    a_wait)  # fmt: skip
 OTHERWISE = (no_ball, other_set, a_wait)
-"""What samples of the motion don't show: a stop that isn't made, and what is set elsewhere. It must be refused in any case."""
+"""What samples of the motion don't show: a stop that isn't made, and what is set elsewhere. It must be
+refused in any case.
+"""
 
 
 def resealed(text):
@@ -387,7 +395,9 @@ def test_a_text_that_is_accepted_for_another_program_breaks_nothing_of_it(tally,
 
 
 def test_a_wrong_claim_of_a_speed_proves_nothing():
-    """A share that is claimed too high isn't kept; of one that is claimed far too low, what was proved is told."""
+    """A share that is claimed too high isn't kept; of one that is claimed far too low, what was proved is
+    told.
+    """
     _, text, program, claims = planned("sharp")
     step = min(claims.least, key=claims.least.get)
 
@@ -442,7 +452,9 @@ def straight_run(overlaps, seams, count=80, way=(0.2, 0.04, 0.0)):
 
 @pytest.mark.parametrize("ball", [0.0, 0.06])
 def test_a_path_is_followed_or_in_a_ball_if_blends_take_all_of_it(ball):
-    """Between a corner that isn't left and one whose blend takes the whole motion: its first half lies in no other ball."""
+    """Between a corner that isn't left and one whose blend takes the whole motion: its first half lies in
+    no other ball.
+    """
     chain, (a, b, c), d = straight_run((20, 0, 20), (30, 40, 50))
     radius, way = hir.Reading(0.06, None), np.array([0.98, 0.2, 0.0])
 
@@ -453,7 +465,8 @@ def test_a_path_is_followed_or_in_a_ball_if_blends_take_all_of_it(ball):
     for far, found in ((0.15, ["Y1166"]), (0.03, [])):
         goals = [beside(0, far), *(beside(0.005 * (k % 2), 0.012 * (k % 3)) for k in range(40)), c]
         curve = hir.PoseSplineMove(
-            origin(2, "MOVEL_SPLINE"), tuple(hir.PoseGoal(goal, FLANGE_FROM_TCP) for goal in goals), "LSPB", TIMING, blend=radius
+            origin(2, "MOVEL_SPLINE"), tuple(hir.PoseGoal(goal, FLANGE_FROM_TCP) for goal in goals), "LSPB",
+                TIMING, blend=radius
         )  # fmt: skip
         legs = [
             line(0, START, a, 0, radius),

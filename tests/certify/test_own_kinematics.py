@@ -1,4 +1,6 @@
-"""The judge's own kinematics: against Pinocchio, and against errors in what planner and judge used to share."""
+"""The judge's own kinematics: against Pinocchio, and against errors in what planner and judge used to
+share.
+"""
 
 import re
 import shutil
@@ -133,7 +135,10 @@ P0020 MOVEJ_RPY 100 1074.4 1276 10 20 -15 [9]
 P0030 MOVEL 200 974.4 1226 10 -5 20 [6]
 P0040 DMOVE 0 0 -50 5 10 15 [3]
 """
-MASSES = "<inertial><origin xyz='0.01 0.02 0.1'/><mass value='12'/><inertia ixx='0.2' iyy='0.3' izz='0.25' ixy='0.01' ixz='0' iyz='0.02'/></inertial>"
+MASSES = (
+    "<inertial><origin xyz='0.01 0.02 0.1'/><mass value='12'/><inertia ixx='0.2' iyy='0.3' izz='0.25' "
+    "ixy='0.01' ixz='0' iyz='0.02'/></inertial>"
+)
 
 
 @pytest.fixture

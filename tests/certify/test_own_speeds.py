@@ -1,4 +1,6 @@
-"""The judge's own speeds in slow zones: never below what fine samples show, sharp, and apart from the planner's."""
+"""The judge's own speeds in slow zones: never below what fine samples show, sharp, and apart from the
+planner's.
+"""
 
 from dataclasses import replace
 

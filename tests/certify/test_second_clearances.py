@@ -33,7 +33,9 @@ def test_both_proofs_agree(seed):
 
 
 def test_a_clearance_that_is_too_large_is_refuted():
-    """Each clearance that is reported beyond its true distance is refuted, at a place where the bodies are that near by Pinocchio's placements."""
+    """Each clearance that is reported beyond its true distance is refuted, at a place where the bodies are
+    that near by Pinocchio's placements.
+    """
     seen = 0
     for seed in range(1000, 1024):
         robot, cell, scene, course, spans, found = proved(seed)
@@ -61,7 +63,9 @@ def test_a_clearance_that_is_too_large_is_refuted():
 
 
 def test_a_pair_that_nobody_watched_is_refuted():
-    """Where the first proof saw no collision at all, the second one finds it; the order of the bodies in a pair doesn't matter."""
+    """Where the first proof saw no collision at all, the second one finds it; the order of the bodies in a
+    pair doesn't matter.
+    """
     collided = 0
     for seed in range(1000, 1024):
         _, _, scene, course, spans, found = proved(seed)

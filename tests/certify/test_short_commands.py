@@ -40,7 +40,9 @@ def test_the_output_belongs_to_the_short_command(program):
     ],
 )
 def test_an_output_that_is_moved(program, segments, in_map, changed, is_refused):
-    """One segment earlier P0020 ends; one segment later is within what is allowed, and belongs to no other command."""
+    """One segment earlier P0020 ends; one segment later is within what is allowed, and belongs to no other
+    command.
+    """
     assert in_map in program.text
     lines = program.text.replace(in_map, changed).splitlines(keepends=True)
     at = lines.index("M1==1\n")

@@ -1,4 +1,6 @@
-"""Processes as people start them: `yarc sim` on a free port, `yarc run` in a terminal, other commands in other terminals."""
+"""Processes as people start them: `yarc sim` on a free port, `yarc run` in a terminal, other commands in
+other terminals.
+"""
 
 import asyncio
 import contextlib
@@ -204,7 +206,9 @@ class Simulator:
         return f"tcp://127.0.0.1:{self.port}"
 
     def counts(self):
-        """Where the motors are commanded to be [counts]; asked by what no open buffer stores, until it isn't garbled."""
+        """Where the motors are commanded to be [counts]; asked by what no open buffer stores, until it
+        isn't garbled.
+        """
         for _ in range(20):
             with contextlib.suppress(AttributeError, IndexError, ValueError), Client(self.port) as client:
                 actual, following = (self._report(client, report) for report in ("\x10", "\x06"))
@@ -350,7 +354,9 @@ def off_the_path(joints, program=ROUND):
 
 
 def assert_on_path(stands, text=""):
-    """Joints [deg or mm] are on the path of the program, between its ends, and in the command that a text tells."""
+    """Joints [deg or mm] are on the path of the program, between its ends, and in the command that a text
+    tells.
+    """
     off, time_ = off_the_path(stands)
     assert off < 2e-3
     assert 0.1 < time_ < DURATION - 0.1

@@ -1,4 +1,6 @@
-"""yarcc tells of a program what `yarc check` tells, and comments and yarc.toml silence the same in all doors."""
+"""yarcc tells of a program what `yarc check` tells, and comments and yarc.toml silence the same in all
+doors.
+"""
 
 import json
 import re

@@ -1,4 +1,6 @@
-"""`yarc check`: folders, processes, fixes, which findings are told, and the forms in which other programs read them."""
+"""`yarc check`: folders, processes, fixes, which findings are told, and the forms in which other programs
+read them.
+"""
 
 import json
 import re
@@ -263,7 +265,9 @@ def test_a_fingerprint_stays_with_its_line(here):
 
 
 def test_sarif_names_the_projects_pages(monkeypatch):
-    """A rule links to its page once the package names an address; until then its page is in the rule itself."""
+    """A rule links to its page once the package names an address; until then its page is in the rule
+    itself.
+    """
     pages = {"homepage": "https://yarc.example", "documentation": "https://yarc.example/docs/"}
     monkeypatch.setattr(sarif, "addresses", lambda: pages)
     driver = json.loads(document("sarif", FILES, FOUND))["runs"][0]["tool"]["driver"]
@@ -348,15 +352,16 @@ def test_watching(here):
 def test_foreign_characters_are_fixed(tmp_path):
     path = tmp_path / "a.yarc"
     path.write_text(
-        "P0010\u00a0MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\nP0020 STOP\r\n",
+        "P0010\u00a0MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\n"
+        "P0020 STOP\r\n",
         newline="",
     )
     done = CliRunner().invoke(main, ["check", "--robot", "INDUSTRIAL6", str(path)])
     assert done.exit_code == 1
     assert (
-        "a.yarc:1:6: error Y0118: U+00A0 no-break space can't stand in code; 1 more of this statement can't either"
-        in done.stderr
-    )
+        "a.yarc:1:6: error Y0118: U+00A0 no-break space can't stand in code; 1 more of this statement "
+        "can't either"
+    ) in done.stderr
     assert CliRunner().invoke(main, ["check", "--fix", "--robot", "INDUSTRIAL6", str(path)]).exit_code == 0
     text = "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)  ! gr\u00f6\u00dfer\u00a0als \u221210\r\nP0020 STOP\r\n"
     assert path.read_bytes() == text.encode()

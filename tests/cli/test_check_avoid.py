@@ -1,4 +1,6 @@
-"""`yarc check --fix` on motions that collide and on ways round: the first is repaired, the second is written down only for whoever asks."""
+"""`yarc check --fix` on motions that collide and on ways round: the first is repaired, the second is
+written down only for whoever asks.
+"""
 
 import pytest
 from click.testing import CliRunner

@@ -1,4 +1,6 @@
-"""`yarc check cell.toml`: a cell or a robot by itself, with the output forms and exit statuses of programs."""
+"""`yarc check cell.toml`: a cell or a robot by itself, with the output forms and exit statuses of
+programs.
+"""
 
 import json
 

@@ -147,7 +147,13 @@ def test_doc_of_a_module_with_errors_says_them(tmp_path, monkeypatch):
 def test_functions_are_told_with_their_parameters():
     module = described(
         TEXT
-        + "\n! What a hole takes,\n! in seconds.\nFUNC lasting(N, DEPTH (MM)) = N * DEPTH / 10\nFUNC BARE2(A) = A\n"
+        + (
+            "\n"
+            "! What a hole takes,\n"
+            "! in seconds.\n"
+            "FUNC lasting(N, DEPTH (MM)) = N * DEPTH / 10\n"
+            "FUNC BARE2(A) = A\n"
+        )
     )
     assert [one.head for one in module.functions] == ["LASTING(N, DEPTH (mm))", "BARE2(A)"]
     plain, marked = module_plain(module), module_markdown(module)

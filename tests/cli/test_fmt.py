@@ -169,7 +169,9 @@ def roughened(text, random):
 
 
 def without_lines(text):
-    """A controller's text without the lines of the source that its map names, and without the seal, which has these in it."""
+    """A controller's text without the lines of the source that its map names, and without the seal, which
+    has these in it.
+    """
     return re.sub(r"(?m)^; sha256 .*$", "", _MAP_LINE.sub(r"\1-", text))
 
 

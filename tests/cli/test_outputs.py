@@ -1,4 +1,6 @@
-"""Nothing that is written overwrites a source or another result; odd names and places are findings, not tracebacks."""
+"""Nothing that is written overwrites a source or another result; odd names and places are findings, not
+tracebacks.
+"""
 
 import json
 import os

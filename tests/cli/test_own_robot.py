@@ -44,3 +44,18 @@ def test_the_robot_of_the_project_has_a_name(project, arguments, status, said):
     assert wrong.exit_code == 1
     (project / "yarc.toml").write_text('robot = "INDUSTRIAL6"\n')
     assert "Y1301" in CliRunner().invoke(main, [*arguments, "BENCHARM"]).output
+
+
+def test_the_folder_of_a_robot_is_proposed_for_its_name(project):
+    (project / "arm").rename(project / "bencharm")
+    (project / "yarc.toml").unlink()
+    wrong = CliRunner().invoke(main, ["check", "a.yarc", "--robot", "BENCHARM"])
+    assert "Did you mean ./bencharm?" in wrong.output
+    right = CliRunner().invoke(main, ["check", "a.yarc", "--robot", "./bencharm"])
+    assert right.exit_code == 0, right.output
+
+
+def test_a_urdf_is_no_robot_folder():
+    wrong = CliRunner().invoke(main, ["robot", "check", "arm.urdf"])
+    assert wrong.exit_code == 2
+    assert "yarc robot new" in wrong.output

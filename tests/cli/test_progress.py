@@ -20,7 +20,10 @@ from yarclang.progress import part, tell, told_to
 HEAD = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 300 1074.4 1100 0 0 0\n"
 GOOD = HEAD + "P0020 MOVEL 250 1074.4 1100 0 0 0\nP0030 STOP\n"
 LONG = HEAD + "".join(
-    f"P{number + 20:04} MOVEL {300 - number % 2 * 50} 1074.4 {1100 - number // 2 % 2 * 40 - number} 0 0 0 [V 200] BLEND 5\n"
+    (
+        f"P{number + 20:04} MOVEL {300 - number % 2 * 50} 1074.4 {1100 - number // 2 % 2 * 40 - number} 0 0 "
+        "0 [V 200] BLEND 5\n"
+    )
     for number in range(1, 150)
 )
 """Half a minute of planning."""
@@ -81,7 +84,7 @@ import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts what runs in the background without an ear for Ctrl-C
 from yarclang.cli.yarc import main
 main()
-"""
+"""  # noqa: E501
 
 
 def on_a_terminal(*command):

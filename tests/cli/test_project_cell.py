@@ -188,7 +188,9 @@ def test_a_master_cannot_steer_through_the_table(workshop, industrial6):
 
 
 def test_a_served_robot_keeps_to_its_cell_whoever_comes(workshop):
-    """A program that knows no cell keeps to that of the robot's server, and so does the prompt; another cell is refused."""
+    """A program that knows no cell keeps to that of the robot's server, and so does the prompt; another
+    cell is refused.
+    """
     (workshop.folder / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     for name in ("cell.toml", "other.toml"):
         (workshop.folder / name).write_text(TABLE)

@@ -10,7 +10,9 @@ Z, X = (0, 0, 1), (1, 0, 0)
 
 
 def test_a_planar_arm_of_two_links_is_a_ring(tmp_path):
-    """Links of 0.5 and 0.3 m, the flange 0.1 m on: the second joint leaves a hole of 0.2 m, and one axis leaves four orientations of a cube."""
+    """Links of 0.5 and 0.3 m, the flange 0.1 m on: the second joint leaves a hole of 0.2 m, and one axis
+    leaves four orientations of a cube.
+    """
     joints = [
         ("revolute", (0, 0, 0.2), (0, 0, 0), Z, (-3.14, 3.14)),
         ("revolute", (0.5, 0, 0), (0, 0, 0), Z, (-3.14, 3.14)),

@@ -1,4 +1,6 @@
-"""yarc hold, resume, stop, override and status: against a run that streams to a simulator, and against a controller itself."""
+"""yarc hold, resume, stop, override and status: against a run that streams to a simulator, and against a
+controller itself.
+"""
 
 import asyncio
 import contextlib

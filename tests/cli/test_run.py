@@ -71,6 +71,17 @@ def test_a_wait_comes_first(workshop, simulator, options):
     assert simulator.complaints() == []
 
 
+def test_a_wait_on_the_simulator_says_what_sets_inputs(workshop):
+    workshop.write("q.yarc", WAITS)
+    words = (
+        "inputs of a simulated robot stay OFF until something sets them: a sensor of the cell, --set INPUT=ON"
+    )
+    assert words in workshop.yarc("run", "q.yarc", "--no-log", "--rate", "8", status=1)
+    assert words not in workshop.yarc(
+        "run", "q.yarc", "--no-log", "--rate", "8", "--set", "READY=OFF", status=1
+    )
+
+
 def test_stopped_at_a_hold(workshop, simulator):
     """What goes on begins with it, where the robot stands."""
     workshop.write("q.yarc", WAITS)
@@ -88,9 +99,9 @@ def test_a_loop_must_be_closed(workshop, simulator, again):
     workshop.write("q.yarc", "ROBOT INDUSTRIAL6\nP0010 MOVEJ 5 0 -3 0 0 0 [1] (deg,s)\n")
     text = workshop.here(*run_on(simulator, *again, program="q.yarc"), status=1)
     assert (
-        "q.yarc doesn't end where it starts, so that it can't be looped: its end is off by J1 +5.0000 deg, J3 -3.0000 deg\n"
-        in text
-    )
+        "q.yarc doesn't end where it starts, so that it can't be looped: its end is off by J1 +5.0000 deg, "
+        "J3 -3.0000 deg\n"
+    ) in text
     assert "help: end it with a motion to its start" in text
     assert (simulator.stands() == 0.0).all()
 
@@ -217,6 +228,12 @@ def test_an_abort_is_the_runs_reason(workshop, simulator):
     assert "to go on" not in text
     assert simulator.stands()[0] != 0.0
     assert simulator.complaints() == []
+
+
+def test_steps_without_a_terminal_end_at_once(workshop):
+    text = workshop.yarc("run", "p.yarc", "--step", "--no-log", status=2)
+    assert "--step waits for Enter after each command, and standard input isn't a terminal" in text
+    assert "init" not in text
 
 
 @pytest.mark.parametrize("options", [[], ["--step"]])

@@ -1,4 +1,6 @@
-"""The approach to the start of a controller text: which cell it knows, and that it is told where it knows none."""
+"""The approach to the start of a controller text: which cell it knows, and that it is told where it knows
+none.
+"""
 
 import json
 import shutil
@@ -108,10 +110,15 @@ def test_a_program_of_another_name_beside_it_is_not_its_program(made, tmp_path):
 
 
 def test_a_tolerance_that_it_was_compiled_with(tmp_path):
-    """A joint line under a wide tolerance has fewer digits and longer segments: it is judged by what is asked for."""
+    """A joint line under a wide tolerance has fewer digits and longer segments: it is judged by what is
+    asked for.
+    """
     program = tmp_path / "p.yarc"
     program.write_text(
-        "ROBOT INDUSTRIAL6\nDEFAULT {TCP} (mm,deg,s) {B}\nP1 MOVEJ 20 0 0 0 -30 0 [2]\nP2 DMOVE 0 0 -300 0 0 0 [1.5]\n"
+        "ROBOT INDUSTRIAL6\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "P1 MOVEJ 20 0 0 0 -30 0 [2]\n"
+        "P2 DMOVE 0 0 -300 0 0 0 [1.5]\n"
     )
     options = [str(program), "--tolerance", "1,1", "-o", str(tmp_path / "p.pmc")]
     assert CliRunner().invoke(yarcc, options).exit_code == 0

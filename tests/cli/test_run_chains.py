@@ -1,4 +1,6 @@
-"""`yarc run` with motions that flow into each other: where it begins, where it pauses, and how a stop in a corner is told."""
+"""`yarc run` with motions that flow into each other: where it begins, where it pauses, and how a stop in a
+corner is told.
+"""
 
 import re
 

@@ -1,4 +1,6 @@
-"""`yarc run FILE.pmc`: the text is judged again; one that was changed by hand is refused before anything is asked."""
+"""`yarc run FILE.pmc`: the text is judged again; one that was changed by hand is refused before anything
+is asked.
+"""
 
 import re
 

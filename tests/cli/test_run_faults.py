@@ -36,7 +36,8 @@ def test_a_link_that_is_lost(workshop):
         assert_told(
             text,
             "the connection was lost: no reply to .* in time; the controller can't be reached again: ",
-            "its guard PLC holds the motion on the path when it has received nothing from this computer for 0.4 s",
+            "its guard PLC holds the motion on the path when it has received nothing from this computer "
+            "for 0.4 s",
             "where it stands isn't known: look at the robot",
             EXECUTED,
         )
@@ -61,7 +62,9 @@ def test_a_link_that_comes_back(workshop):
 
 
 def test_what_a_link_may_do(workshop):
-    """Late replies are no news, but a pace at which the program can't be fed; a controller may be busy for a moment."""
+    """Late replies are no news, but a pace at which the program can't be fed; a controller may be busy for
+    a moment.
+    """
     (slow, slowly), (busy, busily) = runs(workshop, "slow:0.012", f"busy@line{LINE}:0.8", status=0)
     assert "the controller has received nothing from this computer for 0.4 s, and holds" in busily
     for simulator, text in ((slow, slowly), (busy, busily)):

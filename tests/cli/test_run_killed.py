@@ -1,4 +1,6 @@
-"""A run that is killed: the guard PLC holds the robot on its path, and nothing goes on before somebody has said so."""
+"""A run that is killed: the guard PLC holds the robot on its path, and nothing goes on before somebody has
+said so.
+"""
 
 import contextlib
 import re

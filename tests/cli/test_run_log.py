@@ -90,9 +90,9 @@ def test_a_log_that_is_removed_during_the_run_is_lost(what, workshop, simulator)
         "error: the log is lost: logs/run.mcap isn't there any more; it was removed or moved during the run\n"
     )
     assert (
-        f"{lost}  help: keep the folder of the log as it is during a run, or choose another one with --log PATH\n"
-        in text
-    )
+        f"{lost}  help: keep the folder of the log as it is during a run, or choose another one with --log "
+        "PATH\n"
+    ) in text
     assert "log: logs" not in text
 
 

@@ -1,4 +1,5 @@
-"""The session in a second terminal of docs/runtime.md, beside a run. All but its numbers is compared, for they differ each time.
+"""The session in a second terminal of docs/runtime.md, beside a run. All but its numbers is compared, for
+they differ each time.
 
 `pytest tests/cli/test_run_page.py --rewrite-golden` puts the output of today into the page.
 """

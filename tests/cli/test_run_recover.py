@@ -43,7 +43,7 @@ def away(workshop, simulator):
 def test_it_goes_there_and_says_how_to_go_on(workshop, away):
     shown = workshop.here(*run_on(away, "--recover", "--dry-run", program="r.yarc"))
     told = re.search(
-        r"recovery: to the start of r\.yarc, (\d+\.\d) s at 10 % of the joints' limits, all joints straight, to J1 -8\.000 deg",
+        r"recovery: to the start of r\.yarc, (\d+\.\d) s at 10 % of the joints' limits, all joints straight, to J1 -8\.000 deg",  # noqa: E501
         shown,
     )
     assert told, shown

@@ -1,4 +1,6 @@
-"""A fault of a run is shown at the line of the source that it is about: live, in the log, and for a compiled program."""
+"""A fault of a run is shown at the line of the source that it is about: live, in the log, and for a
+compiled program.
+"""
 
 import contextlib
 import re
@@ -20,7 +22,7 @@ END
 P0030 MOVEJ 0 0 0 0 0 0 [2] (deg,s)
 """
 FAULT = "following@line110:1"
-LINE = r"%s:4:3: error Y1602: motor 1: its following error is beyond Ixx11\n *4 \|   P0010 MOVEJ \$ANGLE 0 0 0 0 0 \[2\] \(deg,s\)\n"
+LINE = r"%s:4:3: error Y1602: motor 1: its following error is beyond Ixx11\n *4 \|   P0010 MOVEJ \$ANGLE 0 0 0 0 0 \[2\] \(deg,s\)\n"  # noqa: E501
 
 
 def test_a_fault_in_a_loop_is_shown_at_its_line_and_place(workshop):

@@ -1,4 +1,6 @@
-"""`yarc run` of a program that teaches places: they are shown, kept, printed by `yarc registers`, and compile when they stand in the text."""
+"""`yarc run` of a program that teaches places: they are shown, kept, printed by `yarc registers`, and
+compile when they stand in the text.
+"""
 
 import re
 

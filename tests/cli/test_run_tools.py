@@ -1,4 +1,6 @@
-"""`yarc run` of a program that changes tools: which tool it begins with is said, and asked where nobody can know."""
+"""`yarc run` of a program that changes tools: which tool it begins with is said, and asked where nobody
+can know.
+"""
 
 from tests.conftest import EXAMPLES
 

@@ -305,7 +305,9 @@ def test_the_client_hears_events_and_stops_from_elsewhere(workshop, simulator, s
 
 
 def test_what_one_connection_orders_is_heard_in_this_order(workshop, simulator, served, home):
-    """A stop behind a run on the same connection ends it, however soon it comes: nobody waits for an answer between."""
+    """A stop behind a run on the same connection ends it, however soon it comes: nobody waits for an
+    answer between.
+    """
     with Robot(name="me") as robot:
         robot.own()
         for _ in range(5):
@@ -367,7 +369,8 @@ def test_the_client_needs_nothing_but_the_standard_library():
     code = (
         "import sys, importlib.util as util; before = set(sys.modules)\n"
         f"spec = util.spec_from_file_location('client', {client_module.__file__!r})\n"
-        "module = util.module_from_spec(spec); sys.modules['client'] = module; spec.loader.exec_module(module)\n"
+        "module = util.module_from_spec(spec); sys.modules['client'] = module; "
+        "spec.loader.exec_module(module)\n"
         "new = {name.partition('.')[0] for name in set(sys.modules) - before}\n"
         "names = getattr(sys, 'stdlib_module_names', new)\n"
         "assert new - set(names) - {'client'} == set(), new\n"
@@ -392,7 +395,9 @@ def test_the_socket_is_its_users_alone(served):
 
 
 def test_a_controller_that_isnt_there_yet(workshop):
-    """Whoever serves a robot waits for its controller, and says so; whoever wants to move it hears why it doesn't."""
+    """Whoever serves a robot waits for its controller, and says so; whoever wants to move it hears why it
+    doesn't.
+    """
     served = serve(workshop, "--to", "tcp://127.0.0.1:9")
     served.wait_for("there is no connection yet: 127.0.0.1:9 can't be reached")
     shown = workshop.yarc("run", "p.yarc", "--to", "tcp://127.0.0.1:9", status=1)

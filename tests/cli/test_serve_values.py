@@ -1,4 +1,6 @@
-"""Values from outside as people use them: `yarc serve --values`, a camera over TCP, one on the run's own socket, and a simulated one."""
+"""Values from outside as people use them: `yarc serve --values`, a camera over TCP, one on the run's own
+socket, and a simulated one.
+"""
 
 import re
 import signal

@@ -1,4 +1,6 @@
-"""`yarc settings`: printed only if it is proved; files are judged; no door moves a robot by settings that aren't proved."""
+"""`yarc settings`: printed only if it is proved; files are judged; no door moves a robot by settings that
+aren't proved.
+"""
 
 import json
 import shutil

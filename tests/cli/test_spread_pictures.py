@@ -1,4 +1,6 @@
-"""`yarc plot` of many programs and `yarc reach` of many robots: the same pictures in several processes, and one fault costs one picture."""
+"""`yarc plot` of many programs and `yarc reach` of many robots: the same pictures in several processes,
+and one fault costs one picture.
+"""
 
 import shutil
 

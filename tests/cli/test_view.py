@@ -1,4 +1,6 @@
-"""`yarc view` as it is typed: what it refuses, and in which words. What it shows is looked at in tests/view."""
+"""`yarc view` as it is typed: what it refuses, and in which words. What it shows is looked at in
+tests/view.
+"""
 
 import importlib.util
 import socket

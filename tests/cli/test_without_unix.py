@@ -1,4 +1,6 @@
-"""Programs can be checked, compiled and drawn where Unix modules are missing; what works with a robot says that it can't."""
+"""Programs can be checked, compiled and drawn where Unix modules are missing; what works with a robot says
+that it can't.
+"""
 
 import os
 import subprocess
@@ -11,7 +13,12 @@ from yarclang.cli.yarc import main as yarc
 
 ROOT = Path(__file__).resolve().parents[2]
 HIDING = Path(__file__).with_name("without_unix.py")
-PROGRAM = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ 0 -10 -20 0 -60 0\nP0020 DMOVE 100 0 0 0 0 0\n"
+PROGRAM = (
+    "ROBOT INDUSTRIAL6\n"
+    "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+    "P0010 MOVEJ 0 -10 -20 0 -60 0\n"
+    "P0020 DMOVE 100 0 0 0 0 0\n"
+)
 
 
 @pytest.fixture

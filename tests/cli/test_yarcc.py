@@ -75,7 +75,9 @@ def test_json_on_standard_output(runner, tmp_path):
 def test_a_smaller_tolerance_takes_shorter_segments(runner, tmp_path):
     program = tmp_path / "p.yarc"
     program.write_text(
-        "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [20]\nP0020 MOVEL 150 1074.4 1326 10 -5 20 [2.5]\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [20]\n"
+        "P0020 MOVEL 150 1074.4 1326 10 -5 20 [2.5]\n"
     )
     segments = []
     for tolerance in ("0.02", "0.0001,0.00001"):
@@ -92,7 +94,9 @@ def test_a_smaller_tolerance_takes_shorter_segments(runner, tmp_path):
 def test_a_tolerance_that_no_segment_time_holds_is_refused(runner, tmp_path):
     program = tmp_path / "p.yarc"
     program.write_text(
-        "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [20]\nP0020 MOVEL 150 1074.4 1326 10 -5 20 [2.5]\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [20]\n"
+        "P0020 MOVEL 150 1074.4 1326 10 -5 20 [2.5]\n"
     )
     done = runner.invoke(yarcc, [str(program), "--robot", "INDUSTRIAL6", "--tolerance", "1e-9,1e-9"])
     assert done.exit_code == 1

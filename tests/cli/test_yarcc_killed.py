@@ -1,4 +1,5 @@
-"""`yarcc` is ended in the middle: killed, interrupted, without room, without rights. There is no text then, or the whole certified one.
+"""`yarcc` is ended in the middle: killed, interrupted, without room, without rights. There is no text then,
+or the whole certified one.
 
 All runs are forks of one process that has imported everything, so that twenty of them take seconds.
 """
@@ -79,7 +80,7 @@ for line in sys.stdin:
             os._exit(status)
     print(child, flush=True)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
-"""
+"""  # noqa: E501
 
 
 def chain(count):
@@ -116,7 +117,9 @@ class Runs:
         self.certified = (folder / "chain.pmc").read_bytes()
 
     def run(self, file, *arguments, after=None, by=signal.SIGKILL, change=None):
-        """Run it, and return its status; `after` so many seconds it gets a signal, `change` = (function, place, what happens there)."""
+        """Run it, and return its status; `after` so many seconds it gets a signal, `change` = (function,
+        place, what happens there).
+        """
         destination = () if "-o" in arguments else ("-o", self.folder / file.replace(".yarc", ".pmc"))
         words = [self.folder / file, "--robot", "INDUSTRIAL6", *destination, *arguments]
         order = {

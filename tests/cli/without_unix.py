@@ -3,7 +3,8 @@
     python without_unix.py yarc check first.yarc
     python without_unix.py imports yarclang.lsp.server
 
-Modules can't be imported, and names are gone; all else is Linux still: paths, processes and files are not those of another system.
+Modules can't be imported, and names are gone; all else is Linux still: paths, processes and files are not
+those of another system.
 """
 
 import importlib
@@ -15,8 +16,8 @@ import sys
 
 MODULES = {"curses", "fcntl", "grp", "pty", "pwd", "readline", "resource", "syslog", "termios", "tty"}
 NAMES = {
-    os: "fork forkpty getuid geteuid getgid getegid getpgid getpgrp killpg setsid fchmod fchown mkfifo sched_getaffinity register_at_fork "
-    "O_NOFOLLOW O_DIRECTORY O_NONBLOCK O_CLOEXEC O_NOCTTY",
+    os: "fork forkpty getuid geteuid getgid getegid getpgid getpgrp killpg setsid fchmod fchown mkfifo "
+    "sched_getaffinity register_at_fork O_NOFOLLOW O_DIRECTORY O_NONBLOCK O_CLOEXEC O_NOCTTY",
     signal: "SIGALRM SIGHUP SIGUSR1 SIGUSR2 SIGKILL SIGQUIT SIGPIPE SIGWINCH SIGTSTP SIGCONT pthread_sigmask",
     socket: "AF_UNIX socketpair",
 }

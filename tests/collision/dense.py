@@ -1,4 +1,6 @@
-"""Distances that share nothing with yarclang: Pinocchio's own reading of URDF and SRDF, coal, and fine samples."""
+"""Distances that share nothing with yarclang: Pinocchio's own reading of URDF and SRDF, coal, and fine
+samples.
+"""
 
 import coal
 import numpy as np

@@ -1,4 +1,6 @@
-"""Small random arms with shapes: as URDF text, as yarclang reads it, and as Pinocchio and coal do; with a cell around."""
+"""Small random arms with shapes: as URDF text, as yarclang reads it, and as Pinocchio and coal do; with a
+cell around.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -36,7 +38,10 @@ def urdf_text(random, size):
         lines += [
             f'<link name="L{number}">{shapes}</link>',
             f'<joint name="J{number}" type="{kind}"><parent link="{above}"/><child link="L{number}"/>{place}',
-            f'<axis xyz="{numbers(axis / np.linalg.norm(axis))}"/><limit lower="{ends[0]}" upper="{ends[1]}" velocity="1" effort="1"/></joint>',
+            (
+                f'<axis xyz="{numbers(axis / np.linalg.norm(axis))}"/><limit lower="{ends[0]}" '
+                f'upper="{ends[1]}" velocity="1" effort="1"/></joint>'
+            ),
         ]
         above = f"L{number}"
     lines += ['<link name="flange"/><joint name="end" type="fixed">']
@@ -56,7 +61,10 @@ def collision(random, length):
         f'<sphere radius="{2 * thick:.4f}"/>',
     ][random.integers(4)]
     turn = numbers(random.normal(0, 0.2, 3))
-    return f'<collision><origin xyz="0 0 {length / 2:.4f}" rpy="{turn}"/><geometry>{shape}</geometry></collision>'
+    return (
+        f'<collision><origin xyz="0 0 {length / 2:.4f}" '
+        f'rpy="{turn}"/><geometry>{shape}</geometry></collision>'
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +100,9 @@ def arm(number):
 
 
 class Watched:
-    """Pinocchio's geometry of an arm with tools on its flange, in a cell: nothing here comes from yarclang but the numbers of the cell."""
+    """Pinocchio's geometry of an arm with tools on its flange, in a cell: nothing here comes from yarclang
+    but the numbers of the cell.
+    """
 
     def __init__(self, arm, cell, tools):
         self.model, self.geometry = arm.model, arm.geometry.copy()

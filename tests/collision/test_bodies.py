@@ -1,4 +1,6 @@
-"""What a robot and a cell are made of, and what is said where something is missing; and what the compiler says of collisions."""
+"""What a robot and a cell are made of, and what is said where something is missing; and what the compiler
+says of collisions.
+"""
 
 import json
 import re
@@ -133,7 +135,16 @@ def test_a_tool_hits_where_the_arm_alone_does_not(tmp_path):
     program = "P0010 MOVEJ 100 0 0 0 0 0"
     post = POST.replace("[-600, 800, 1200]", "[-1150, 0, 1200]")
     assert codes(with_cell(tmp_path, post, program)[1]) == []
-    tool = '[[obstacles]]\nname = "NOZZLE"\nshape = "cylinder"\nframe = "FLANGE"\nxyz = [0, 60, 0]\nrpy = [90, 0, 0]\nradius = 5\nlength = 100\n'
+    tool = (
+        "[[obstacles]]\n"
+        'name = "NOZZLE"\n'
+        'shape = "cylinder"\n'
+        'frame = "FLANGE"\n'
+        "xyz = [0, 60, 0]\n"
+        "rpy = [90, 0, 0]\n"
+        "radius = 5\n"
+        "length = 100\n"
+    )
     (finding,) = with_cell(tmp_path, post + tool, program)[1]
     assert "NOZZLE goes" in finding.message
 
@@ -230,7 +241,9 @@ def test_pairs_that_name_no_links(tmp_path, table, srdf, code, word):
 
 
 def test_links_that_always_touch(tmp_path):
-    """Shapes that are too large meet in HOME: they aren't checked, and the checklist says so with what to write."""
+    """Shapes that are too large meet in HOME: they aren't checked, and the checklist says so with what to
+    write.
+    """
     folder = changed(
         tmp_path,
         ('<capsule radius="0.05" length="0.16"/>', '<capsule radius="0.05" length="0.6"/>'),
@@ -248,7 +261,9 @@ def test_links_that_always_touch(tmp_path):
 
 
 def test_a_new_robot_lets_touch_what_always_does(tmp_path):
-    """Pairs that touch wherever the robot is are proposed, with a mark; what can really hit each other isn't."""
+    """Pairs that touch wherever the robot is are proposed, with a mark; what can really hit each other
+    isn't.
+    """
     urdf = tmp_path / "a.urdf"
     text = (stdlib_folder() / "robots" / "industrial6" / "industrial6.urdf").read_text()
     urdf.write_text(text)
@@ -300,7 +315,9 @@ def test_table_and_json(tmp_path):
 
 
 def test_bodies_that_overlap_have_no_distance_however_they_are_asked(tmp_path):
-    """Without a depth, coal gives some of them a tiny distance and not zero: a robot would be told to be free there."""
+    """Without a depth, coal gives some of them a tiny distance and not zero: a robot would be told to be
+    free there.
+    """
     (tmp_path / "cell.toml").write_text(
         UNITS
         + '[[obstacles]]\nname = "BLOCK"\nshape = "box"\nframe = "B"\nsize = [60, 60, 60]\n'

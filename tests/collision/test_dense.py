@@ -1,7 +1,9 @@
-"""No collision is missed: thousands of small arms in cells, along random motions, against fine samples of Pinocchio's own geometry.
+"""No collision is missed: thousands of small arms in cells, along random motions, against fine samples of
+Pinocchio's own geometry.
 
-2,000 are drawn, about half a minute of one core; YARCLANG_RANDOM_CELLS=50000 in the environment draws so many, for a night. A fault is told with its numbers: `hunted` with them shows
-it again. That the proof is of the curve that a program's text executes is held by real programs besides.
+2,000 are drawn, about half a minute of one core; YARCLANG_RANDOM_CELLS=50000 in the environment draws so
+many, for a night. A fault is told with its numbers: `hunted` with them shows it again. That the proof is of
+the curve that a program's text executes is held by real programs besides.
 """
 
 import os
@@ -61,7 +63,9 @@ def a_cell(random, count, thin):
 
 
 def hunted(tally, which, seed, kind, count, thin, tooled):
-    """Hold the proof of one random case against samples; count pairs of bodies that meet, and those that keep apart."""
+    """Hold the proof of one random case against samples; count pairs of bodies that meet, and those that
+    keep apart.
+    """
     random = np.random.default_rng(seed)
     one = arm(which)
     tools = (tool_of(random),) if tooled else ()
@@ -120,7 +124,9 @@ def test_no_collision_is_missed(tally, part, which, seed, kind, count, thin, too
 @settings(max_examples=max(30, COUNT // 50), deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), home=st.booleans())
 def test_no_program_is_let_through(tally, seed, home):
-    """Real programs: what compiles in a cell stays free of it, as sampled on the planned curve, by at least what the certificate says."""
+    """Real programs: what compiles in a cell stays free of it, as sampled on the planned curve, by at
+    least what the certificate says.
+    """
     random = np.random.default_rng(seed)
     robot = load_robot("INDUSTRIAL6").value
     cell = drawn(random, count=4)

@@ -67,7 +67,9 @@ def test_pairs_left_out_by_their_boxes_change_no_answer():
 
 @pytest.mark.parametrize("name", [*ROBOTS, "ur5", "panda"])
 def test_what_no_joint_position_reaches_is_left_out(name, tmp_path):
-    """Balls around the arm: those that are left out are far away everywhere, those beyond all reach are left out."""
+    """Balls around the arm: those that are left out are far away everywhere, those beyond all reach are
+    left out.
+    """
     if name in ROBOTS:
         robot = load_robot(name).value
     else:

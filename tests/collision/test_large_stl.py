@@ -187,7 +187,9 @@ def test_a_large_plate_without_thickness_stays_flat(tmp_path):
 
 @pytest.mark.parametrize("around", [300, 1000])
 def test_the_tip_of_a_fine_cone_is_covered(tmp_path, around):
-    """A corner with hundreds of neighbours, as lathes make it: coal makes no hull of it; the body around it has all corners, and is hardly larger."""
+    """A corner with hundreds of neighbours, as lathes make it: coal makes no hull of it; the body around
+    it has all corners, and is hardly larger.
+    """
     turn = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     rim = np.stack((30.0 * np.cos(turn), 30.0 * np.sin(turn), np.zeros(around)), axis=1)
     tip = np.tile([0.0, 0.0, 80.0], (around, 1))

@@ -1,4 +1,6 @@
-"""Large STL, OBJ and DAE files of text: hulls from whole arrays, the same as by coal's reader, in bounded time."""
+"""Large STL, OBJ and DAE files of text: hulls from whole arrays, the same as by coal's reader, in bounded
+time.
+"""
 
 import time
 import warnings
@@ -56,7 +58,7 @@ DAE = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COL
 </accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="{faces}">
 <input semantic="VERTEX" source="#v" offset="0"/><p>{named}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>
 <visual_scene id="s"><node id="a"><matrix>0 -1 0 50 1 0 0 0 0 0 2 0 0 0 0 1</matrix><instance_geometry url="#g"/></node></visual_scene>
-</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""  # noqa: E501
 
 
 def text_dae(faces):
@@ -165,15 +167,21 @@ def test_a_dense_sphere_is_covered_and_hardly_larger(tmp_path):
 # -------------------------------------------------------------------------- what is unusual
 
 BOX = np.array([[x, y, z] for x in (0, 10) for y in (0, 20) for z in (0, 30)], dtype=float)
-FACES = BOX[[[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]]  # fmt: skip
+FACES = BOX[[[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6],
+    [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]]  # fmt: skip
 SPOILED = st.tuples(
     st.sampled_from((".stl", ".obj")),
     st.lists(
         st.tuples(
             st.integers(0, 2000),
             st.sampled_from(
-                ["", " ", "\n", "\t", "1", "-", ".", "e", "x", "VERTEX 9 9 99\n", "vertex 9 9 99\n", "v 9 9 99\n", "f 1 2 8\n",
-                 "\nf 1/1/1 2/2/2 8\n", "\nf -1 -2 -3\n", "\nl 1 2\n", "#", "\\\n", "\r", "1.5-2", "nan", "endsolid\nsolid\n", "0x1", "1e400", "\x00"]
+                ["", " ", "\n", "\t", "1", "-", ".", "e", "x", "VERTEX 9 9 99\n", "vertex 9 9 99\n",
+                    "v 9 9 99\n", "f 1 2 8\n",
+                 ("\n"
+                 "f 1/1/1 2/2/2 8\n"), ("\n"
+                     "f -1 -2 -3\n"), ("\n"
+                     "l 1 2\n"), "#", "\\\n", "\r", "1.5-2", "nan", ("endsolid\n"
+                     "solid\n"), "0x1", "1e400", "\x00"]
             ),
             st.integers(0, 40),
         ),
@@ -242,7 +250,8 @@ def test_integers_beyond_64_bits_stay_beyond_all_corners():
 
 
 @pytest.mark.parametrize(
-    "lines", [[b"1 2"], [b"1 2 3 4"], [b"1 2", b"1 2 3 4"], [b"1 2 nan"], [b"1 2 inf"], [b"1 2 3 nan", b"1 2"], [b""]]
+    "lines", [[b"1 2"], [b"1 2 3 4"], [b"1 2", b"1 2 3 4"], [b"1 2 nan"], [b"1 2 inf"],
+        [b"1 2 3 nan", b"1 2"], [b""]]
 )  # fmt: skip
 def test_a_table_has_rows_of_one_length(lines):
     assert table(lines, 3) is None
@@ -268,7 +277,16 @@ def test_pieces_are_whole_lines_and_the_whole_file(monkeypatch):
 
 def test_corners_of_polygons_that_coals_reader_leaves_out_are_in_the_hull(tmp_path):
     """Of a plane polygon of five corners with one that lies inwards, it makes two triangles."""
-    corners = "-0.385456 -0.575404 0\n-0.312941 -0.892575 0\n-0.105246 -0.655819 0\n0.066108 -0.252693 0\n0.367907 -0.834241 0\n0 0 1\n0.1 0 1\n0 0.1 1\n"
+    corners = (
+        "-0.385456 -0.575404 0\n"
+        "-0.312941 -0.892575 0\n"
+        "-0.105246 -0.655819 0\n"
+        "0.066108 -0.252693 0\n"
+        "0.367907 -0.834241 0\n"
+        "0 0 1\n"
+        "0.1 0 1\n"
+        "0 0.1 1\n"
+    )
     text = "".join(f"v {line}\n" for line in corners.splitlines()) + "f 1 2 3 4 5\nf 6 7 8\n"
     path = tmp_path / "a.obj"
     path.write_text(text)

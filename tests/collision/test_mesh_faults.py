@@ -55,8 +55,15 @@ def obj(corners=CORNERS, faces=FACES) -> bytes:
 
 def ply_head(form: str, faces: int, corners: int = 4) -> bytes:
     return (
-        f"ply\nformat {form} 1.0\nelement vertex {corners}\nproperty float x\nproperty float y\nproperty float z\n"
-        f"element face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+        "ply\n"
+        f"format {form} 1.0\n"
+        f"element vertex {corners}\n"
+        "property float x\n"
+        "property float y\n"
+        "property float z\n"
+        f"element face {faces}\n"
+        "property list uchar int vertex_indices\n"
+        "end_header\n"
     ).encode()
 
 
@@ -77,15 +84,19 @@ def ply_big(corners=CORNERS, faces=FACES) -> bytes:
 def dae(corners=CORNERS, faces=FACES) -> bytes:
     numbers = rows(corners).replace("\n", " ")
     return (
-        '<?xml version="1.0"?>\n<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>'
-        '<unit name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>'
-        f'<source id="p"><float_array id="pa" count="{3 * len(corners)}">{numbers}</float_array><technique_common>'
-        f'<accessor source="#pa" count="{len(corners)}" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>'
-        '<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input semantic="POSITION" '
-        f'source="#p"/></vertices><triangles count="{len(faces)}"><input semantic="VERTEX" source="#v" offset="0"/>'
-        f'<p>{rows(faces)}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s">'
-        '<node id="n"><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes><scene>'
-        '<instance_visual_scene url="#s"/></scene></COLLADA>'
+        '<?xml version="1.0"?>\n'
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit '
+        'name="meter" meter="1"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>'
+        '<source id="p"><float_array id="pa" '
+        f'count="{3 * len(corners)}">{numbers}</float_array><technique_common><accessor source="#pa" '
+        f'count="{len(corners)}" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>'
+        '<param name="Z" type="float"/></accessor></technique_common></source><vertices id="v"><input '
+        f'semantic="POSITION" source="#p"/></vertices><triangles count="{len(faces)}"><input '
+        'semantic="VERTEX" source="#v" offset="0"/>'
+        f"<p>{rows(faces)}</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "  # noqa: E501
+        'id="s"><node id="n"><instance_geometry '
+        'url="#g"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene '
+        'url="#s"/></scene></COLLADA>'
     ).encode()
 
 
@@ -176,7 +187,8 @@ def test_a_mesh_without_an_area(name, corners, tmp_path):
 def test_a_corner_that_is_far_away(name, far, tmp_path):
     """A hull of corners 1e15 m apart ended the process."""
     corners = (*CORNERS[:3], (0.0, 0.0, far))
-    assert re.search(r"has a corner \S+ m from its origin, and at most 100,000 m are allowed", unreadable(tmp_path, name, WRITERS[name](corners=corners)))  # fmt: skip
+    assert re.search(r"has a corner \S+ m from its origin, and at most 100,000 m are allowed",
+        unreadable(tmp_path, name, WRITERS[name](corners=corners)))  # fmt: skip
     assert unreadable(tmp_path, name, WRITERS[name](), scale=1e15).startswith("has a corner")
 
 
@@ -259,9 +271,10 @@ def new(tmp_path: Path, name: str, content: bytes):
     """`yarc robot new` of an arm with a mesh."""
     (tmp_path / name).write_bytes(content)
     (tmp_path / "a.urdf").write_text(
-        '<robot name="a"><link name="base"/><link name="l"><collision><geometry>'
-        f'<mesh filename="{name}"/></geometry></collision></link><joint name="j" type="revolute"><parent link="base"/>'
-        '<child link="l"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
+        '<robot name="a"><link name="base"/><link name="l"><collision><geometry><mesh '
+        f'filename="{name}"/></geometry></collision></link><joint name="j" type="revolute"><parent '
+        'link="base"/><child link="l"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" '
+        'effort="1"/></joint></robot>'
     )
     arguments = ["robot", "new", str(tmp_path / "a.urdf"), "-o", str(tmp_path / "made"), "--yes"]
     return CliRunner().invoke(main, arguments)
@@ -282,7 +295,9 @@ def test_a_new_robot_with_a_mesh_that_can_not_be_read_is_not_written(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "corner", ["v .5 0 0", "v 0 .5 0", "v 0 0 .5", "V 0.5 0 0", "v 0.5 0", "v 0.5", " v 0.5 0 0", "v 0.5 a 0", "v 0.5 0 \\\n.5"]
+    "corner", ["v .5 0 0", "v 0 .5 0", "v 0 0 .5", "V 0.5 0 0", "v 0.5 0", "v 0.5", " v 0.5 0 0", "v 0.5 a 0",
+        ("v 0.5 0 \\\n"
+        ".5")]
 )  # fmt: skip
 def test_a_corner_that_coals_reader_loses_is_refused(corner, tmp_path):
     """It doesn't count such a corner, so that the faces take the corners after it."""
@@ -295,7 +310,9 @@ def test_a_corner_that_coals_reader_loses_is_refused(corner, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "corner", ["v -.5 0 0", "v 5. 0 0", "v +0.5 0 -.5e-3", "v\t0.5\t0 0 ", "v 0.5 0 0 # a", "v 0.5 0 0 1 1 1", "v 0.5 \\\n 0 0", "v 0.5 0 0\r"]
+    "corner", ["v -.5 0 0", "v 5. 0 0", "v +0.5 0 -.5e-3", "v\t0.5\t0 0 ", "v 0.5 0 0 # a", "v 0.5 0 0 1 1 1",
+        ("v 0.5 \\\n"
+        " 0 0"), "v 0.5 0 0\r"]
 )  # fmt: skip
 def test_other_ways_to_write_a_corner_are_read(corner, tmp_path):
     text = f"{corner}\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 3\nf 2 3 1\n"

@@ -47,7 +47,9 @@ def test_a_plane_never_says_more_than_the_distance(seed):
 @settings(max_examples=40, deadline=None)
 @given(SEEDS, st.sampled_from(["right", "too far", "any direction", "none"]))
 def test_whoever_proposes_a_distance_makes_none_too_large(seed, proposal):
-    """Planes tell it by the bodies' supports alone; what is proposed wrongly is turned until it is nearly the distance."""
+    """Planes tell it by the bodies' supports alone; what is proposed wrongly is turned until it is nearly
+    the distance.
+    """
     random = np.random.default_rng(seed)
     robot = load_robot(ROBOTS[seed % 2]).value
     scene = scene_of(robot, drawn(random)).value
@@ -199,7 +201,9 @@ def test_bodies_that_graze_need_few_pieces(monkeypatch, industrial6, gap):
 
 
 def test_beside_a_hollow_mesh_the_proof_ends(monkeypatch, industrial6, tmp_path):
-    """No plane is between the arm and a room without a lid: near enough to the margin it counts as too near."""
+    """No plane is between the arm and a room without a lid: near enough to the margin it counts as too
+    near.
+    """
     whole = cube(1500.0)
     (tmp_path / "room.stl").write_bytes(whole[:80] + struct.pack("<I", 10) + whole[84 : 84 + 500])
     room = Mesh(tmp_path / "room.stl", 0.001, "")

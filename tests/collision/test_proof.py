@@ -1,4 +1,6 @@
-"""No collision is missed: random motions in random cells, and bodies thinner than any step, against fine samples of Pinocchio and coal."""
+"""No collision is missed: random motions in random cells, and bodies thinner than any step, against fine
+samples of Pinocchio and coal.
+"""
 
 import numpy as np
 import pytest

@@ -38,7 +38,14 @@ def mesh(folder, content, name="part.stl"):
 def as_ply(content):
     records = np.frombuffer(content, np.dtype([("n", "<f4", 3), ("c", "<f4", 9), ("m", "<u2")]), offset=84)
     corners = records["c"].reshape(-1, 3)
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(corners)}\nproperty float x\nproperty float y\nproperty float z\n"
+    head = (
+        "ply\n"
+        "format binary_little_endian 1.0\n"
+        f"element vertex {len(corners)}\n"
+        "property float x\n"
+        "property float y\n"
+        "property float z\n"
+    )
     head += f"element face {len(records)}\nproperty list uchar int vertex_indices\nend_header\n"
     rows = np.zeros(len(records), [("count", "u1"), ("corners", "<i4", 3)])
     rows["count"], rows["corners"] = 3, np.arange(len(corners)).reshape(-1, 3)

@@ -1,4 +1,6 @@
-"""The examples in each command's description compile as they stand, and so do those of the public functions."""
+"""The examples in each command's description compile as they stand, and so do those of the public
+functions.
+"""
 
 import doctest
 

@@ -1,4 +1,6 @@
-"""A word whose file is put beside the others is known everywhere: here one that sets an output for 0.1 s, of three steps."""
+"""A word whose file is put beside the others is known everywhere: here one that sets an output for 0.1 s,
+of three steps.
+"""
 
 import sys
 

@@ -69,7 +69,9 @@ def commands(program):
 
 
 def timetables(made, robot="INDUSTRIAL6"):
-    """The timed motions of a program with the files beside it: (times, positions [rad], velocities, accelerations) of each."""
+    """The timed motions of a program with the files beside it: (times, positions [rad], velocities,
+    accelerations) of each.
+    """
     found = []
     folder = Path("/nowhere")
     texts = {folder / name: SourceFile(name, text) for name, text in made.files}

@@ -1,4 +1,6 @@
-"""Point clouds become closed meshes in which every point lies: PCD and PLY files of all forms, and those that are damaged."""
+"""Point clouds become closed meshes in which every point lies: PCD and PLY files of all forms, and those
+that are damaged.
+"""
 
 import struct
 from contextlib import suppress
@@ -28,7 +30,19 @@ def drawn(seed, count=200):
     return np.random.default_rng(seed).normal(size=(count, 3)).astype(np.float32).astype(float)
 
 
-HEAD = "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS intensity x y z normal\nSIZE 1 4 4 4 4\nTYPE U F F F F\nCOUNT 1 1 1 1 3\nWIDTH {n}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {n}\nDATA {form}\n"
+HEAD = (
+    "# .PCD v0.7 - Point Cloud Data file format\n"
+    "VERSION 0.7\n"
+    "FIELDS intensity x y z normal\n"
+    "SIZE 1 4 4 4 4\n"
+    "TYPE U F F F F\n"
+    "COUNT 1 1 1 1 3\n"
+    "WIDTH {n}\n"
+    "HEIGHT 1\n"
+    "VIEWPOINT 0 0 0 1 0 0 0\n"
+    "POINTS {n}\n"
+    "DATA {form}\n"
+)
 ROW = np.dtype([("i", "<u1"), ("p", "<f4", 3), ("n", "<f4", 3)])
 
 
@@ -75,7 +89,16 @@ def pcd(points, form):
 
 
 def ply(points, form):
-    head = f"ply\nformat {form} 1.0\nelement vertex {len(points)}\nproperty uchar red\nproperty float x\nproperty float y\nproperty float z\nend_header\n".encode()
+    head = (
+        "ply\n"
+        f"format {form} 1.0\n"
+        f"element vertex {len(points)}\n"
+        "property uchar red\n"
+        "property float x\n"
+        "property float y\n"
+        "property float z\n"
+        "end_header\n"
+    ).encode()
     if form == "ascii":
         return head + "\n".join(" ".join(map(repr, [9, *one.tolist()])) for one in points).encode()
     order = "<" if "little" in form else ">"
@@ -246,10 +269,19 @@ def test_a_cloud_becomes_an_obstacle_that_is_solid(tmp_path, name, make):
         )
         assert answer.isCollision()
     (tmp_path / "c.toml").write_text(
-        'units = "mm,deg,s"\n[[obstacles]]\nname = "SCAN"\nshape = "mesh"\nfile = "hall.stl"\nunits = "mm"\nframe = "B"\n'
+        'units = "mm,deg,s"\n'
+        "[[obstacles]]\n"
+        'name = "SCAN"\n'
+        'shape = "mesh"\n'
+        'file = "hall.stl"\n'
+        'units = "mm"\n'
+        'frame = "B"\n'
     )
     (tmp_path / "p.yarc").write_text(
-        'ROBOT INDUSTRIAL6\nCELL "c.toml"\nSTART -60 20 -20 0 -30 0 (deg)\nP0010 MOVEJ 60 20 -20 0 -30 0 [MIN] (deg,s)\n'
+        "ROBOT INDUSTRIAL6\n"
+        'CELL "c.toml"\n'
+        "START -60 20 -20 0 -30 0 (deg)\n"
+        "P0010 MOVEJ 60 20 -20 0 -30 0 [MIN] (deg,s)\n"
     )
     checked = CliRunner().invoke(main, ["check", "p.yarc"])
     assert "Y0901" in checked.output + checked.stderr

@@ -46,7 +46,9 @@ def closed(triangles):
 @settings(max_examples=80, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_what_is_below_a_known_height_is_inside(tally, seed):
-    """Law: the mesh is closed and the right way round, and contains all below heights, and below bilinear surfaces."""
+    """Law: the mesh is closed and the right way round, and contains all below heights, and below bilinear
+    surfaces.
+    """
     rng = np.random.default_rng(seed)
     rows, columns = rng.integers(2, 12, 2)
     field = rng.normal(scale=rng.choice([1.0, 30.0]), size=(rows, columns))

@@ -85,7 +85,12 @@ RATES = ",".join(f"j{n}_velocity" for n in range(1, 7))
 
 
 def test_velocities_are_kept():
-    text = f"t,{RATES},{NAMES}\n0,0,0,0,0,0,0,0,0,0,0,0,0\n1,3,0,0,0,0,0,5,0,0,0,0,0\n2,0,0,0,0,0,0,8,0,0,0,0,0\n"
+    text = (
+        f"t,{RATES},{NAMES}\n"
+        "0,0,0,0,0,0,0,0,0,0,0,0,0\n"
+        "1,3,0,0,0,0,0,5,0,0,0,0,0\n"
+        "2,0,0,0,0,0,0,8,0,0,0,0,0\n"
+    )
     program = program_of(text, said="deg,s")
     assert program.splitlines()[-2:] == [
         "P0020 MOVEJ_TIMED 5 0 0 0 0 0 [1] VEL 3 0 0 0 0 0;",

@@ -1,4 +1,6 @@
-"""A cell whose file changes while its robot is served: what is planned from then on keeps to it, and what was proved before isn't carried out."""
+"""A cell whose file changes while its robot is served: what is planned from then on keeps to it, and what
+was proved before isn't carried out.
+"""
 
 import numpy as np
 import pytest
@@ -10,9 +12,15 @@ from yarclang.coordinator.messages import orders
 from yarclang.runtime.actions import Trouble
 
 FREE = 'units = "mm,deg"\n'
-WALL = (
-    FREE
-    + '[[zones]]\nname = "WALL"\nrule = "forbidden"\nshape = "half-space"\nframe = "B"\nxyz = [0, 0, 9000]\nnormal = [0, 0, -1]\nwatch = ["tcp"]\n'
+WALL = FREE + (
+    "[[zones]]\n"
+    'name = "WALL"\n'
+    'rule = "forbidden"\n'
+    'shape = "half-space"\n'
+    'frame = "B"\n'
+    "xyz = [0, 0, 9000]\n"
+    "normal = [0, 0, -1]\n"
+    'watch = ["tcp"]\n'
 )
 UP = "MOVEJ 0 0 0 0 30 0 [4] (deg,s)"
 

@@ -523,7 +523,9 @@ def test_which_run_drives_a_controller(ran):
 
 
 def test_a_run_is_found_from_another_environment(industrial6, home, monkeypatch):
-    """Its terminal has another XDG_RUNTIME_DIR (a service, `su`, ssh without a session) than the one that is to stop it."""
+    """Its terminal has another XDG_RUNTIME_DIR (a service, `su`, ssh without a session) than the one that
+    is to stop it.
+    """
     elsewhere = home / "elsewhere"
     elsewhere.mkdir(0o700)
     with contextlib.ExitStack() as stack:

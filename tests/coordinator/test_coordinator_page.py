@@ -44,7 +44,10 @@ def fields_of(kind, without):
     for name, field in kind.model_fields.items():
         if name in without:
             continue
-        text = f"`{name}`: {field.description if issubclass(kind, orders.Order) else type_text(field.annotation)}"
+        text = (
+            f"`{name}`: "
+            f"{field.description if issubclass(kind, orders.Order) else type_text(field.annotation)}"
+        )
         if not field.is_required() and issubclass(kind, orders.Order):
             text += f" ({json.dumps(field.default)})"
         found.append(text)

@@ -192,7 +192,8 @@ def test_the_robot_moves_while_it_is_asked(tmp_path):
 WAY = st.recursive(
     st.lists(st.integers(1, 9).map(float), max_size=3),
     lambda way: st.builds(
-        lambda before, first, last, after: [*before, "when", *first, *(["else", *last] if last else []), "end", *after],
+        lambda before, first, last,
+            after: [*before, "when", *first, *(["else", *last] if last else []), "end", *after],
         way, way, way, way,
     ),
     max_leaves=12,
@@ -202,7 +203,9 @@ WAY = st.recursive(
 
 @given(WAY)
 def test_the_longest_ways_follow_each_other_by_the_clock(parts):
-    """What is chosen takes as long as the program at most, and each motion begins when the one before it has ended."""
+    """What is chosen takes as long as the program at most, and each motion begins when the one before it
+    has ended.
+    """
     kinds = {"when": When, "else": Else, "end": EndWhen}
     steps = [object.__new__(kinds[one]) if one in kinds else one for one in parts]
     times = {number: one for number, one in enumerate(parts) if one not in kinds}

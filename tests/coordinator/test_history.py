@@ -21,10 +21,15 @@ MOTIONS = {
     "time-optimal": "MOVEJ_TOPP 20 10 10 0 40 0 [MIN] (deg,s)",
     "joint spline": "MOVEJ_SPLINE 10 10 10 0 40 0; 15 5 12 0 40 5; 20 10 10 0 30 0 [3] (deg,s)",
     "timetable": "MOVEJ_TIMED 10 10 10 0 40 0 [1]; 15 5 12 0 40 5 [1.7]; 20 10 10 0 30 0 [3] (deg,s)",
-    "timetable with velocities": "MOVEJ_TIMED 10 10 10 0 40 0 [1] VEL 12 0 0 0 3 0; 20 10 10 0 45 0 [2] VEL 0 0 0 0 0 0 (deg,s) STRETCH 1.3",
+    "timetable with velocities": (
+        "MOVEJ_TIMED 10 10 10 0 40 0 [1] VEL 12 0 0 0 3 0; 20 10 10 0 45 0 [2] VEL 0 0 0 0 0 0 (deg,s) "
+        "STRETCH 1.3"
+    ),
     "timetable with accelerations": "MOVEJ_TIMED 10 10 10 0 40 0 [1] VEL 12 0 0 0 3 0 ACC 5 0 0 0 0 0; "
     "20 10 10 0 45 0 [2] VEL 0 0 0 0 0 0 ACC -9 0 0 0 0 0 (deg,s)",
-    "chain": "DMOVE {TCP} 60 0 0 0 0 0 [1] (mm,deg,s) {B} BLEND 10\nDMOVE {TCP} 0 0 -60 0 0 0 [1] (mm,deg,s) {B}",
+    "chain": (
+        "DMOVE {TCP} 60 0 0 0 0 0 [1] (mm,deg,s) {B} BLEND 10\nDMOVE {TCP} 0 0 -60 0 0 0 [1] (mm,deg,s) {B}"
+    ),
 }
 
 

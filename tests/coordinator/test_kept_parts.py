@@ -1,4 +1,6 @@
-"""Where parts are between lines, programs and jogs: after runs that end, are stopped and are begun in the middle, and for several clients."""
+"""Where parts are between lines, programs and jogs: after runs that end, are stopped and are begun in the
+middle, and for several clients.
+"""
 
 import asyncio
 import contextlib
@@ -195,7 +197,9 @@ def test_a_run_from_a_set_on_begins_where_the_robot_stands(project):
 
 
 def test_a_run_that_is_killed_at_any_instant_agrees_with_the_gripper(project):
-    """What the coordinator believes is what the controller's output has done, at the place where it did it."""
+    """What the coordinator believes is what the controller's output has done, at the place where it did
+    it.
+    """
 
     async def ran(after):
         async with session(project) as (world, coordinator, client):

@@ -167,7 +167,13 @@ def test_a_question_is_answered_from_another_terminal(tmp_path, monkeypatch):
 def test_what_comes_from_standard_input_keeps_nothing(tmp_path, monkeypatch):
     """It has no name: two programs from there would count each other's registers on."""
     monkeypatch.chdir(tmp_path)
-    lines = 'ROBOT INDUSTRIAL6\nREGISTER COUNT 0..9 KEPT\nSTART HOME\nP10 SET COUNT = COUNT + 1\nP20 SAY "{COUNT}"\n'
+    lines = (
+        "ROBOT INDUSTRIAL6\n"
+        "REGISTER COUNT 0..9 KEPT\n"
+        "START HOME\n"
+        "P10 SET COUNT = COUNT + 1\n"
+        'P20 SAY "{COUNT}"\n'
+    )
     for _ in range(2):
         result = CliRunner().invoke(main, ["run", "-", "-y", "--rate", "20", "--no-log"], input=lines)
         assert result.exit_code == 0, result.output
@@ -178,7 +184,14 @@ def test_what_comes_from_standard_input_keeps_nothing(tmp_path, monkeypatch):
 
 def test_runs_one_after_the_other(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    lines = 'ROBOT INDUSTRIAL6\nREGISTER COUNT 0..9 KEPT\nSTART HOME\nP10 SET COUNT = COUNT + 1\nP20 SAY "{COUNT}"\nP30 WAIT [0.1] (s)\n'
+    lines = (
+        "ROBOT INDUSTRIAL6\n"
+        "REGISTER COUNT 0..9 KEPT\n"
+        "START HOME\n"
+        "P10 SET COUNT = COUNT + 1\n"
+        'P20 SAY "{COUNT}"\n'
+        "P30 WAIT [0.1] (s)\n"
+    )
     (tmp_path / "box.yarc").write_text(lines)
     for number in (1, 2):
         code, output = said("run", "box.yarc", "-y", "--rate", "20", "--no-log")

@@ -1,4 +1,6 @@
-"""A law: a program whose commands are typed one by one leaves the parts where the program as a whole leaves them."""
+"""A law: a program whose commands are typed one by one leaves the parts where the program as a whole
+leaves them.
+"""
 
 from pathlib import Path
 

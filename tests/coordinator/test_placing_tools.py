@@ -1,4 +1,6 @@
-"""What people say of tools that are changed: each hangs on the flange or stands in its place, and one at most hangs there."""
+"""What people say of tools that are changed: each hangs on the flange or stands in its place, and one at
+most hangs there.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""From anywhere to a program: to its start, or to the nearest place at which it may begin, proved and slow; and zones from which programs begin by themselves."""
+"""From anywhere to a program: to its start, or to the nearest place at which it may begin, proved and
+slow; and zones from which programs begin by themselves.
+"""
 
 import asyncio
 import contextlib
@@ -141,7 +143,9 @@ P0030 MOVEJ -60 20 -20 0 -30 0 [2] (deg,s)
 
 
 def test_a_start_in_something_gives_way_to_the_nearest_place(tmp_path):
-    """A box was put where the program starts since the program was proved; that is another cell for the way alone, so a part stands there instead."""
+    """A box was put where the program starts since the program was proved; that is another cell for the
+    way alone, so a part stands there instead.
+    """
     cell = (
         POST
         + """
@@ -220,7 +224,9 @@ size = [150, 150, 150]
 
 
 def test_a_part_in_the_gripper_goes_along_and_a_program_that_cannot_run_is_recovered(tmp_path):
-    """Stopped with the part in its gripper: the program can't be begun as things are, and it is recovered all the same."""
+    """Stopped with the part in its gripper: the program can't be begun as things are, and it is recovered
+    all the same.
+    """
     (tmp_path / "yarc.toml").write_text('robot = "INDUSTRIAL6"\ncell = "cell.toml"\n')
     (tmp_path / "cell.toml").write_text(CELL.format(**GIVEN))
     (tmp_path / "p.yarc").write_text(HEAD + PICK + PUT)
@@ -304,7 +310,9 @@ def test_power_is_lost_on_the_way_and_it_is_recovered_again(tmp_path):
 @given(here=st.tuples(*(st.floats(low, high) for low, high in RANGES)))
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_from_anywhere_it_is_clear_of_everything(tally, tmp_path, here):
-    """Wherever the robot stands, the way ends at a place of the program, slowly and clear by an independent look; else it is said why not."""
+    """Wherever the robot stands, the way ends at a place of the program, slowly and clear by an
+    independent look; else it is said why not.
+    """
     folder = project(tmp_path)
 
     async def recovered():
@@ -334,6 +342,19 @@ def found_from(folder, text, degrees, cell=POST, **options):
     made = load(Source(str(project(folder, cell, text) / "p.yarc"), **options), robot)
     assert made.value is not None, made.diagnostics
     return find_recovery(robot, made.value, np.radians(degrees), lambda cell, start: None)
+
+
+@pytest.mark.parametrize(("angle", "place"), [(80, "the start"), (50, None)])
+def test_the_way_to_a_program_keeps_to_the_rules_of_the_cell(tmp_path, angle, place):
+    """The tool stands 65 degrees tilted."""
+    rule = f'units = "mm,deg"\n[[keep]]\nframe = "TCP"\nrule = "upright"\nangle = {angle}\n'
+    made = found_from(tmp_path, SKIPPING, [40.0, 0, 0, 0, 65.0, 0], rule)
+    assert (made.value and made.value.place.title) == place
+    if place is None:
+        assert any("KEEP {TCP} UPRIGHT 50 (deg) {B}" in one.message for one in made.diagnostics)
+    else:
+        (command,) = made.value.made.certificate.commands
+        assert command.kept[0].largest >= np.radians(64.9)
 
 
 @pytest.mark.parametrize(("off", "place"), [(0.01, None), (1e-6, "the start"), (0.0, "the start")])

@@ -1,4 +1,6 @@
-"""The robot and its surroundings as programs that draw them are told: they are the robot and the cell, and who watches hears of each change."""
+"""The robot and its surroundings as programs that draw them are told: they are the robot and the cell, and
+who watches hears of each change.
+"""
 
 import asyncio
 import shutil
@@ -78,7 +80,17 @@ joints = { J1 = [-100, 100] }
 """
     + FLOOR
 )
-TRIANGLE = "solid a\n facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 10 0 0\n vertex 0 10 0\n endloop\n endfacet\nendsolid a\n"
+TRIANGLE = (
+    "solid a\n"
+    " facet normal 0 0 1\n"
+    " outer loop\n"
+    " vertex 0 0 0\n"
+    " vertex 10 0 0\n"
+    " vertex 0 10 0\n"
+    " endloop\n"
+    " endfacet\n"
+    "endsolid a\n"
+)
 
 
 def joint_positions(robot, seed=0):
@@ -92,7 +104,9 @@ def joint_positions(robot, seed=0):
 
 @pytest.fixture
 def meshed(tmp_path):
-    """INDUSTRIAL6 with a mesh whose name needs an escape, one that is missing, and a finger whose joint isn't an axis."""
+    """INDUSTRIAL6 with a mesh whose name needs an escape, one that is missing, and a finger whose joint
+    isn't an axis.
+    """
     folder = tmp_path / "with meshes"
     shutil.copytree(robot_of("INDUSTRIAL6").folder, folder)
     (folder / "a cup.stl").write_text(TRIANGLE)

@@ -1,4 +1,6 @@
-"""A controller that isn't ready: the coordinator is there, nothing moves, and motors are enabled and homed, settings compared and sent."""
+"""A controller that isn't ready: the coordinator is there, nothing moves, and motors are enabled and
+homed, settings compared and sent.
+"""
 
 import asyncio
 from pathlib import Path

@@ -1,7 +1,9 @@
-"""Sessions by chance: any order of commands, stops, faults and disconnects, by two clients, in the process and over its socket, against the simulator in virtual time.
+"""Sessions by chance: any order of commands, stops, faults and disconnects, by two clients, in the process
+and over its socket, against the simulator in virtual time.
 
-What holds for all of them: nothing is streamed that wasn't certified, no joint is ever beyond a limit, and after a stop the robot is at rest within the time that physics
-allows. The same sessions are looked at each time; `YARCLANG_RANDOM_SESSIONS=1000` looks at so many others, for a night.
+What holds for all of them: nothing is streamed that wasn't certified, no joint is ever beyond a limit, and
+after a stop the robot is at rest within the time that physics allows. The same sessions are looked at each
+time; `YARCLANG_RANDOM_SESSIONS=1000` looks at so many others, for a night.
 """
 
 import asyncio
@@ -69,7 +71,9 @@ FLOORS = {
     "stops and aborts of what moves": 0.0,
     "faults cleared": 0.0,
 }
-"""What a run of sessions must have done, as shares of what was wanted; after a fault or a stop much is refused."""
+"""What a run of sessions must have done, as shares of what was wanted; after a fault or a stop much is
+refused.
+"""
 SPEEDS = st.lists(st.floats(-0.6, 0.6), min_size=6, max_size=6)
 
 
@@ -120,7 +124,9 @@ class Sessions(RuleBasedStateMachine):
 
     @initialize(moves=st.booleans())
     def begin(self, moves):
-        """Half of the sessions begin in motion: else few are left in which something moves that is stopped."""
+        """Half of the sessions begin in motion: else few are left in which something moves that is
+        stopped.
+        """
         self.do(self._begin())
         if moves:
             self.line("MOVEJ 20 20 15 0 50 10 [20%] (deg,s)", 0.4)
@@ -207,7 +213,8 @@ class Sessions(RuleBasedStateMachine):
     @rule(joints=JOINTS, wait=st.sampled_from([0.02, 0.1, 0.5]))
     def motion(self, joints, wait):
         self.line(
-            f"MOVEJ {joints[0]} {10 + joints[1]} {10 + joints[2]} 0 {40 + joints[4]} {joints[5]} [40%] (deg,s)",
+            f"MOVEJ {joints[0]} {10 + joints[1]} {10 + joints[2]} 0 {40 + joints[4]} {joints[5]} [40%] "
+            "(deg,s)",
             wait,
         )
 

@@ -1,4 +1,6 @@
-"""JPOS and LPOS: where the robot stands is kept under a name, shown as a line of a program, and used only once it stands in the text."""
+"""JPOS and LPOS: where the robot stands is kept under a name, shown as a line of a program, and used only
+once it stands in the text.
+"""
 
 import numpy as np
 import pytest
@@ -56,7 +58,11 @@ def test_a_broken_database_is_told(tmp_path):
 @given(st.lists(st.floats(-60.0, 60.0), min_size=6, max_size=6))
 def test_a_line_that_is_shown_declares_the_place(values):
     robot, q = robot_of("INDUSTRIAL6"), np.deg2rad(values)
-    text = f"{line_of(robot, 'joints', 'A', q)}\n{line_of(robot, 'pose', 'P', q)}\nDEFAULT {{TCP}} [5] (mm,deg,s) {{B}}\n"
+    text = (
+        f"{line_of(robot, 'joints', 'A', q)}\n"
+        f"{line_of(robot, 'pose', 'P', q)}\n"
+        f"DEFAULT {{TCP}} [5] (mm,deg,s) {{B}}\n"
+    )
     program, found = checked(f"{text}P0010 MOVEJ A\nP0020 MOVEJ_RPY P\n")
     assert not [one for one in found if one.is_error]
     joints, pose = (step.goal for step in program.steps)

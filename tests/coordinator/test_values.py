@@ -1,4 +1,6 @@
-"""Values from outside: taken while the program waits, all of a message or nothing; what is late, repeated, far or nonsense is refused and logged."""
+"""Values from outside: taken while the program waits, all of a message or nothing; what is late, repeated,
+far or nonsense is refused and logged.
+"""
 
 import asyncio
 import math
@@ -291,7 +293,9 @@ def test_a_flood_of_nonsense_does_not_fill_the_log():
 
 
 def test_random_cameras_never_get_anything_else_in():
-    """Whatever is sent and whenever: registers hold what was taken, in their ranges, and the ways are those of what they hold."""
+    """Whatever is sent and whenever: registers hold what was taken, in their ranges, and the ways are
+    those of what they hold.
+    """
     seen, codes = [], set()
 
     def camera(seed):

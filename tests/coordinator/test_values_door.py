@@ -1,4 +1,6 @@
-"""The TCP port for values: only with the token, only values, and whatever a caller does, nobody else waits for it."""
+"""The TCP port for values: only with the token, only values, and whatever a caller does, nobody else waits
+for it.
+"""
 
 import asyncio
 import contextlib
@@ -24,7 +26,9 @@ WANTED = Wanted(1, "P0020 WAIT", (("SEEN", 0, 2), ("X", -100, 100)), ("SEEN", "X
 
 
 class Opened:
-    """A door of a coordinator whose program seems to wait for values, in a thread of its own; each message that is taken opens the next question."""
+    """A door of a coordinator whose program seems to wait for values, in a thread of its own; each message
+    that is taken opens the next question.
+    """
 
     def __init__(self, robot):
         self.worst = 0.0

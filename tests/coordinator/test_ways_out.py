@@ -1,4 +1,6 @@
-"""ON CURTAIN OFF CALL AWAY: at whatever instant the input changes, the robot brakes on its path; when a person says so, it goes back along it to where the motion began, and leaves."""
+"""ON CURTAIN OFF CALL AWAY: at whatever instant the input changes, the robot brakes on its path; when a
+person says so, it goes back along it to where the motion began, and leaves.
+"""
 
 import asyncio
 import re
@@ -310,13 +312,24 @@ def test_a_controller_text_leaves_only_if_its_program_is_there(tmp_path, known):
 
 VARIANTS = {
     "a loop at run time": (
-        "P0005 MOVEJ 0 0 0 0 30 0 [1]\nWHILE DOOR OFF\n  P0010 MOVEJ 10 0 0 0 30 0 [1]\n  P0020 MOVEJ 0 0 0 0 30 0 [1]\nEND\n",
+        (
+            "P0005 MOVEJ 0 0 0 0 30 0 [1]\n"
+            "WHILE DOOR OFF\n"
+            "  P0010 MOVEJ 10 0 0 0 30 0 [1]\n"
+            "  P0020 MOVEJ 0 0 0 0 30 0 [1]\n"
+            "END\n"
+        ),
         3.6,
     ),
     "a way that is decided": (
         (
-            "P0010 MOVEJ 0 0 0 0 30 0 [1]\nWHEN DOOR ON\n  P0020 MOVEJ 20 0 0 0 30 0 [2]\nELSE\n  P0030 MOVEJ -20 0 0 0 30 0 [2]\n"
-            "  P0040 MOVEJ 20 0 0 0 30 0 [2]\nEND\n"
+            "P0010 MOVEJ 0 0 0 0 30 0 [1]\n"
+            "WHEN DOOR ON\n"
+            "  P0020 MOVEJ 20 0 0 0 30 0 [2]\n"
+            "ELSE\n"
+            "  P0030 MOVEJ -20 0 0 0 30 0 [2]\n"
+            "  P0040 MOVEJ 20 0 0 0 30 0 [2]\n"
+            "END\n"
         ),
         2.5,
     ),

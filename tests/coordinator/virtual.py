@@ -1,4 +1,6 @@
-"""A coordinator and the simulator in virtual time: an event loop whose clock jumps to what comes next, and a wire without a socket."""
+"""A coordinator and the simulator in virtual time: an event loop whose clock jumps to what comes next, and
+a wire without a socket.
+"""
 
 import asyncio
 import contextlib

@@ -1,4 +1,5 @@
-"""The tutorial and the chapter on commissioning are done as they stand: files are written, commands are run in the order of the pages, and their output is compared.
+"""The tutorial and the chapter on commissioning are done as they stand: files are written, commands are run
+in the order of the pages, and their output is compared.
 
 `pytest tests/docs/test_tutorial.py --rewrite-golden` puts the output of today into the pages.
 """

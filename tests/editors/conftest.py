@@ -1,4 +1,6 @@
-"""Programs that the editors' tests need: without them a test is skipped with the reason, or fails where they must be there."""
+"""Programs that the editors' tests need: without them a test is skipped with the reason, or fails where
+they must be there.
+"""
 
 import os
 import shutil

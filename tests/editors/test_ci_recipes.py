@@ -39,7 +39,9 @@ def shell(line, folder):
 
 
 def hook(name, folder, *args):
-    """Run a hook as pre-commit does: its entry, the arguments, and the files that match, from the repository's top."""
+    """Run a hook as pre-commit does: its entry, the arguments, and the files that match, from the
+    repository's top.
+    """
     (found,) = (one for one in HOOKS if one["id"] == name)
     files = [path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()]
     matching = sorted(path for path in files if re.search(found["files"], path))

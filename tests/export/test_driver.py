@@ -1,4 +1,6 @@
-"""The package of the ROS nodes: it needs nothing of yarclang where it runs, ROS's own tools read it, and nobody's work is written over."""
+"""The package of the ROS nodes: it needs nothing of yarclang where it runs, ROS's own tools read it, and
+nobody's work is written over.
+"""
 
 import ast
 import json
@@ -154,8 +156,8 @@ def test_ros_own_reader_takes_the_package(package):
     for version, build in (("1", "catkin"), ("2", "ament_cmake")):
         text = (
             "import sys; from catkin_pkg.package import parse_package; made = parse_package(sys.argv[1]); "
-            f"made.evaluate_conditions({{'ROS_VERSION': '{version}'}}); "
-            "print(made.get_build_type(), *(one.name for one in made.exec_depends if one.evaluated_condition))"
+            f"made.evaluate_conditions({{'ROS_VERSION': '{version}'}}); print(made.get_build_type(), "
+            "*(one.name for one in made.exec_depends if one.evaluated_condition))"
         )
         done = system_python("-c", text, str(package))
         if "No module named 'catkin_pkg'" in done.stderr:

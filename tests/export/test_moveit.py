@@ -200,7 +200,7 @@ def test_a_capsule_becomes_bodies_of_the_same_room(tmp_path):
 def test_meshes_go_with_it(tmp_path):
     robot = with_tool(tmp_path, "")
     folder = robot.folder
-    mesh = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid a\n"
+    mesh = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\nendfacet\nendsolid a\n"  # noqa: E501
     (folder / "meshes").mkdir()
     (folder / "meshes" / "a.stl").write_bytes(mesh)
     (folder / "meshes" / "ö b.stl").write_bytes(mesh)

@@ -1,4 +1,6 @@
-"""Exported trajectories stay within the tolerance of what the controller executes, held against scipy's splines of the text."""
+"""Exported trajectories stay within the tolerance of what the controller executes, held against scipy's
+splines of the text.
+"""
 
 import io
 import json
@@ -101,7 +103,9 @@ def test_every_driver_stays_within_the_tolerance(drawn, tolerance, straight):
 
 @pytest.mark.parametrize("seed", [7, 19])
 def test_all_kinds_of_motions_at_the_smallest_tolerance(seed, industrial6):
-    """Of seed 7, hulls that were cut at other places than those of the choice exceeded the tolerance by 0.05 %."""
+    """Of seed 7, hulls that were cut at other places than those of the choice exceeded the tolerance by
+    0.05 %.
+    """
     text = drawn(Arm.in_folder(industrial6.folder), np.random.default_rng(seed), most=4).text
     _, made, _ = made_of(text, tolerance=1e-6, straight=True)
     assert len(made.points.time) > 100

@@ -53,7 +53,9 @@ def driven(kind, trajectory, at):
 
 
 def executed(text, arm_units, stretches):
-    """Of each stretch, given as the steps of its motions, dense times [s] and positions [rad or m]; and how long it takes."""
+    """Of each stretch, given as the steps of its motions, dense times [s] and positions [rad or m]; and
+    how long it takes.
+    """
     _, commands = read(text)
     found = []
     for steps in stretches:

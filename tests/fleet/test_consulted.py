@@ -95,7 +95,13 @@ def test_meshes_and_robots_of_ones_own_come_with_a_bundle(tmp_path, monkeypatch)
     shutil.copytree("stdlib/robots/industrial6", tmp_path / "ours")
     (tmp_path / "block.stl").write_text(_block())
     (tmp_path / "cell.toml").write_text(
-        'units = "mm,deg"\n[[obstacles]]\nname = "BLOCK"\nshape = "mesh"\nfile = "block.stl"\nframe = "B"\nxyz = [2000, 0, 0]\n'
+        'units = "mm,deg"\n'
+        "[[obstacles]]\n"
+        'name = "BLOCK"\n'
+        'shape = "mesh"\n'
+        'file = "block.stl"\n'
+        'frame = "B"\n'
+        "xyz = [2000, 0, 0]\n"
     )
     (tmp_path / "way.yarc").write_text('CELL "cell.toml"\nP0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg,s)\n')
     monkeypatch.chdir(tmp_path)

@@ -18,7 +18,11 @@ def place(folder, *arguments):
     return json.loads(result.stdout)
 
 
-LINES = "P0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {SLOT}\nP0020 MOVEL 0 60 0 0 0 0 [V 100] {SLOT}\nP0030 MOVEL 0 0 0 0 0 0 [V 100] {SLOT}\n"
+LINES = (
+    "P0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {SLOT}\n"
+    "P0020 MOVEL 0 60 0 0 0 0 [V 100] {SLOT}\n"
+    "P0030 MOVEL 0 0 0 0 0 0 [V 100] {SLOT}\n"
+)
 WALLS = """units = "mm,deg"
 [frames.SLOT]
 parent = "B"
@@ -51,7 +55,11 @@ CELLS = {
     # towards the place where the way begins, until a wall is in the way
     "near": (
         WALLS,
-        "P0010 MOVEJ_RPY -60 1174.4 1000 0 0 0 [MIN]\nP0020 MOVEL 120 0 0 0 0 0 [V 20] {SLOT}\nP0030 MOVEL 0 0 40 0 0 0 [V 20] {SLOT}\n",
+        (
+            "P0010 MOVEJ_RPY -60 1174.4 1000 0 0 0 [MIN]\n"
+            "P0020 MOVEL 120 0 0 0 0 0 [V 20] {SLOT}\n"
+            "P0030 MOVEL 0 0 40 0 0 0 [V 20] {SLOT}\n"
+        ),
         "X",
         0,
         100,
@@ -93,8 +101,11 @@ def test_a_known_best_is_found_within_5_mm(tmp_path, name):
 def test_the_answer_is_a_patch_and_is_written_when_asked(tmp_path):
     program = tmp_path / "way.yarc"
     program.write_text(
-        "DEFAULT {TCP} (mm,deg,s) {B}\nFRAME {STOP} 0 1074.4 1000 0 0 0     ! the fixture\n"
-        "P0010 MOVEJ_RPY -300 1174.4 1000 0 0 0 [MIN]\nP0020 MOVEL 0 0 0 0 0 0 [V 200] {STOP}\nP0030 MOVEL 300 1174.4 1000 0 0 0 [V 200]\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "FRAME {STOP} 0 1074.4 1000 0 0 0     ! the fixture\n"
+        "P0010 MOVEJ_RPY -300 1174.4 1000 0 0 0 [MIN]\n"
+        "P0020 MOVEL 0 0 0 0 0 0 [V 200] {STOP}\n"
+        "P0030 MOVEL 300 1174.4 1000 0 0 0 [V 200]\n"
     )
     arguments = ["place", str(program), "stop", "--within", "Y=-200:200", "--robot", "INDUSTRIAL6"]
     before = program.read_text()
@@ -114,7 +125,9 @@ def test_the_answer_is_a_patch_and_is_written_when_asked(tmp_path):
 def test_a_map_says_why_not(tmp_path):
     program = tmp_path / "way.yarc"
     program.write_text(
-        "DEFAULT {TCP} (mm,deg,s) {B}\nFRAME {FAR} 0 9000 900 0 0 0\nP0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {FAR}\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "FRAME {FAR} 0 9000 900 0 0 0\n"
+        "P0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {FAR}\n"
     )
     result = CliRunner().invoke(
         yarc, ["place", str(program), "FAR", "--robot", "INDUSTRIAL6", "--most", "60"]
@@ -139,7 +152,9 @@ def test_a_map_says_why_not(tmp_path):
 def test_what_cannot_be_placed_is_said(tmp_path, arguments, words):
     program = tmp_path / "way.yarc"
     program.write_text(
-        "DEFAULT {TCP} (mm,deg,s) {B}\nFRAME {STOP} 0 1074.4 1000 0 0 0\nP0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {STOP}\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "FRAME {STOP} 0 1074.4 1000 0 0 0\n"
+        "P0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {STOP}\n"
     )
     result = CliRunner().invoke(yarc, ["place", str(program), *arguments, "--robot", "INDUSTRIAL6"])
     assert result.exit_code in (1, 2)
@@ -158,7 +173,9 @@ def test_a_shift_moves_the_frame_by_what_it_says(tmp_path, seed):
 
     random = np.random.default_rng(seed)
     text = (
-        "DEFAULT {TCP} (mm,deg,s) {B}\nFRAME {TABLE} 100 900 800 10 20 30\nFRAME {PART} 50 60 70 -30 5 15 {TABLE}\n"
+        "DEFAULT {TCP} (mm,deg,s) {B}\n"
+        "FRAME {TABLE} 100 900 800 10 20 30\n"
+        "FRAME {PART} 50 60 70 -30 5 15 {TABLE}\n"
         "P0010 MOVEJ_RPY 0 0 0 0 0 0 [MIN] {PART}\n"
     )
     source = SourceFile(str(tmp_path / "way.yarc"), text)

@@ -1,4 +1,6 @@
-"""Results are reused while nothing that they depend on has changed, by yarc check and yarcc as people call them."""
+"""Results are reused while nothing that they depend on has changed, by yarc check and yarcc as people call
+them.
+"""
 
 import shutil
 import sqlite3
@@ -10,7 +12,13 @@ from click.testing import CliRunner
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
 
-PROGRAM = 'USE TOOLS\nCELL "cell.toml"\nDEFAULT (deg,s)\nP0010 MOVEJ 10 0 0 0 0 0 [MIN]\nP0020 MOVEJ 20 0 0 0 0 0 [MIN]\n'
+PROGRAM = (
+    "USE TOOLS\n"
+    'CELL "cell.toml"\n'
+    "DEFAULT (deg,s)\n"
+    "P0010 MOVEJ 10 0 0 0 0 0 [MIN]\n"
+    "P0020 MOVEJ 20 0 0 0 0 0 [MIN]\n"
+)
 
 
 @pytest.fixture
@@ -23,7 +31,13 @@ def project(tmp_path, monkeypatch):
     shutil.copytree("stdlib/robots/industrial6", folder / "ours")
     (folder / "yarc.toml").write_text('robot = "ours"\n')
     (folder / "cell.toml").write_text(
-        'units = "mm,deg"\n[[obstacles]]\nname = "FLOOR"\nshape = "box"\nsize = [10, 10, 10]\nframe = "B"\nxyz = [3000, 0, 0]\n'
+        'units = "mm,deg"\n'
+        "[[obstacles]]\n"
+        'name = "FLOOR"\n'
+        'shape = "box"\n'
+        "size = [10, 10, 10]\n"
+        'frame = "B"\n'
+        "xyz = [3000, 0, 0]\n"
     )
     (folder / "tools.yarc").write_text("LET X = 1\n")
     (folder / "way.yarc").write_text(PROGRAM)

@@ -28,7 +28,8 @@ def started(folder, *arguments):
     with (folder / "log").open("wb") as log:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path.cwd()), *sys.path[1:]])}
         return subprocess.Popen(
-            [sys.executable, "-m", "distributed.cli.dask_scheduler" if arguments[0] == "scheduler" else "distributed.cli.dask_worker", *arguments[1:]],
+            [sys.executable, "-m",
+                "distributed.cli.dask_scheduler" if arguments[0] == "scheduler" else "distributed.cli.dask_worker", *arguments[1:]],  # noqa: E501
             cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True,
         )  # fmt: skip
 

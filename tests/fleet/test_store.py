@@ -1,4 +1,6 @@
-"""The store of results: forged entries, damaged files, full disks, many processes, and processes that are killed."""
+"""The store of results: forged entries, damaged files, full disks, many processes, and processes that are
+killed.
+"""
 
 import multiprocessing
 import os

@@ -1,4 +1,6 @@
-"""Programs with the robot, the rack and the cell of the example with a tool changer, as the tests of tools need them."""
+"""Programs with the robot, the rack and the cell of the example with a tool changer, as the tests of tools
+need them.
+"""
 
 from functools import cache
 from pathlib import Path

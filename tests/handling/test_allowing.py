@@ -314,15 +314,19 @@ def test_in_a_loop_it_holds_in_every_pass(run):
     program += UP.format(more=" ALLOW FINGERS TRACK") + "UNTIL GOOD ON\n"
     assert codes(run(program)) == []
     # the first pass comes from the frame, and the others don't
-    left = (
-        OVER
-        + "LOOP\nP0020 MOVEL_RPY 300 850 615 0 0 0 [2] {B}\nP0030 MOVEJ_RPY 300 850 770 0 0 0 {B}\nUNTIL GOOD ON\n"
+    left = OVER + (
+        "LOOP\n"
+        "P0020 MOVEL_RPY 300 850 615 0 0 0 [2] {B}\n"
+        "P0030 MOVEJ_RPY 300 850 770 0 0 0 {B}\n"
+        "UNTIL GOOD ON\n"
     )
     assert "Y0901" in codes(run(left, LEAVES))
 
 
 def test_what_was_proved_before_is_proved_for_these_pairs_alone(tmp_path):
-    """An editor keeps proofs: one that was made with an ALLOW isn't taken for the motion without it, and lines that move are told anew."""
+    """An editor keeps proofs: one that was made with an ALLOW isn't taken for the motion without it, and
+    lines that move are told anew.
+    """
     (tmp_path / "cell.toml").write_text(
         carrying.CELL.format(**carrying.GIVEN).replace('"FEEDER"\nsize', '"PUT"\nsize')
     )

@@ -1,4 +1,6 @@
-"""Parts from the cell's file to the finding or the certificate: what a gripper holds is there, what it has put down stays, and nothing else is let through."""
+"""Parts from the cell's file to the finding or the certificate: what a gripper holds is there, what it has
+put down stays, and nothing else is let through.
+"""
 
 import json
 import re
@@ -21,7 +23,8 @@ def test_a_part_is_brought_from_place_to_place(tmp_path):
     assert codes(found.diagnostics) == []
     carries = {one.index: one.carries for one in found.value.certificate.commands}
     assert carries == {
-        "P0010": (), "P0020": (), "P0040": ("BOX",), "P0050": ("BOX",), "P0060": ("BOX",), "P0080": (), "P0090": (),
+        "P0010": (), "P0020": (), "P0040": ("BOX",), "P0050": ("BOX",), "P0060": ("BOX",), "P0080": (),
+            "P0090": (),
     }  # fmt: skip
     near = {one.index: one.clearance for one in found.value.certificate.commands}
     assert "BOX" in (near["P0050"].first, near["P0050"].second)
@@ -62,13 +65,31 @@ def test_a_gripper_moves_at_rest_only(tmp_path):
 
 
 def test_what_is_held_is_held_against_the_cell(tmp_path):
-    post = '\n[[obstacles]]\nname = "POST"\nshape = "cylinder"\nframe = "B"\nxyz = [25, {}, 700]\nradius = 20\nlength = 300\n'
+    post = (
+        "\n"
+        "[[obstacles]]\n"
+        'name = "POST"\n'
+        'shape = "cylinder"\n'
+        'frame = "B"\n'
+        "xyz = [25, {}, 700]\n"
+        "radius = 20\n"
+        "length = 300\n"
+    )
     ways = [made(tmp_path, PICK + PUT, post.format(y)) for y in (620, 915)]
     assert [one.value is not None for one in ways] == [True, False]
     messages = " ".join(one.message for one in ways[1].diagnostics)
     assert re.search(r"(BOX|FINGERS) goes [\d.]+ mm into POST", messages)
     # a longer box meets what a short one passes
-    slim = '\n[[obstacles]]\nname = "POST"\nshape = "cylinder"\nframe = "B"\nxyz = [480, 850, 900]\nradius = 20\nlength = 400\n'
+    slim = (
+        "\n"
+        "[[obstacles]]\n"
+        'name = "POST"\n'
+        'shape = "cylinder"\n'
+        'frame = "B"\n'
+        "xyz = [480, 850, 900]\n"
+        "radius = 20\n"
+        "length = 400\n"
+    )
     for size, is_free in ((60, True), (420, False)):
         found = made(tmp_path, PICK + PUT, slim, size=size)
         assert (found.value is not None) is is_free
@@ -109,10 +130,14 @@ def test_a_part_may_touch_what_it_lies_on_and_not_go_through(tmp_path):
 
 
 def test_a_gripper_touches_its_part_on_the_way_in_and_out_alone(tmp_path):
-    """Straight on through the box that was just put down: it is no longer the way out once the fingers were clear of the box."""
+    """Straight on through the box that was just put down: it is no longer the way out once the fingers
+    were clear of the box.
+    """
     out = PUT.replace(
         "P0090 MOVEJ READY",
-        "P0090 MOVEL 200 0 120 0 0 0 [1.2] {PUT}\nP0100 MOVEL 200 0 0 0 0 0 [1.2] {PUT}\nP0110 MOVEL 0 0 0 0 0 0 [2] {PUT}",
+        "P0090 MOVEL 200 0 120 0 0 0 [1.2] {PUT}\n"
+        "P0100 MOVEL 200 0 0 0 0 0 [1.2] {PUT}\n"
+        "P0110 MOVEL 0 0 0 0 0 0 [2] {PUT}",
     )
     found = made(tmp_path, PICK + out)
     assert found.value is None
@@ -134,9 +159,19 @@ def test_after_a_when_both_worlds_are_proved(tmp_path):
 
 
 def test_a_text_is_judged_with_the_parts_where_they_are(tmp_path):
-    """The judge follows the parts by itself: a text that carries a box through a wall is refused, whatever the planner knew."""
+    """The judge follows the parts by itself: a text that carries a box through a wall is refused, whatever
+    the planner knew.
+    """
     free = made(tmp_path, PICK + PUT)
-    wall = '\n[[obstacles]]\nname = "WALL"\nshape = "box"\nframe = "B"\nxyz = [25, 1000, 700]\nsize = [10, 200, 180]\n'
+    wall = (
+        "\n"
+        "[[obstacles]]\n"
+        'name = "WALL"\n'
+        'shape = "box"\n'
+        'frame = "B"\n'
+        "xyz = [25, 1000, 700]\n"
+        "size = [10, 200, 180]\n"
+    )
     blocked = made(tmp_path, PICK + PUT, wall)
     assert blocked.value is None
     from yarclang.pipeline.cells import cell_loader

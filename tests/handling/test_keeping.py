@@ -34,9 +34,11 @@ def test_the_angle_holds_between_the_ends_too(limit, wrong):
 
 def test_a_way_between_two_upright_places_that_tilts_is_refused():
     """The motion before the KEEP has no rule, and isn't judged by any."""
-    arc = (
-        HEAD
-        + "P0010 MOVEJ 0 0 0 0 20 0\nKEEP {TCP} UPRIGHT 21 (deg)\n  P0020 MOVEJ_SPLINE 0 0 0 0 40 0; 0 0 0 0 20 0 [4]\nEND\n"
+    arc = HEAD + (
+        "P0010 MOVEJ 0 0 0 0 20 0\n"
+        "KEEP {TCP} UPRIGHT 21 (deg)\n"
+        "  P0020 MOVEJ_SPLINE 0 0 0 0 40 0; 0 0 0 0 20 0 [4]\n"
+        "END\n"
     )
     _, found = compiled(arc)
     assert codes(found) == ["Y0955"]

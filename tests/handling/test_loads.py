@@ -1,4 +1,6 @@
-"""The load that a part is: torques with it are Pinocchio's, whose own formulas give the inertia of its shape."""
+"""The load that a part is: torques with it are Pinocchio's, whose own formulas give the inertia of its
+shape.
+"""
 
 from types import SimpleNamespace as Bare
 

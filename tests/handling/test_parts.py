@@ -1,4 +1,6 @@
-"""Laws of taking and putting down, for any poses: nothing moves while a gripper closes or opens, and nothing is lost."""
+"""Laws of taking and putting down, for any poses: nothing moves while a gripper closes or opens, and
+nothing is lost.
+"""
 
 from dataclasses import replace
 

@@ -1,6 +1,8 @@
-"""Boxes that are carried at random: whatever is certified keeps the box clear of everything, by arithmetic that shares nothing with the proof.
+"""Boxes that are carried at random: whatever is certified keeps the box clear of everything, by arithmetic
+that shares nothing with the proof.
 
-Regular expressions read the text, scipy's splines execute it, Pinocchio moves the flange, and the corners, edges and faces of a box are held against the boxes of the cell by coal, at many instants.
+Regular expressions read the text, scipy's splines execute it, Pinocchio moves the flange, and the corners,
+edges and faces of a box are held against the boxes of the cell by coal, at many instants.
 """
 
 import coal
@@ -33,7 +35,9 @@ def box(size, point, turn=None):
 
 
 def gap(one, other):
-    """Signed distance of two boxes [mm]. Of boxes that touch exactly coal may answer -1.8e308: then one is moved by a nanometre."""
+    """Signed distance of two boxes [mm]. Of boxes that touch exactly coal may answer -1.8e308: then one is
+    moved by a nanometre.
+    """
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
     for nudge in (0.0, 1e-6, -1e-6):

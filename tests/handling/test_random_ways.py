@@ -1,6 +1,8 @@
-"""Programs with WHENs at random between the SETs of a gripper and the motions next to them: on every way that can be taken, whatever is certified keeps the box clear.
+"""Programs with WHENs at random between the SETs of a gripper and the motions next to them: on every way that
+can be taken, whatever is certified keeps the box clear.
 
-Regular expressions read the text, scipy's splines execute it, Pinocchio moves the flange, and coal holds the box against the boxes of the cell, and against the next one of the feeder from where this can come.
+Regular expressions read the text, scipy's splines execute it, Pinocchio moves the flange, and coal holds the
+box against the boxes of the cell, and against the next one of the feeder from where this can come.
 """
 
 from itertools import product

@@ -1,4 +1,6 @@
-"""A part that begins in the air or in something, and a gripper that is deep in its part: most likely a frame of the cell.toml is wrong."""
+"""A part that begins in the air or in something, and a gripper that is deep in its part: most likely a
+frame of the cell.toml is wrong.
+"""
 
 import pytest
 from programs import codes

@@ -1,4 +1,6 @@
-"""Programs that carry parts, one command at a time and from a command in the middle: parts are then where the whole program has them."""
+"""Programs that carry parts, one command at a time and from a command in the middle: parts are then where
+the whole program has them.
+"""
 
 import numpy as np
 import pytest
@@ -53,7 +55,15 @@ def test_a_step_that_meets_something_with_its_part_is_refused(tmp_path):
     from dataclasses import replace
 
     plan = made(tmp_path, PICK + PUT).value.plan
-    wall = '\n[[obstacles]]\nname = "WALL"\nshape = "box"\nframe = "B"\nxyz = [25, 1000, 700]\nsize = [10, 200, 180]\n'
+    wall = (
+        "\n"
+        "[[obstacles]]\n"
+        'name = "WALL"\n'
+        'shape = "box"\n'
+        'frame = "B"\n'
+        "xyz = [25, 1000, 700]\n"
+        "size = [10, 200, 180]\n"
+    )
     from yarclang.pipeline.cells import cell_loader
 
     made(tmp_path, PICK + PUT, wall)
@@ -67,7 +77,9 @@ def test_a_step_that_meets_something_with_its_part_is_refused(tmp_path):
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.7, 0.98])
 @pytest.mark.parametrize("number", [1, 2, 4, 5])
 def test_a_run_that_was_stopped_beside_a_part_goes_on_along_its_path(tmp_path, number, share):
-    """Both back to where the motion begins, and on to its end; the way is straight, and the next part isn't there yet."""
+    """Both back to where the motion begins, and on to its end; the way is straight, and the next part
+    isn't there yet.
+    """
     plan = made(tmp_path, PICK + PUT, count=2).value.plan
     motion = plan.motions[number]
     here = motion.curve.sample(np.array([share * motion.curve.duration]))[0][0]

@@ -1,4 +1,6 @@
-"""Tools that a program changes: which is on the flange when, where it may be changed, and what its mass, bodies and frames then are."""
+"""Tools that a program changes: which is on the flange when, where it may be changed, and what its mass,
+bodies and frames then are.
+"""
 
 from dataclasses import replace
 
@@ -184,7 +186,16 @@ def test_a_program_may_begin_with_a_tool(tmp_path):
     assert "Y0951" in codes(errors(made(tmp_path, take("SUCTION"), changes=on)))
 
 
-ZONE = '\n[[zones]]\nname = "ROOM"\nrule = "allowed"\nshape = "box"\nframe = "B"\nxyz = [0, 0, 1000]\nsize = [4000, 4000, 2000]\n'
+ZONE = (
+    "\n"
+    "[[zones]]\n"
+    'name = "ROOM"\n'
+    'rule = "allowed"\n'
+    'shape = "box"\n'
+    'frame = "B"\n'
+    "xyz = [0, 0, 1000]\n"
+    "size = [4000, 4000, 2000]\n"
+)
 
 
 def test_a_zone_that_watches_the_tool_wants_one_that_is_there(tmp_path):

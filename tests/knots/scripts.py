@@ -1,4 +1,6 @@
-"""How the controller of a table of knots is talked to: one text line asks, one answers. Nothing goes on by itself but what was loaded."""
+"""How the controller of a table of knots is talked to: one text line asks, one answers. Nothing goes on by
+itself but what was loaded.
+"""
 
 from __future__ import annotations
 

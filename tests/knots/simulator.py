@@ -1,4 +1,6 @@
-"""A simulated controller that executes a table of knots, in a thread of its own: a text line asks, a text line answers."""
+"""A simulated controller that executes a table of knots, in a thread of its own: a text line asks, a text
+line answers.
+"""
 
 from __future__ import annotations
 

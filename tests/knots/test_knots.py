@@ -1,4 +1,6 @@
-"""A second kind of controller, in this folder: what is neutral asks the backend, and no room knows the one kind."""
+"""A second kind of controller, in this folder: what is neutral asks the backend, and no room knows the one
+kind.
+"""
 
 import asyncio
 import re
@@ -138,7 +140,9 @@ def test_an_output_of_another_kind_is_refused(folder):
 
 
 def carried_out(folder, during):
-    """Run the text on a simulator, `during(coordinator, client, simulator)` beside it. Returns how it has ended, the state, and how far off the end it stands."""
+    """Run the text on a simulator, `during(coordinator, client, simulator)` beside it. Returns how it has
+    ended, the state, and how far off the end it stands.
+    """
     compiled(folder)
     robot = load_robot(str(folder / "arm")).value
     loaded = load(Source(str(folder / "job.knots"), options=Options(robot=str(folder / "arm"))), robot).value

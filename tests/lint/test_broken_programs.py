@@ -1,4 +1,6 @@
-"""Programs with one fault each, made of the examples: what is found stands at the fault or speaks of it, and says it once or twice."""
+"""Programs with one fault each, made of the examples: what is found stands at the fault or speaks of it,
+and says it once or twice.
+"""
 
 import random
 import re

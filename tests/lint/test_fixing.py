@@ -1,4 +1,6 @@
-"""Fixes of broken programs: none makes an error that wasn't there, and the result has none of its fixes left to apply."""
+"""Fixes of broken programs: none makes an error that wasn't there, and the result has none of its fixes
+left to apply.
+"""
 
 import pytest
 from conftest import EXAMPLES
@@ -47,10 +49,18 @@ def test_an_old_program_says_the_same_in_todays_names(end):
 
 
 def test_foreign_characters_are_written_plainly_whatever_else_is_wrong():
-    text = "P0010\u00a0MOVEJ 200 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ \u22125 0 0 0 0 [\uff15] (deg,s)\n\u200bP0030 MOVEJ 1 2 3 ä\nP0040 STOP ! \u00a0\n"
+    text = (
+        "P0010\u00a0MOVEJ 200 0 0 0 0 0 [5] (deg,s)\n"
+        "P0020 MOVEJ \u22125 0 0 0 0 [\uff15] (deg,s)\n"
+        "\u200bP0030 MOVEJ 1 2 3 ä\n"
+        "P0040 STOP ! \u00a0\n"
+    )
     made = fixed(look(SourceFile("a.yarc", text)), look, lambda one: True)
     assert made.text == (
-        "P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ -5 0 0 0 0 [5] (deg,s)\n\u200bP0030 MOVEJ 1 2 3 ä\nP0040 STOP ! \u00a0\n"
+        "P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s)\n"
+        "P0020 MOVEJ -5 0 0 0 0 [5] (deg,s)\n"
+        "\u200bP0030 MOVEJ 1 2 3 ä\n"
+        "P0040 STOP ! \u00a0\n"
     )
     assert errors(made.checked) == ["Y0118", "Y0401", "Y0502"]
     assert len(made.applied) == 2

@@ -64,7 +64,12 @@ HEAD = "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
     [
         # what rests on a frame that isn't what was meant isn't spoken of, what doesn't rest on it is
         (
-            "FRAME {A} x 0 0 0 0 0\nFRAME {C} 0 0 0 0 0 0 {A}\nP0010 MOVEJ_RPY 0 0 0 0 0 0 {C}\nP0020 MOVEJ 400 0 0 0 0 0",
+            (
+                "FRAME {A} x 0 0 0 0 0\n"
+                "FRAME {C} 0 0 0 0 0 0 {A}\n"
+                "P0010 MOVEJ_RPY 0 0 0 0 0 0 {C}\n"
+                "P0020 MOVEJ 400 0 0 0 0 0"
+            ),
             [(2, "Y0402"), (5, "Y0502")],
         ),
         ("P0010 MOVEJ 10 0 0 0 0 0 [5\nP0020 MOVEJ 20 0 0 0 0 0", [(2, "Y0102")]),

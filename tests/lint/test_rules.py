@@ -20,7 +20,9 @@ CASES = [
     for number, text in enumerate(texts)
 ]
 TRUE_NOTES = {"Y0505", "Y0702", "Y0204", "Y0920"}
-"""What the examples are told, and rightly: a swing, a singularity beside the way, names of the first release, a way round."""
+"""What the examples are told, and rightly: a swing, a singularity beside the way, names of the first
+release, a way round.
+"""
 
 
 def found(text, folder, teach=False):
@@ -97,7 +99,11 @@ def test_a_rule_is_silent_at_a_command_with_an_error(tmp_path):
         ("P0010 MOVEJ HOME [5] (s)", True),
         ("P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)", True),
         (
-            "DEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0\nP0020 MOVEL 0 1174.4 1176 0 0 0",
+            (
+                "DEFAULT {TCP} [5] (mm,deg,s) {B}\n"
+                "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0\n"
+                "P0020 MOVEL 0 1174.4 1176 0 0 0"
+            ),
             True,
         ),
         ("P0010 DMOVE {TCP} 0 0 0 0 0 0 [5] (mm,deg,s) {B}", True),

@@ -1,4 +1,6 @@
-"""Comments that suppress findings: at the end of a line or alone above it; needless and impossible ones are told."""
+"""Comments that suppress findings: at the end of a line or alone above it; needless and impossible ones
+are told.
+"""
 
 import pytest
 

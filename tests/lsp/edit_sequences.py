@@ -1,4 +1,6 @@
-"""Sequences of edits by chance, with questions in between: what a person or a tool may do to a text, and worse."""
+"""Sequences of edits by chance, with questions in between: what a person or a tool may do to a text, and
+worse.
+"""
 
 import asyncio
 import random
@@ -28,13 +30,17 @@ EVERY = 25
 """Edits between two comparisons with a fresh check."""
 
 UNDONE = {10, EVERY - 1}
-"""Edits of somebody who types, between two comparisons, that mostly take all back; then a digit is changed. Else nearly all texts would have errors."""
+"""Edits of somebody who types, between two comparisons, that mostly take all back; then a digit is
+changed. Else nearly all texts would have errors.
+"""
 
 LONGEST = 120.0
 """A server that doesn't answer for so long [s] hangs."""
 
 ALLOWED = {-32800, -32801, -32803}
-"""Errors of the protocol that are no faults: a question was taken back, its text has changed, or it is refused."""
+"""Errors of the protocol that are no faults: a question was taken back, its text has changed, or it is
+refused.
+"""
 
 PIECES = [
     "P9000 MOVEJ HOME\n",
@@ -107,7 +113,9 @@ class Sequence:
     longest: float = 0.0
     """The longest time until a question was answered [s]."""
     done: Tally = field(default_factory=Tally)
-    """Edits that left another text; questions by their names that got an answer; comparisons, and those of texts with errors or that were planned."""
+    """Edits that left another text; questions by their names that got an answer; comparisons, and those of
+    texts with errors or that were planned.
+    """
     _pending: list[tuple[str, asyncio.Future[Any], float]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -293,7 +301,8 @@ class Sequence:
                 [one for one in fresh if one not in found],
             )
             raise AssertionError(
-                f"{self.path.name} {self.version}: only the server finds {more}, only a fresh check {less}\n{self.text!r}"
+                f"{self.path.name} {self.version}: only the server finds {more}, only a fresh check {less}\n"
+                f"{self.text!r}"
             )
         self.done.count("comparison")
         self.done.count("comparison of a program that can be carried out", checked.compiled is not None)

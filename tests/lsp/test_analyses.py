@@ -1,4 +1,6 @@
-"""Work in the background: newest first, given up where a text has changed, and never in the way of questions."""
+"""Work in the background: newest first, given up where a text has changed, and never in the way of
+questions.
+"""
 
 import asyncio
 import threading
@@ -191,7 +193,9 @@ def test_a_new_text_ends_the_first_look_at_the_old_one():
 
 
 def test_syntax_errors_of_long_texts_are_told_at_once():
-    """They come first, with what was said of other lines, and nobody takes them for all that is to be said."""
+    """They come first, with what was said of other lines, and nobody takes them for all that is to be
+    said.
+    """
 
     async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
         analyses.put(Document("busy", 1, ""))

@@ -21,7 +21,9 @@ def finding(source: SourceFile, line: int, code: str = "Y0601") -> Diagnostic:
 
 @given(LINES, LINES, LINES, LINES)
 def test_findings_move_with_their_lines(head: list[str], old: list[str], new: list[str], tail: list[str]):
-    """Whatever is carried stands in a line with the same text, and what stands before and behind the edit is."""
+    """Whatever is carried stands in a line with the same text, and what stands before and behind the edit
+    is.
+    """
     before, after = text([*head, *old, *tail]), text([*head, *new, *tail])
     findings = [finding(before, line + 1) for line in range(len(before.lines))]
     found = list(carried(planned_alone(before, findings, ()), after))

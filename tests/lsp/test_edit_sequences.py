@@ -1,8 +1,10 @@
-"""Texts that are edited by chance, quickly and while questions are open: the server answers all of them, and finds what `yarc check` finds.
+"""Texts that are edited by chance, quickly and while questions are open: the server answers all of them, and
+finds what `yarc check` finds.
 
-Usually four pairs of sequences are run, a quarter of a minute; YARCLANG_RANDOM_EDITS=500 in the environment runs so many pairs, half an hour. The two texts of a
-pair are edited at the same time in one server: one as people type, one as tools and paste do. With YARCLANG_RANDOM_EDITS_MEMORY=FILE, what the server
-holds [MB] after each pair is written there, after the pair's seed.
+Usually four pairs of sequences are run, a quarter of a minute; YARCLANG_RANDOM_EDITS=500 in the environment
+runs so many pairs, half an hour. The two texts of a pair are edited at the same time in one server: one as
+people type, one as tools and paste do. With YARCLANG_RANDOM_EDITS_MEMORY=FILE, what the server holds [MB]
+after each pair is written there, after the pair's seed.
 """
 
 import asyncio

@@ -1,4 +1,6 @@
-"""A server in which something fails: it shows the failure in the text, goes on, and looks at the next edit."""
+"""A server in which something fails: it shows the failure in the text, goes on, and looks at the next
+edit.
+"""
 
 import sys
 from pathlib import Path

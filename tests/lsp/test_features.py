@@ -127,7 +127,9 @@ def test_all_features_answer():
 
 
 def test_a_closing_bracket_ends_the_choice(tmp_path: Path):
-    """What is typed to its end matches no choice any more: else the next Enter would take one, and write over the bracket."""
+    """What is typed to its end matches no choice any more: else the next Enter would take one, and write
+    over the bracket.
+    """
     text = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [2] (mm,deg,s) {B}\nP0010 MOVEL 0 900 600 0 0 0 {}\n"
 
     async def work(one: Editor) -> None:
@@ -146,7 +148,14 @@ def test_lenses_are_asked_for_again_when_motions_are_planned(tmp_path: Path):
     async def work(one: Editor) -> None:
         planned = asyncio.Event()
         one.client.protocol.fm.features[types.WORKSPACE_CODE_LENS_REFRESH] = lambda _: planned.set()
-        program = "ROBOT INDUSTRIAL6\nP0010 WAIT [1] (s)\nP0020 MOVEJ HOME [2] (s)\nP0030 MOVEJ HOME [2] (s)\n\nP0040 STOP\n"
+        program = (
+            "ROBOT INDUSTRIAL6\n"
+            "P0010 WAIT [1] (s)\n"
+            "P0020 MOVEJ HOME [2] (s)\n"
+            "P0030 MOVEJ HOME [2] (s)\n"
+            "\n"
+            "P0040 STOP\n"
+        )
         document = one.open(tmp_path / "a.yarc", program)
         await planned.wait()
         lenses = await one.client.text_document_code_lens_async(types.CodeLensParams(document))
@@ -399,7 +408,16 @@ def test_a_name_of_the_cell_is_another_one_in_all_files(tmp_path: Path):
 def test_links_selections_pages_and_lines_that_are_ended(tmp_path: Path):
     (tmp_path / "side.yarc").write_text(SIDE)
     (tmp_path / "cell.toml").write_text(CELL)
-    text = 'ROBOT INDUSTRIAL6\nUSE SIDE\nCELL "cell.toml"\nREPEAT I 2\n  P0010   MOVJE {TCP} 1 2   3 [50%] ! on\nEND\np0020 movej   0 0 0 0 -30 0 [5](deg,s)\n\n'
+    text = (
+        "ROBOT INDUSTRIAL6\n"
+        "USE SIDE\n"
+        'CELL "cell.toml"\n'
+        "REPEAT I 2\n"
+        "  P0010   MOVJE {TCP} 1 2   3 [50%] ! on\n"
+        "END\n"
+        "p0020 movej   0 0 0 0 -30 0 [5](deg,s)\n"
+        "\n"
+    )
 
     async def work(one: Editor) -> None:
         document = one.open(tmp_path / "job.yarc", text)

@@ -96,7 +96,9 @@ def test_planned_findings_follow_for_who_can_ask_again(tmp_path: Path):
 
 
 def test_descriptions_and_their_users(tmp_path: Path):
-    """cell.toml has findings of its own, and a program's are new when its module changes without being saved."""
+    """cell.toml has findings of its own, and a program's are new when its module changes without being
+    saved.
+    """
 
     async def work(one: Editor) -> None:
         cell = one.open(tmp_path / "cell.toml", '[frames.A]\nparent = "C"\nxyz = [0, 0, 0]\n')
@@ -117,7 +119,9 @@ def test_descriptions_and_their_users(tmp_path: Path):
 
 
 def test_users_of_a_changed_table(tmp_path: Path):
-    """A table of way-points counts as it is open; what is wrong with it is said in the programs that name it."""
+    """A table of way-points counts as it is open; what is wrong with it is said in the programs that name
+    it.
+    """
     rows = "time,J1,J2,J3,J4,J5,J6\n1,5,0,0,0,0,0\n3,9,0,0,0,0,0\n"
     (tmp_path / "path.csv").write_text(rows)
 

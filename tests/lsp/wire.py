@@ -1,4 +1,6 @@
-"""A client of the server that sends and reads messages as they are: quick, and able to leave many questions open."""
+"""A client of the server that sends and reads messages as they are: quick, and able to leave many
+questions open.
+"""
 
 import asyncio
 import json

@@ -20,7 +20,9 @@ def checked(text: str):
 
 
 def faults_of(mistake: Mistake) -> list[str]:
-    """Return what is wrong with the answer: nothing, if it is one finding, in its place, that says what it should and repairs what it can."""
+    """Return what is wrong with the answer: nothing, if it is one finding, in its place, that says what it
+    should and repairs what it can.
+    """
     looked = checked(mistake.text)
     found = [one for one in looked.diagnostics if one.severity != "note"]
     if not found and not mistake.is_taken:

@@ -18,7 +18,8 @@ class Mistake:
         name: what it is, in short.
         lines: the program, with the place between « and ».
         says: what a good answer says: of each group of alternatives one.
-        repair: what stands instead of the marked line after the one likely repair; empty: none is likely, or more than one.
+        repair: what stands instead of the marked line after the one likely repair; empty: none is likely, or
+            more than one.
     """
 
     name: str

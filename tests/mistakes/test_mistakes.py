@@ -1,4 +1,6 @@
-"""A mistake gets one finding, at the right place, that says what to do, with its fix where one repair is likely."""
+"""A mistake gets one finding, at the right place, that says what to do, with its fix where one repair is
+likely.
+"""
 
 import random
 import time
@@ -31,8 +33,10 @@ def test_a_mistake_is_answered(mistake):
 
 
 PIECES = (
-    *("P0010 ", "MOVEJ ", "MOVEJ_RPY ", "SET ", "WAIT ", "LET ", "IF ", "HOLD ", "CALL ", "FRAME ", "READY", "Offs(p,1)", "sleep(2)"),
-    *("A", " ", "1", ",", ";", "=", "(", ")", "[", "]", "{", "}", "X0 ", "$", "-", "_", ".", "V ", "NEAR A ", "0,", "//", '"', "!"),
+    *("P0010 ", "MOVEJ ", "MOVEJ_RPY ", "SET ", "WAIT ", "LET ", "IF ", "HOLD ", "CALL ", "FRAME ", "READY",
+        "Offs(p,1)", "sleep(2)"),
+    *("A", " ", "1", ",", ";", "=", "(", ")", "[", "]", "{", "}", "X0 ", "$", "-", "_", ".", "V ", "NEAR A ",
+        "0,", "//", '"', "!"),
     *("2.5", "10°", "10deg", "1,174", "--", "#", "END", "BLEND", "TCP"),
 )  # fmt: skip
 
@@ -69,12 +73,15 @@ def test_a_line_of_nothing_but_a_sign_takes_no_time():
 
 
 HEADS = (
-    *("P0010 MOVEJ ", "P0010 MOVEC ", "P0010 SET ", "P0010 WAIT ", "P0010 HOLD ", "WHEN ", "REPEAT ", "LET N ", "FRAME {A} "),
+    *("P0010 MOVEJ ", "P0010 MOVEC ", "P0010 SET ", "P0010 WAIT ", "P0010 HOLD ", "WHEN ", "REPEAT ",
+        "LET N ", "FRAME {A} "),
     *("DEFAULT ", "USE ", "", "JOINTS A ", "OUTPUT A ", "CALL A", "REGISTER N "),
 )  # fmt: skip
 REPEATED = (
-    *("A,", "0 ", "0, ", "X0 ", "{A} ", "(", "A ", "$A + ", "1/", "-", "mm,", "[A] ", "BLEND 5 ", "NEAR 0 ", "V=1 ", "5 s", "NOT "),
-    *("A = ", "P-", "1.", "''", "A B", "( ", "0 Z1 ", "= 1 TO ", "TO 1 ", " TIMES", "  ", "\t", "; 0", "{ A", "}{"),
+    *("A,", "0 ", "0, ", "X0 ", "{A} ", "(", "A ", "$A + ", "1/", "-", "mm,", "[A] ", "BLEND 5 ", "NEAR 0 ",
+        "V=1 ", "5 s", "NOT "),
+    *("A = ", "P-", "1.", "''", "A B", "( ", "0 Z1 ", "= 1 TO ", "TO 1 ", " TIMES", "  ", "\t", "; 0", "{ A",
+        "}{"),
 )  # fmt: skip
 
 

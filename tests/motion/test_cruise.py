@@ -1,4 +1,6 @@
-"""Motions at a given speed: the frame goes just so fast between its ramps, and these are as short as limits allow."""
+"""Motions at a given speed: the frame goes just so fast between its ramps, and these are as short as
+limits allow.
+"""
 
 import numpy as np
 import pytest

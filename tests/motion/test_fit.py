@@ -94,7 +94,9 @@ def test_the_curve_passes_through_its_knots(segments, ends, seed):
 @pytest.mark.parametrize("profile", ["LSPB", "POLY5"])
 @pytest.mark.parametrize("way", [0.01, 1, 20, 150])
 def test_the_shortest_time_uses_a_limit_up_and_loses_little(profile, way):
-    """Against the pure law in continuous time, which needs no ramps: at TM up to 50 the grid may cost some segments."""
+    """Against the pure law in continuous time, which needs no ramps: at TM up to 50 the grid may cost some
+    segments.
+    """
     plan, diagnostics = planned(f"P0010 MOVEJ_{profile} {way} 0 0 0 0 0 [MIN] (deg)\n")
     assert not [one for one in diagnostics if one.is_error]
     peaks = {"LSPB": (1.5, 4.5, None), "POLY5": (1.875, 10 / 3**0.5, 60.0)}[profile]

@@ -1,4 +1,6 @@
-"""How far poses are out of reach is searched for a few commands of a program, and for the first round of a loop."""
+"""How far poses are out of reach is searched for a few commands of a program, and for the first round of a
+loop.
+"""
 
 import re
 import time

@@ -51,7 +51,9 @@ def test_a_path_close_to_a_singularity_has_none_or_an_exact_one():
     for away in (3.0, 0.3, 0.03, 0.003):
         plan, _ = planned(
             "DEFAULT {TCP} [60] (mm,deg,s) {B}\n"
-            f"P0001 MOVEJ 0 0 0 0 -8 0 [5]\nP0010 DMOVE 0 0 0 0 16 0 [60]\nP0020 DMOVE 0 {away} 0 {away} 0 0 [60]\n"
+            "P0001 MOVEJ 0 0 0 0 -8 0 [5]\n"
+            "P0010 DMOVE 0 0 0 0 16 0 [60]\n"
+            f"P0020 DMOVE 0 {away} 0 {away} 0 0 [60]\n"
         )
         if plan is None:
             continue

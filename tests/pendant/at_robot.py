@@ -1,4 +1,6 @@
-"""A pendant at a simulated robot in virtual time, and browsers that talk to its application without a network."""
+"""A pendant at a simulated robot in virtual time, and browsers that talk to its application without a
+network.
+"""
 
 import asyncio
 import contextlib

@@ -46,7 +46,9 @@ class Api:
 
 @contextmanager
 def serving(folder, *options, robot="INDUSTRIAL6", own=True):
-    """Serve a pendant; yield its address, the token of the first link (empty: there is a user), and the process. `own`: with a simulator of its own."""
+    """Serve a pendant; yield its address, the token of the first link (empty: there is a user), and the
+    process. `own`: with a simulator of its own.
+    """
     script = "from yarclang.cli.yarc import main; main()"
     command = [sys.executable, "-c", script, "pendant", "--robot", robot, "--port", "0"]
     command += ["--no-log"] if own else []

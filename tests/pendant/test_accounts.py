@@ -116,7 +116,9 @@ def test_five_wrong_passwords_slow_down(tmp_path):
 
 
 def test_nobody_locks_others_out(tmp_path):
-    """Whoever guesses, from the same address even, doesn't keep anna from the device that she uses every day."""
+    """Whoever guesses, from the same address even, doesn't keep anna from the device that she uses every
+    day.
+    """
     clock = Clock()
 
     async def work(accounts):

@@ -1,4 +1,6 @@
-"""Alarms: what is one, what is kept of it, who acknowledges it; floods, hostile texts, a file that can't be written."""
+"""Alarms: what is one, what is kept of it, who acknowledges it; floods, hostile texts, a file that can't
+be written.
+"""
 
 import asyncio
 import csv

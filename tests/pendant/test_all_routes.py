@@ -1,4 +1,6 @@
-"""Every route of the API against what browsers never send: nobody logged in, other sites, bodies by chance. None of it is a 5xx or a hang."""
+"""Every route of the API against what browsers never send: nobody logged in, other sites, bodies by
+chance. None of it is a 5xx or a hang.
+"""
 
 import asyncio
 import json

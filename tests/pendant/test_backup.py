@@ -1,4 +1,6 @@
-"""Backups of the project: one comes back as it was; a hostile zip changes nothing; what a restore replaces is kept."""
+"""Backups of the project: one comes back as it was; a hostile zip changes nothing; what a restore replaces
+is kept.
+"""
 
 import asyncio
 import errno
@@ -111,7 +113,8 @@ CONTENT = st.one_of(st.binary(max_size=300), st.integers(1, 4).map(lambda count:
 
 @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
-    before=st.dictionaries(PATH, CONTENT, max_size=8), after=st.dictionaries(PATH, CONTENT, max_size=8), remove=st.booleans()
+    before=st.dictionaries(PATH, CONTENT, max_size=8), after=st.dictionaries(PATH, CONTENT, max_size=8),
+        remove=st.booleans()
 )  # fmt: skip
 def test_a_restore_and_its_undo_give_the_same_files(before, after, remove):
     with tempfile.TemporaryDirectory() as top:
@@ -148,7 +151,8 @@ def test_a_restore_and_its_undo_give_the_same_files(before, after, remove):
 def test_what_is_in_a_backup(tmp_path):
     folder = project(
         tmp_path,
-        {"a.yarc": b"x" * 200_000, "sub/b.toml": b"", "run.mcap": b"log", ".git/config": b"secret", "bad\\name": b"1"},
+        {"a.yarc": b"x" * 200_000, "sub/b.toml": b"", "run.mcap": b"log", ".git/config": b"secret",
+            "bad\\name": b"1"},
     )  # fmt: skip
     (folder.root / "empty" / "inner").mkdir(parents=True)
     (folder.root / "link.yarc").symlink_to("a.yarc")
@@ -158,7 +162,8 @@ def test_what_is_in_a_backup(tmp_path):
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         assert archive.testzip() is None
         lines = [json.loads(line) for line in archive.read(MANIFEST).splitlines()]
-        assert sorted(archive.namelist()) == sorted(["a.yarc", "empty/inner/", "sub/b.toml", MANIFEST])  # fmt: skip
+        assert sorted(archive.namelist()) == sorted(["a.yarc", "empty/inner/", "sub/b.toml",
+            MANIFEST])  # fmt: skip
     assert {one["file"]: one["sha256"] for one in lines if "sha256" in one} == {
         name: hashlib.sha256((folder.root / name).read_bytes()).hexdigest()
         for name in ("a.yarc", "sub/b.toml")
@@ -293,12 +298,14 @@ class Raw:
     def local(self, name, packed, size, crc, method=8, flags=0x800, extra=b""):
         raw = name if isinstance(name, bytes) else name.encode()
         at = len(self.body)
-        self.body += struct.pack("<4s5H3L2H", b"PK\3\4", 20, flags, method, 0, 33, crc, len(packed), size, len(raw), len(extra)) + raw + extra + packed  # fmt: skip
+        self.body += struct.pack("<4s5H3L2H", b"PK\3\4", 20, flags, method, 0, 33, crc, len(packed), size,
+            len(raw), len(extra)) + raw + extra + packed  # fmt: skip
         self.row(raw, len(packed), size, crc, at, method, flags)
         return at
 
     def row(self, raw, packed, size, crc, at, method=8, flags=0x800, extra=b""):
-        self.rows.append(struct.pack("<4s6H3L5H2L", b"PK\1\2", 20, 20, flags, method, 0, 33, crc, packed, size, len(raw), len(extra), 0, 0, 0, 0, at) + raw + extra)  # fmt: skip
+        self.rows.append(struct.pack("<4s6H3L5H2L", b"PK\1\2", 20, 20, flags, method, 0, 33, crc, packed,
+            size, len(raw), len(extra), 0, 0, 0, 0, at) + raw + extra)  # fmt: skip
 
     def done(self, *, count=None, before=b"", after=b""):
         rows = b"".join(self.rows)
@@ -353,7 +360,8 @@ def test_zips_made_by_hand():
         one = Raw()
         one.local("a", packed, len(text), crc, flags=flags)
         assert why in refusal(one.done())
-    for name, flags, why in ((b"\xff\xfe", 0x800, "UTF-8"), ("ä".encode(), 0, "UTF-8"), (b"a\0b", 0x800, "isn't the name"), (b"", 0x800, "isn't the name")):  # fmt: skip
+    for name, flags, why in ((b"\xff\xfe", 0x800, "UTF-8"), ("ä".encode(), 0, "UTF-8"),
+        (b"a\0b", 0x800, "isn't the name"), (b"", 0x800, "isn't the name")):  # fmt: skip
         one = Raw()
         one.local(name, packed, len(text), crc, flags=flags)
         assert why in refusal(one.done()), name
@@ -476,7 +484,7 @@ with (top / "saved.zip").open("rb") as saved:
     backup = judged(saved.fileno())
     print("ready", flush=True)
     apply(folder, saved.fileno(), backup, plan_of(folder, backup).digest, "anna", About("1", "R", "f", "2026-01-02T03:04:05+00:00"), remove=True)
-"""
+"""  # noqa: E501
 
 
 def test_a_kill_in_the_middle_leaves_old_or_new(tmp_path):
@@ -494,7 +502,7 @@ def test_a_kill_in_the_middle_leaves_old_or_new(tmp_path):
         ) as process:
             process.stdout.readline()
             end = time.monotonic() + 60.0
-            while sum(one.stat().st_size > 10 for one in folder.root.glob("[0-9]*")) <= count and process.poll() is None:  # fmt: skip
+            while sum(one.stat().st_size > 10 for one in folder.root.glob("[0-9]*")) <= count and process.poll() is None:  # fmt: skip  # noqa: E501
                 assert time.monotonic() < end
             process.send_signal(signal.SIGKILL)
             process.wait(30)
@@ -542,7 +550,8 @@ def test_from_a_backup_to_its_undo(monkeypatch, tmp_path):
         (folder / "b.yarc").write_text("new")
         (folder / "yarc.toml").unlink()
         plan = (await sam.post("/api/backup/upload", raw=saved.content)).told
-        assert [(one["file"], one["what"]) for one in plan["files"]] == [("a.yarc", "changed"), ("b.yarc", "extra"), ("yarc.toml", "new")]  # fmt: skip
+        assert [(one["file"], one["what"]) for one in plan["files"]] == [("a.yarc", "changed"),
+            ("b.yarc", "extra"), ("yarc.toml", "new")]  # fmt: skip
         assert (plan["restart"], plan["notes"], plan["robot"]) == (["yarc.toml"], [], "INDUSTRIAL6")
         wanted = {"number": plan["number"], "digest": plan["digest"], "remove": True}
         sam.session.pin_until = -1.0
@@ -576,7 +585,8 @@ def test_only_service_and_only_at_rest(monkeypatch, tmp_path):
         sam = serviced(place)
         saved = (await sam.get("/api/backup")).content
         pia = place.logged_in("pia", Role.PROGRAMMER)
-        for method, path in (("GET", ""), ("GET", "/about"), ("POST", "/upload"), ("GET", "/plan"), ("POST", "/restore"), ("POST", "/undo"), ("POST", "/forget")):  # fmt: skip
+        for method, path in (("GET", ""), ("GET", "/about"), ("POST", "/upload"), ("GET", "/plan"),
+            ("POST", "/restore"), ("POST", "/undo"), ("POST", "/forget")):  # fmt: skip
             assert (await pia.ask(method, f"/api/backup{path}", raw=saved)).status == 403, path
         plan = (await sam.post("/api/backup/upload", raw=saved)).told
         await sam.post("/api/control")
@@ -660,6 +670,7 @@ def test_clients_that_stop_reading(monkeypatch, tmp_path):
         assert all(one.done() for one in stuck)
         assert [one.exception() for one in stuck] == [None, None]
         assert (await sam.get("/api/backup")).status == 200
-        assert [outcome for _, action, _, outcome in place.deeds() if action == "backup"].count("broken off") == 2  # fmt: skip
+        assert [outcome for _, action, _,
+            outcome in place.deeds() if action == "backup"].count("broken off") == 2  # fmt: skip
 
     at(monkeypatch, tmp_path, work)

@@ -1,4 +1,6 @@
-"""Backup and Health in a real browser: a backup is restored after the PIN, its undo, and a file that is no backup."""
+"""Backup and Health in a real browser: a backup is restored after the PIN, its undo, and a file that is no
+backup.
+"""
 
 import pytest
 from pendant.process import PIN, PROGRAM, serving
@@ -21,7 +23,7 @@ def place(tmp_path):
 
 def fits(browser):
     """Return True if nothing of the page is cut off sideways."""
-    return browser.execute_script("const p = document.getElementById('page'); return p.scrollWidth <= p.clientWidth")  # fmt: skip
+    return browser.execute_script("const p = document.getElementById('page'); return p.scrollWidth <= p.clientWidth")  # fmt: skip  # noqa: E501
 
 
 def test_a_backup_is_restored_and_undone(place, tmp_path):
@@ -44,12 +46,14 @@ def test_a_backup_is_restored_and_undone(place, tmp_path):
     click(browser, ".plan button.main")
     enters_pin(browser)
     until(lambda: shown(browser, ".restored").startswith("Restored: 2 files; deleted: 1"))
-    assert {one.name: one.read_text() for one in project.glob("*.yarc")} == {"bend.yarc": PROGRAM, "<b>.yarc": PROGRAM}  # fmt: skip
+    assert {one.name: one.read_text() for one in project.glob("*.yarc")} == {"bend.yarc": PROGRAM,
+        "<b>.yarc": PROGRAM}  # fmt: skip
     click(browser, ".undo button")
     until(lambda: "What undoing would change" in shown(browser, ".plan"))
     click(browser, ".plan button.main")
     until(lambda: shown(browser, ".restored").startswith("Restored: 2 files; deleted: 1"))
-    assert {one.name: one.read_text() for one in project.glob("*.yarc")} == {"bend.yarc": "other", "new.yarc": "new"}  # fmt: skip
+    assert {one.name: one.read_text() for one in project.glob("*.yarc")} == {"bend.yarc": "other",
+        "new.yarc": "new"}  # fmt: skip
     (tmp_path / "none.zip").write_bytes(b"PK")
     browser.find_element("css selector", "input[type=file]").send_keys(str(tmp_path / "none.zip"))
     until(lambda: "This backup is refused: it is no zip" in shown(browser, ".refused"))

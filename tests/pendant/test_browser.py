@@ -71,7 +71,9 @@ class Place:
         return {one["name"]: one["position"] for one in self.api.order("status")["joints"]}
 
     def rests(self):
-        """Return True if nothing is under way and no joint moves: on a busy computer the simulator may pause within a motion."""
+        """Return True if nothing is under way and no joint moves: on a busy computer the simulator may
+        pause within a motion.
+        """
         if self.api.order("status")["state"] != "stop":
             return False
         before = self.joints()
@@ -123,7 +125,8 @@ def goes_to(browser, page):
     until(
         lambda: (
             browser.execute_script(
-                "return [...document.querySelectorAll('#rail [aria-current=page], .tabs [aria-current=page]')].at(-1)?.hash"
+                "return [...document.querySelectorAll('#rail [aria-current=page], .tabs "
+                "[aria-current=page]')].at(-1)?.hash"
             )
             == f"#/{page}"
         )
@@ -132,7 +135,8 @@ def goes_to(browser, page):
 
 def middle(browser, where):
     return browser.execute_script(
-        "const box = document.querySelector(arguments[0]).getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]",
+        "const box = document.querySelector(arguments[0]).getBoundingClientRect(); return [box.x + "
+        "box.width / 2, box.y + box.height / 2]",
         where,
     )
 
@@ -143,7 +147,9 @@ def touch(browser, kind, where=None):
 
 
 def press_until_it_moves(place, where):
-    """Press a button until the robot moves; a busy computer may end a press before it does, and it is pressed again."""
+    """Press a button until the robot moves; a busy computer may end a press before it does, and it is
+    pressed again.
+    """
     for _ in range(5):
         before = place.joints()
         touch(place.browser, "touchStart", where)
@@ -186,7 +192,7 @@ def test_every_page_in_both_sizes(place):
                   small: pressed.filter((one) => box(one).height < 43.5 || box(one).width < 43.5).map((one) => one.textContent || one.type),
                   nameless: pressed.filter((one) => !(one.textContent || one.ariaLabel || one.labels?.length || one.closest("label"))).length,
                 };
-                """
+                """  # noqa: E501
             )
             assert found["wide"] <= width, (page, width)
             assert found["stop"]["right"] <= width
@@ -217,7 +223,7 @@ CUT = """
   window.addEventListener("error", (event) => window.wrong.push(event.message));
   window.addEventListener("unhandledrejection", (event) => window.wrong.push(String(event.reason?.stack ?? event.reason)));
 })();
-"""
+"""  # noqa: E501
 """Let a page be cut off from its server, and keep the errors that nobody has caught."""
 
 
@@ -238,7 +244,8 @@ def cuttable(browser):
 def parts(browser):
     """Return what a page is made of: its headings and buttons, without numbers."""
     found = browser.execute_script(
-        "return [...document.querySelectorAll('#page button, #page h2, #page th, #page .filename')].filter((one) => one.checkVisibility()).map((one) => one.textContent)"
+        "return [...document.querySelectorAll('#page button, #page h2, #page th, #page "
+        ".filename')].filter((one) => one.checkVisibility()).map((one) => one.textContent)"
     )
     return {re.sub(r"[-\d.:,]+", "", one) for one in found}
 
@@ -248,7 +255,9 @@ def is_grey(browser):
 
 
 def test_every_page_that_is_opened_without_a_connection_is_whole_when_there_is_one(place):
-    """It says so in one sentence, STOP can be pressed, nothing is thrown, and no word of it is false afterwards."""
+    """It says so in one sentence, STOP can be pressed, nothing is thrown, and no word of it is false
+    afterwards.
+    """
     browser = place.browser
     whole, lost = {}, {}
     with cuttable(browser):
@@ -277,7 +286,9 @@ def test_every_page_that_is_opened_without_a_connection_is_whole_when_there_is_o
 
 
 def test_a_question_goes_with_the_page_that_has_asked(place):
-    """Whoever goes on to another page, or logs out, can't remove somebody by a question that was left open."""
+    """Whoever goes on to another page, or logs out, can't remove somebody by a question that was left
+    open.
+    """
     browser = place.browser
     goes_to(browser, "system/users")
     click(browser, "#page tbody button:last-child")
@@ -377,7 +388,7 @@ def test_a_joystick_needs_its_button(place):
         """
         window.pad = {id: "a test", connected: true, index: 0, axes: [0, 0, 0, 0], buttons: [{pressed: false, value: 0}]};
         navigator.getGamepads = () => [window.pad];
-        """
+        """  # noqa: E501
     )
     start = place.joints()
     browser.execute_script("window.pad.axes = [1, 0, 0, 0]")
@@ -404,7 +415,8 @@ def test_a_program_is_run_and_stopped(place):
     place.control()
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll('.programs button')].find((one) => one.textContent === 'bend.yarc'); it?.click(); return Boolean(it)"
+            "const it = [...document.querySelectorAll('.programs button')].find((one) => one.textContent "
+            "=== 'bend.yarc'); it?.click(); return Boolean(it)"
         )
     )
     until(lambda: "Proved: takes 12.0 s" in shown(browser, ".chosen"))
@@ -420,13 +432,16 @@ def test_a_program_is_run_and_stopped(place):
 
 
 def test_a_question_is_answered_beside_resume(place):
-    """The button waits for a number that the question allows; the field is there only as long as it is asked for."""
+    """The button waits for a number that the question allows; the field is there only as long as it is
+    asked for.
+    """
     browser = place.browser
     goes_to(browser, "run")
     place.control()
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll('.programs button')].find((one) => one.textContent === 'ask.yarc'); it?.click(); return Boolean(it)"
+            "const it = [...document.querySelectorAll('.programs button')].find((one) => one.textContent "
+            "=== 'ask.yarc'); it?.click(); return Boolean(it)"
         )
     )
     until(lambda: "Proved" in shown(browser, ".chosen"))
@@ -445,7 +460,8 @@ def test_a_question_is_answered_beside_resume(place):
 
     def typed(text):
         browser.execute_script(
-            f"const it = {field}; it.value = arguments[0]; it.dispatchEvent(new Event('input', {{ bubbles: true }}))",
+            f"const it = {field}; it.value = arguments[0]; it.dispatchEvent(new Event('input', {{ bubbles: "
+            f"true }}))",
             text,
         )
         return browser.execute_script(f"return {resume}.disabled")

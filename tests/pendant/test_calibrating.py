@@ -1,4 +1,6 @@
-"""Calibration over the API: touches that the server takes where the robot stands, results that are shown, then written; who may, and what is refused."""
+"""Calibration over the API: touches that the server takes where the robot stands, results that are shown,
+then written; who may, and what is refused.
+"""
 
 import asyncio
 import shutil
@@ -20,7 +22,18 @@ from yarclang.simulator.commissioning import stand
 TIP = np.array([0.02, 0.13, 0.21])
 POINT = np.array([0.0, 1.1, 1.3])
 TILTS = ((0, 0, 0), (30, 0, 0), (-30, 0, 0), (0, 30, 0))
-CELL = 'units = "mm,deg"  # of all\n\n[frames.TABLE]\nparent = "B"\nxyz = [0, 900, 800]\nrpy = [0, 0, 0]\n\n[frames.FIXTURE]\nparent = "TABLE"\nxyz = [10, 0, 0]\n'
+CELL = (
+    'units = "mm,deg"  # of all\n'
+    "\n"
+    "[frames.TABLE]\n"
+    'parent = "B"\n'
+    "xyz = [0, 900, 800]\n"
+    "rpy = [0, 0, 0]\n"
+    "\n"
+    "[frames.FIXTURE]\n"
+    'parent = "TABLE"\n'
+    "xyz = [10, 0, 0]\n"
+)
 POINTS = ((0.0, 1.2, 0.9), (0.2, 1.2, 0.9), (0.0, 1.4, 0.9))
 
 
@@ -148,7 +161,18 @@ def test_a_tip_from_the_first_touch_to_the_file(monkeypatch, tmp_path):
 
 
 def test_an_old_tip_keeps_its_orientation_and_is_asked_for(monkeypatch, tmp_path):
-    new = '\r\n[frames.mount]\r\nparent = "FLANGE"\r\nxyz = [0, 0, 50]\r\nrpy = [0, 0, 90]\r\n\r\n[frames.torch]\r\nparent = "mount"\r\nxyz = [1, 2, 3]\r\nrpy = [10, 0, 0]\r\n'
+    new = (
+        "\r\n"
+        "[frames.mount]\r\n"
+        'parent = "FLANGE"\r\n'
+        "xyz = [0, 0, 50]\r\n"
+        "rpy = [0, 0, 90]\r\n"
+        "\r\n"
+        "[frames.torch]\r\n"
+        'parent = "mount"\r\n'
+        "xyz = [1, 2, 3]\r\n"
+        "rpy = [10, 0, 0]\r\n"
+    )
     folder = own_robot(tmp_path, lambda text: text.replace("\n", "\r\n") + new)
 
     async def work(place):
@@ -198,8 +222,24 @@ def test_a_frame_of_the_cell(monkeypatch, tmp_path, form):
         "crlf": CELL.replace("\n", "\r\n"),
         "metres": 'units = "m,rad"\n[frames.nest]\nparent = "B"\nxyz = [0, 0.9, 0.8]\nrpy = [0, 0, 0]\n',
         "inline": 'units = "mm,deg"\nframes = { NEST = { parent = "B", xyz = [0, 0, 5] } }\n',
-        "own units": 'units = "mm,deg"\n[frames.TABLE]\nparent = "B"\nxyz = [0, 900, 800]\n[frames.NEST]\nparent = "TABLE"\nunits = "in,rad"\nxyz = [1, 2, 3]\nrpy = [0, 0, 1]\n',
-        "quaternion": 'units = "mm,deg"\n[frames.NEST]\nparent = "B"\nxyz = [0, 0, 5]\nquat = [0, 0, 0, 1]  # as measured\n',
+        "own units": (
+            'units = "mm,deg"\n'
+            "[frames.TABLE]\n"
+            'parent = "B"\n'
+            "xyz = [0, 900, 800]\n"
+            "[frames.NEST]\n"
+            'parent = "TABLE"\n'
+            'units = "in,rad"\n'
+            "xyz = [1, 2, 3]\n"
+            "rpy = [0, 0, 1]\n"
+        ),
+        "quaternion": (
+            'units = "mm,deg"\n'
+            "[frames.NEST]\n"
+            'parent = "B"\n'
+            "xyz = [0, 0, 5]\n"
+            "quat = [0, 0, 0, 1]  # as measured\n"
+        ),
         "no units": '[joints]\n[frames.NEST]\nparent = "B"\n',
     }
     cell = tmp_path / "cell.toml"

@@ -1,4 +1,6 @@
-"""A tool's tip and a frame are calibrated in a browser, from their choice to the line in a file, and looked at before."""
+"""A tool's tip and a frame are calibrated in a browser, from their choice to the line in a file, and
+looked at before.
+"""
 
 import time
 
@@ -24,7 +26,10 @@ def place(tmp_path):
 
 def pressed(browser, label):
     """Press the button with this label."""
-    found = 'return [...document.querySelectorAll("#page button, .sheet button")].find((one) => one.offsetParent && one.textContent === arguments[0] && !one.disabled)'
+    found = (
+        'return [...document.querySelectorAll("#page button, .sheet button")].find((one) => '
+        "one.offsetParent && one.textContent === arguments[0] && !one.disabled)"
+    )
     button = until(lambda: browser.execute_script(found, label))
     browser.execute_script("arguments[0].scrollIntoView({block: 'center'}); arguments[0].click()", button)
 

@@ -1,4 +1,6 @@
-"""Control of the robot: asked for, given, kept, taken from whoever has gone; programs of the project; what the audit trail says of them."""
+"""Control of the robot: asked for, given, kept, taken from whoever has gone; programs of the project; what
+the audit trail says of them.
+"""
 
 import asyncio
 import os
@@ -206,7 +208,9 @@ def test_nothing_outside_of_the_project(monkeypatch, tmp_path, name):
 
 
 def test_only_programs_are_listed(monkeypatch, tmp_path):
-    """A pipe, a link out, a hidden folder and a folder with a program's name aren't programs; names come in order."""
+    """A pipe, a link out, a hidden folder and a folder with a program's name aren't programs; names come
+    in order.
+    """
     project = tmp_path / "project"
     (project / ".venv").mkdir(parents=True)
     (project / "sub" / "c.yarc").mkdir(parents=True)

@@ -1,4 +1,6 @@
-"""System > Controller by way of the API, in virtual time: who may enable, home and send settings, what ends a search, restart and shut down."""
+"""System > Controller by way of the API, in virtual time: who may enable, home and send settings, what
+ends a search, restart and shut down.
+"""
 
 import asyncio
 import json
@@ -138,7 +140,9 @@ def test_a_search_goes_on_as_long_as_the_button_is_held(monkeypatch, tmp_path):
     "how", ["silence", "late", "socket", "stop", "logout", "end", "pin", "give", "restart"]
 )
 def test_what_ends_a_search(monkeypatch, tmp_path, how):
-    """A page that is killed, frozen or behind a slow network; somebody else's STOP; the end of the session."""
+    """A page that is killed, frozen or behind a slow network; somebody else's STOP; the end of the
+    session.
+    """
 
     async def work(place, anna, line):
         motor = await unhomed(place)

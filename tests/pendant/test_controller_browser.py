@@ -1,4 +1,6 @@
-"""System > Controller in a real browser: a search is held with a finger, behind the PIN; a page that restarts its server finds it again."""
+"""System > Controller in a real browser: a search is held with a finger, behind the PIN; a page that
+restarts its server finds it again.
+"""
 
 import contextlib
 import time
@@ -13,8 +15,8 @@ HOLD = "button.home"
 def press(browser, label):
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll('#page button')].findLast((one) => one.textContent.startsWith(arguments[0]) && !one.disabled);"
-            "it?.click(); return Boolean(it)",
+            "const it = [...document.querySelectorAll('#page button')].findLast((one) => "
+            "one.textContent.startsWith(arguments[0]) && !one.disabled);it?.click(); return Boolean(it)",
             label,
         )
     )
@@ -27,14 +29,17 @@ def confirm(browser):
         )
     )
     browser.execute_script(
-        "document.querySelector('dialog input').value = arguments[0]; document.querySelector('dialog form').requestSubmit()",
+        "document.querySelector('dialog input').value = arguments[0]; document.querySelector('dialog "
+        "form').requestSubmit()",
         PIN,
     )
     until(lambda: not shown(browser, "dialog h2"))
 
 
 def hold_until_it_moves(place):
-    """Hold the button, and let it go; on a busy computer a page may be silent for too long, which ends the search."""
+    """Hold the button, and let it go; on a busy computer a page may be silent for too long, which ends the
+    search.
+    """
     for _ in range(8):
         touch(place.browser, "touchStart", HOLD)
         with contextlib.suppress(AssertionError):
@@ -61,8 +66,10 @@ def test_enable_home_and_restart(tmp_path):
         until(lambda: shown(browser, ".ready") == "Ready.")
         # move J1 off its home, and search it
         browser.execute_script(
-            "const ask = (path, body) => fetch(path, {method: 'POST', headers: {'content-type': 'application/json'}, body: JSON.stringify(body)}).then((one) => one.json());"
-            "ask('/api/orders/load', {file: 'far.yarc'}).then((told) => ask('/api/orders/run', {program: told.program.number}))"
+            "const ask = (path, body) => fetch(path, {method: 'POST', headers: {'content-type': "
+            "'application/json'}, body: JSON.stringify(body)}).then((one) => one.json());"
+            "ask('/api/orders/load', {file: 'far.yarc'}).then((told) => ask('/api/orders/run', {program: "
+            "told.program.number}))"
         )
         until(lambda: place.joints()["J1"] > 19.9 and place.rests())
         press(browser, "Ask the controller")

@@ -63,7 +63,8 @@ def test_a_text_from_the_first_save_to_its_return(monkeypatch, tmp_path):
         actions = [(action, outcome.partition(":")[0]) for _, action, _, outcome in place.deeds()]
         assert sorted(actions) == sorted([
             ("file save", "done"), ("file save", "done"), ("file save", "refused"), ("file copy", "done"),
-            ("file folder", "done"), ("file rename", "done"), ("file delete", "done"), ("file restore", "done"),
+            ("file folder", "done"), ("file rename", "done"), ("file delete", "done"),
+                ("file restore", "done"),
         ])  # fmt: skip
         assert f'"sha256": "{made.told["sha256"]}", "size": {len(TEXT)}' in place.deeds()[0][2]
 
@@ -108,7 +109,8 @@ def test_viewers_and_operators_change_nothing(monkeypatch, tmp_path):
 def test_hostile_paths(monkeypatch, tmp_path, path):
     async def work(place, project):
         pia = place.logged_in("pia", Role.PROGRAMMER)
-        for method, route in (("GET", "files"), ("PUT", "files"), ("POST", "upload"), ("GET", "download"), ("GET", "git/difference")):  # fmt: skip
+        for method, route in (("GET", "files"), ("PUT", "files"), ("POST", "upload"), ("GET", "download"),
+            ("GET", "git/difference")):  # fmt: skip
             answered = await pia.ask(method, f"/api/{route}/{path}", {"text": "x", "known": None})
             assert answered.status in (400, 404, 405, 409), (method, route)
         for word in ("copy", "rename"):
@@ -149,7 +151,8 @@ def test_what_is_no_text(monkeypatch, tmp_path):
     at(monkeypatch, tmp_path, work)
 
 
-@pytest.mark.parametrize("name", ["a.yarc", "程序 1.pmc", 'quo"te;x=y.txt', "سلام.html", "n" * 200])  # fmt: skip
+@pytest.mark.parametrize("name",
+    ["a.yarc", "程序 1.pmc", 'quo"te;x=y.txt', "سلام.html", "n" * 200])  # fmt: skip
 def test_a_download_is_never_shown(monkeypatch, tmp_path, name):
     async def work(place, project):
         vic = place.logged_in("vic", Role.VIEWER)
@@ -218,7 +221,9 @@ def test_a_large_upload_takes_little_memory(monkeypatch, tmp_path):
 
 
 def test_uploads_that_come_to_nothing(monkeypatch, tmp_path):
-    """Broken off, silent, trickling, cut short, over what is there, for a folder that isn't there: nothing is left."""
+    """Broken off, silent, trickling, cut short, over what is there, for a folder that isn't there: nothing
+    is left.
+    """
 
     async def work(place, project):
         pia = place.logged_in("pia", Role.PROGRAMMER)

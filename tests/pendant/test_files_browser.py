@@ -1,4 +1,6 @@
-"""The page of files in a real browser: upload, open, rename, delete and undo, and what has changed since the last commit."""
+"""The page of files in a real browser: upload, open, rename, delete and undo, and what has changed since
+the last commit.
+"""
 
 import os
 import subprocess
@@ -41,7 +43,8 @@ def press(browser, label, where="#page"):
     """Press the button or link of this name."""
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll(`${arguments[1]} :is(button, a)`)].find((one) => one.textContent === arguments[0] && one.checkVisibility()); it?.click(); return Boolean(it)",
+            "const it = [...document.querySelectorAll(`${arguments[1]} :is(button, a)`)].find((one) => "
+            "one.textContent === arguments[0] && one.checkVisibility()); it?.click(); return Boolean(it)",
             label,
             where,
         )
@@ -51,14 +54,18 @@ def press(browser, label, where="#page"):
 def choose(browser, name):
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll('.files li')].find((one) => one.dataset.file === arguments[0]); if (it && it.firstChild.ariaExpanded !== 'true') it.firstChild.click(); return Boolean(it)",
+            "const it = [...document.querySelectorAll('.files li')].find((one) => one.dataset.file === "
+            "arguments[0]); if (it && it.firstChild.ariaExpanded !== 'true') it.firstChild.click(); return "
+            "Boolean(it)",
             name,
         )
     )
 
 
 def fits(browser, what):
-    """Check that nothing is cut off sideways and STOP is in reach, in both sizes, light and dark; pictures go to a folder that may be named."""
+    """Check that nothing is cut off sideways and STOP is in reach, in both sizes, light and dark; pictures
+    go to a folder that may be named.
+    """
     for width, height in SIZES:
         size(browser, width, height)
         for theme in ("light", "dark"):
@@ -78,7 +85,7 @@ def fits(browser, what):
               small: pressed.filter((one) => box(one).height < 43.5 || box(one).width < 43.5).map((one) => one.textContent),
               stop: Boolean(hit.closest("#stop")),
             };
-            """
+            """  # noqa: E501
         )
         assert found["wide"] <= max(width, found["right"]), (what, width)
         assert found["small"] == [], (what, width)
@@ -111,12 +118,16 @@ def test_files_from_upload_to_undo(place, tmp_path):
     until(lambda: "Changed by anna" in shown(browser, ".tools"))
     fits(browser, "chosen")
     press(browser, "Difference")
-    sides = "return [...(document.querySelector('.editor')?.shadowRoot.querySelectorAll('.cm-content') ?? [])].map((one) => one.innerText)"
+    sides = (
+        "return [...(document.querySelector('.editor')?.shadowRoot.querySelectorAll('.cm-content') ?? "
+        "[])].map((one) => one.innerText)"
+    )
     until(lambda: len(browser.execute_script(sides)) == 2)
     assert [one.split("\n")[0] for one in browser.execute_script(sides)] == ["one", "uploaded over it"]
     assert (
         browser.execute_script(
-            "return getComputedStyle(document.querySelector('.editor').shadowRoot.querySelector('.cm-mergeViewEditors')).display"
+            "return "
+            "getComputedStyle(document.querySelector('.editor').shadowRoot.querySelector('.cm-mergeViewEditors')).display"
         )
         == "flex"
     )

@@ -62,14 +62,17 @@ WORDS = [
     "hidden",
     "pipe",
 ]
-WORDS += [".git", "config", "secret", "project", "outside", "state", "pendant.db", "x\0", "é", "e\u0301", "\udcff", "\n", "~", "%2e%2e", "..\\.."]  # fmt: skip
+WORDS += [".git", "config", "secret", "project", "outside", "state", "pendant.db", "x\0", "é", "e\u0301",
+    "\udcff", "\n", "~", "%2e%2e", "..\\.."]  # fmt: skip
 NAMES = some.lists(some.sampled_from(WORDS) | some.text(max_size=4), min_size=1, max_size=6)
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(NAMES, some.sampled_from(["", "/", "//", "{root}/", "{outside}/"]), NAMES)
 def test_no_path_leads_out(tmp_path_factory, parts, start, more):
-    """What is read, written, renamed or deleted is in the project, or is refused; the system's own word on the path decides."""
+    """What is read, written, renamed or deleted is in the project, or is refused; the system's own word on
+    the path decides.
+    """
     tmp_path = tmp_path_factory.getbasetemp() / "paths"
     if not tmp_path.exists():
         tmp_path.mkdir()
@@ -100,7 +103,9 @@ def test_no_path_leads_out(tmp_path_factory, parts, start, more):
 
 
 def is_inside(root, name):
-    """Return True if a path is one of the project's, by what the system says of its folder: written without the class's own code."""
+    """Return True if a path is one of the project's, by what the system says of its folder: written
+    without the class's own code.
+    """
     if "\0" in name or name.startswith("/") or any(one in ("", ".", "..") for one in name.split("/")):
         return False
     try:
@@ -118,7 +123,9 @@ def test_what_is_inside_is_read(tmp_path, name):
 
 
 def test_a_folder_that_becomes_a_link_meanwhile(tmp_path):
-    """Somebody exchanges a folder for a link out, thousands of times, while files in it are read and written."""
+    """Somebody exchanges a folder for a link out, thousands of times, while files in it are read and
+    written.
+    """
     project = made(tmp_path)
     there, ends = project.root / "swap", threading.Event()
     (tmp_path / "outside" / "file").write_bytes(SECRET)
@@ -178,7 +185,9 @@ def test_the_pendants_own_files_are_out_of_reach(tmp_path, data):
 
 @pytest.mark.parametrize(
     "name",
-    ["x" * 256, "é" * 128, "a\nb", "a\x1b[31m", "con ", " a", "end.", ".git", ".hidden/a", "a\u202eb", "\u200b.git", "a\\b", "x/" * 600 + "y"],
+    ["x" * 256, "é" * 128, ("a\n"
+        "b"), "a\x1b[31m", "con ", " a", "end.", ".git", ".hidden/a", "a\u202eb", "\u200b.git", "a\\b",
+            "x/" * 600 + "y"],
 )  # fmt: skip
 def test_names_that_nothing_new_gets(tmp_path, name):
     project = made(tmp_path)
@@ -196,7 +205,8 @@ def test_names_that_nothing_new_gets(tmp_path, name):
 
 @pytest.mark.parametrize(
     "name",
-    ["Ünïcode.yarc", "程序.yarc", "برنامج.yarc", "می‌خواهم.yarc", "👩‍🔧.yarc", "n" * 255, "é" * 127, "-r", "a b", "$(x)", "'\";--"],
+    ["Ünïcode.yarc", "程序.yarc", "برنامج.yarc", "می‌خواهم.yarc", "👩‍🔧.yarc", "n" * 255, "é" * 127, "-r", "a b",  # noqa: E501
+        "$(x)", "'\";--"],
 )  # fmt: skip
 def test_names_in_any_script(tmp_path, name):
     project = made(tmp_path)
@@ -300,7 +310,9 @@ def test_nothing_is_overwritten(tmp_path):
     assert (project.read("a.yarc")[0], project.read("sub/b.yarc")[0]) == (b"a", b"b")
 
 
-@pytest.mark.parametrize(("number", "words"), [(errno.ENOSPC, "no room"), (errno.EROFS, "read-only"), (errno.EACCES, "permission"), (errno.EIO, "disk")])  # fmt: skip
+@pytest.mark.parametrize(("number", "words"),
+    [(errno.ENOSPC, "no room"), (errno.EROFS, "read-only"), (errno.EACCES, "permission"),
+        (errno.EIO, "disk")])  # fmt: skip
 @pytest.mark.parametrize("where", ["write", "fsync", "replace", "link", "rename", "open"])
 def test_a_disk_that_fails(tmp_path, monkeypatch, number, words, where):
     """One clear error each, and what was there is there."""

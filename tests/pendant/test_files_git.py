@@ -37,7 +37,8 @@ def repository(tmp_path, files=None):
     root = tmp_path / "project"
     root.mkdir()
     git(root, "init", "-q")
-    for name, text in (files or {"a.yarc": "one\n", "sub/b c.yarc": "two\n", "程序.yarc": "three\n", ".gitignore": "*.log\n"}).items():  # fmt: skip
+    for name, text in (files or {"a.yarc": "one\n", "sub/b c.yarc": "two\n", "程序.yarc": "three\n",
+        ".gitignore": "*.log\n"}).items():  # fmt: skip
         (root / name).parent.mkdir(exist_ok=True)
         (root / name).write_text(text)
     git(root, "add", "-A")
@@ -95,7 +96,8 @@ def test_where_there_is_no_commit_or_no_repository(tmp_path):
 
 @pytest.mark.parametrize(
     "trap",
-    ["fsmonitor", "filter", "process", "textconv", "external", "hooks", "ssh", "pager", "promisor", "bare", "submodule", "signature", "alternates"],
+    ["fsmonitor", "filter", "process", "textconv", "external", "hooks", "ssh", "pager", "promisor", "bare",
+        "submodule", "signature", "alternates"],
 )  # fmt: skip
 def test_a_hostile_repository_runs_nothing(tmp_path, trap):
     """Each trap would make a file if git ran it."""
@@ -190,7 +192,8 @@ def test_git_that_hangs_floods_or_is_missing(tmp_path, monkeypatch):
     fake = tmp_path / "bin" / "git"
     fake.parent.mkdir()
     monkeypatch.setenv("PATH", f"{fake.parent}:{os.environ['PATH']}")
-    for script, words in (("sleep 60 & sleep 60", "takes more"), ("yes", "bytes to say"), ("echo fatal: bad object >&2; exit 128", "bad object")):  # fmt: skip
+    for script, words in (("sleep 60 & sleep 60", "takes more"), ("yes", "bytes to say"),
+        ("echo fatal: bad object >&2; exit 128", "bad object")):  # fmt: skip
         fake.write_text(f"#!/bin/sh\n{script}\n")
         fake.chmod(0o755)
         # a busy computer takes its time to start one that answers

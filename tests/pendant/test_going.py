@@ -1,4 +1,6 @@
-"""Hold-to-run of an offer by way of the API, in virtual time: it goes while it is held, rests on its path in between, and ends with what else is pressed."""
+"""Hold-to-run of an offer by way of the API, in virtual time: it goes while it is held, rests on its path
+in between, and ends with what else is pressed.
+"""
 
 import asyncio
 import json
@@ -158,7 +160,9 @@ def test_let_go_at_any_moment(monkeypatch, tmp_path, moment):
 
 @pytest.mark.parametrize("how", ["page", "socket", "stop", "logout", "jog", "another"])
 def test_what_ends_it(monkeypatch, tmp_path, how):
-    """Held or resting on its path: leaving the page, another press, STOP and the end of the session end it for good."""
+    """Held or resting on its path: leaving the page, another press, STOP and the end of the session end it
+    for good.
+    """
 
     async def work(place, anna, line):
         number = await held_once(place, anna, line)

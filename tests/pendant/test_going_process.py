@@ -1,4 +1,6 @@
-"""Hold-to-run of an offer with the pendant in a process of its own, beside `yarc serve`: it hangs, or is killed, with the button pressed."""
+"""Hold-to-run of an offer with the pendant in a process of its own, beside `yarc serve`: it hangs, or is
+killed, with the button pressed.
+"""
 
 import os
 import signal
@@ -13,7 +15,9 @@ from yarclang.client import Robot
 
 
 def comes_to_rest(watcher, still=1.5, within=10.0):
-    """Wait until the joints have stayed where they are for some time: on a busy computer two looks may find the same answer of the robot."""
+    """Wait until the joints have stayed where they are for some time: on a busy computer two looks may
+    find the same answer of the robot.
+    """
     began = since = time.monotonic()
     before = None
     while time.monotonic() - since < still:
@@ -27,7 +31,9 @@ def comes_to_rest(watcher, still=1.5, within=10.0):
 
 @pytest.mark.parametrize("end", [signal.SIGSTOP, signal.SIGKILL])
 def test_a_pendant_that_hangs_or_dies(tmp_path, monkeypatch, end):
-    """Nobody lets the button go, and nobody says anything: the coordinator's own watchdog brings the robot to rest."""
+    """Nobody lets the button go, and nobody says anything: the coordinator's own watchdog brings the robot
+    to rest.
+    """
     (tmp_path / "work").mkdir()
     workshop = Workshop(tmp_path / "work")
     monkeypatch.setenv("XDG_RUNTIME_DIR", workshop.environment["XDG_RUNTIME_DIR"])

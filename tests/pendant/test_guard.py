@@ -100,7 +100,8 @@ def test_every_answer_forbids_what_comes_from_elsewhere(monkeypatch, tmp_path):
 
 
 def test_no_page_loads_anything_from_elsewhere():
-    # what browsers load of the two bundled libraries is held by the content security policy, in a real browser
+    # what browsers load of the two bundled libraries is held by the content security policy, in a real
+    # browser
     own = [one for one in PAGES.rglob("*") if one.is_file() and one.parent.name != "bundles"]
     assert len(own) > 10
     for one in own:

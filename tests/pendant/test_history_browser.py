@@ -1,4 +1,6 @@
-"""The pages of the history in a real browser: a fault is explained and acknowledged on another page; a run is plotted and replayed."""
+"""The pages of the history in a real browser: a fault is explained and acknowledged on another page; a run
+is plotted and replayed.
+"""
 
 import pytest
 from pendant.process import PASSWORD, PIN, Api, serving
@@ -50,7 +52,8 @@ def press(browser, where, label):
     """Press the button or link of this name."""
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll(`${arguments[0]} :is(button, a)`)].find((one) => one.textContent === arguments[1] && !one.disabled); it?.click(); return Boolean(it)",
+            "const it = [...document.querySelectorAll(`${arguments[0]} :is(button, a)`)].find((one) => "
+            "one.textContent === arguments[1] && !one.disabled); it?.click(); return Boolean(it)",
             where,
             label,
         )
@@ -101,11 +104,15 @@ def test_a_fault_is_explained_and_a_run_replayed(place):
     until(lambda: "job.yarc" in shown(browser, ".run-list") and "by anna" in shown(browser, ".run-list"))
     click(browser, ".run-list .open")
     until(lambda: "J1" in shown(browser, ".values"), 60.0)
-    painted = "const it = document.querySelector('.chart'); const all = it.getContext('2d').getImageData(0, 0, it.width, it.height).data; return all.some((one) => one > 0)"
+    painted = (
+        "const it = document.querySelector('.chart'); const all = it.getContext('2d').getImageData(0, 0, "
+        "it.width, it.height).data; return all.some((one) => one > 0)"
+    )
     until(lambda: browser.execute_script(painted))
     browser.execute_script(
         "const it = document.querySelector('.chart'), box = it.getBoundingClientRect();"
-        "it.dispatchEvent(new PointerEvent('pointermove', { pointerType: 'mouse', clientX: box.x + box.width / 3, clientY: box.y + 20 }))"
+        "it.dispatchEvent(new PointerEvent('pointermove', { pointerType: 'mouse', clientX: box.x + "
+        "box.width / 3, clientY: box.y + 20 }))"
     )
     until(lambda: not shown(browser, ".values").startswith("0.00 s"))
     press(browser, ".run-body", "+")

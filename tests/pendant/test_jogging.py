@@ -1,4 +1,6 @@
-"""Hold-to-run by way of the API, in virtual time: what is pressed moves, what is let go or falls silent rests."""
+"""Hold-to-run by way of the API, in virtual time: what is pressed moves, what is let go or falls silent
+rests.
+"""
 
 import asyncio
 
@@ -260,8 +262,10 @@ def test_who_may_not_moves_nothing(monkeypatch, tmp_path, role, what):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", "null", "{", '{"press": 0, "beat": 1}', '{"press": 1}', '{"press": 1, "beat": 1, "velocity": {"J1": 1e400}}',
-     '{"press": 1, "beat": 1, "twist": [1]}', '{"press": 1, "beat": 1, "share": 2}', '{"release": "x"}', "[" * 100_000],
+    ["", "[]", "null", "{", '{"press": 0, "beat": 1}', '{"press": 1}',
+        '{"press": 1, "beat": 1, "velocity": {"J1": 1e400}}',
+     '{"press": 1, "beat": 1, "twist": [1]}', '{"press": 1, "beat": 1, "share": 2}', '{"release": "x"}',
+         "[" * 100_000],
 )  # fmt: skip
 def test_what_isnt_understood_is_said(monkeypatch, tmp_path, text):
     async def work(place, anna, line):

@@ -1,4 +1,6 @@
-"""The page Run in a real browser: what is told before a start, steps, backwards, from a command on, and the way to a point while a button is held."""
+"""The page Run in a real browser: what is told before a start, steps, backwards, from a command on, and
+the way to a point while a button is held.
+"""
 
 import contextlib
 import time
@@ -58,8 +60,8 @@ def press(browser, where, label):
     """Press the button that is called so."""
     until(
         lambda: browser.execute_script(
-            "const it = [...document.querySelectorAll(`${arguments[0]} button`)].find((one) => one.textContent.startsWith(arguments[1]) && !one.disabled);"
-            "it?.click(); return Boolean(it)",
+            "const it = [...document.querySelectorAll(`${arguments[0]} button`)].find((one) => "
+            "one.textContent.startsWith(arguments[1]) && !one.disabled);it?.click(); return Boolean(it)",
             where,
             label,
         )
@@ -104,13 +106,14 @@ def test_what_is_told_before_the_start(place):
           const box = one.getBoundingClientRect();
           return box.bottom > innerHeight || box.right > innerWidth || box.top < 0 || box.height < 43.5;
         }).map((one) => one.textContent || one.ariaLabel);
-        """
+        """  # noqa: E501
     )
     assert hidden == []
     size(browser, *SIZE)
     # the bar tells command, line and joints of its time
     browser.execute_script(
-        "const bar = document.querySelector('.timeline input'); bar.value = 3; bar.dispatchEvent(new Event('input'))"
+        "const bar = document.querySelector('.timeline input'); bar.value = 3; bar.dispatchEvent(new "
+        "Event('input'))"
     )
     assert "MOVEJ, line 6" in shown(browser, ".timeline .at")
     assert "J1 8.0" in shown(browser, ".timeline .joints")
@@ -121,7 +124,10 @@ def test_what_is_told_before_the_start(place):
     browser.execute_script("location.hash = '#/program'")
     until(lambda: not shown(browser, ".playback"))
     browser.execute_script("location.hash = '#/run'")
-    at_4 = "const bar = document.querySelector('.timeline input'); bar.value = 4; bar.dispatchEvent(new Event('input'))"
+    at_4 = (
+        "const bar = document.querySelector('.timeline input'); bar.value = 4; bar.dispatchEvent(new "
+        "Event('input'))"
+    )
     until(lambda: browser.execute_script(at_4) or "J2 9.0" in shown(browser, ".timeline .joints"), 60.0)
     (place.folder / "job.yarc").write_text(TEXT)
 

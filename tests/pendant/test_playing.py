@@ -1,4 +1,6 @@
-"""Programs as the page Run carries them out, by way of the API in virtual time: waits, faults, aborts, from a command on, and again."""
+"""Programs as the page Run carries them out, by way of the API in virtual time: waits, faults, aborts,
+from a command on, and again.
+"""
 
 import asyncio
 

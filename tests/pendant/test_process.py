@@ -1,4 +1,6 @@
-"""The pendant as a process: everything that its pages do, by way of the API alone; restarts, kills, other processes, wrong usage."""
+"""The pendant as a process: everything that its pages do, by way of the API alone; restarts, kills, other
+processes, wrong usage.
+"""
 
 import contextlib
 import json
@@ -133,7 +135,8 @@ def test_everything_by_way_of_the_api(tmp_path):
 def test_it_is_killed_while_it_jogs(tmp_path):
     """The robot of a dead pendant comes to rest by its controller's guard, and its users are whole."""
     simulator = subprocess.Popen(
-        [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "sim", "--robot", "INDUSTRIAL6", "--port", "0"],
+        [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "sim", "--robot", "INDUSTRIAL6",
+            "--port", "0"],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
     try:
@@ -188,9 +191,12 @@ def moves(address):
 
 
 def test_it_is_killed_while_it_homes(tmp_path):
-    """The controller goes on with a search by itself: its own PLC stops it. A restart, and all is as before."""
+    """The controller goes on with a search by itself: its own PLC stops it. A restart, and all is as
+    before.
+    """
     simulator = subprocess.Popen(
-        [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "sim", "--robot", "INDUSTRIAL6", "--port", "0"],
+        [sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "sim", "--robot", "INDUSTRIAL6",
+            "--port", "0"],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
     try:

@@ -1,4 +1,6 @@
-"""A program that is edited over the API: listed, taught where the robot stands, changed by forms; who may, and what is refused."""
+"""A program that is edited over the API: listed, taught where the robot stands, changed by forms; who may,
+and what is refused.
+"""
 
 import asyncio
 import json

@@ -1,4 +1,6 @@
-"""The page Program in a real browser: list and text, edits by buttons, saving, drafts, findings, long programs."""
+"""The page Program in a real browser: list and text, edits by buttons, saving, drafts, findings, long
+programs.
+"""
 
 import json
 import time
@@ -36,7 +38,8 @@ class Page(Place):
 
     def text(self):
         return self.run(
-            "return [...document.querySelector('.program .text').shadowRoot.querySelectorAll('.cm-line')].map((one) => one.textContent).join('\\n')"
+            "return [...document.querySelector('.program "
+            ".text').shadowRoot.querySelectorAll('.cm-line')].map((one) => one.textContent).join('\\n')"
         )
 
     def type(self, text):
@@ -52,16 +55,17 @@ class Page(Place):
         """Press a button by its words; it has to be usable."""
         script = (
             "const it = [...document.querySelectorAll(`${arguments[1]} button`)].find((one) => "
-            "(one.getAttribute('aria-label') ?? one.textContent) === arguments[0] && !one.disabled && one.checkVisibility());"
-            "it?.click(); return Boolean(it)"
+            "(one.getAttribute('aria-label') ?? one.textContent) === arguments[0] && !one.disabled && "
+            "one.checkVisibility());it?.click(); return Boolean(it)"
         )
         until(lambda: self.run(script, label, within))
 
     def row(self, title):
         """Choose a row by its title."""
         script = (
-            "const it = [...document.querySelectorAll('.row')].find((one) => one.querySelector('.title').textContent.startsWith(arguments[0]));"
-            "it?.click(); return Boolean(it)"
+            "const it = [...document.querySelectorAll('.row')].find((one) => "
+            "one.querySelector('.title').textContent.startsWith(arguments[0]));it?.click(); return "
+            "Boolean(it)"
         )
         until(lambda: self.run(script, title))
 
@@ -98,17 +102,23 @@ def page(tmp_path_factory):
 
 
 def test_list_text_and_findings_are_one(page):
-    """A row selects its lines, lines select their row; a finding is in the text, the list and the rows, and its fix is one step."""
+    """A row selects its lines, lines select their row; a finding is in the text, the list and the rows,
+    and its fix is one step.
+    """
     page.open("wrong.yarc", 7)
     page.row("MOVEJ HOEM")
-    active = "return document.querySelector('.program .text').shadowRoot.querySelector('.cm-activeLine').textContent"
+    active = (
+        "return document.querySelector('.program "
+        ".text').shadowRoot.querySelector('.cm-activeLine').textContent"
+    )
     until(lambda: "HOEM" in page.run(active))
     until(lambda: "Y0205" in shown(page.browser, ".found"), 60.0)
     until(
         lambda: page.run("return document.querySelector('.row[aria-selected=true]').dataset.found") == "error"
     )
     assert page.run(
-        "return Boolean(document.querySelector('.program .text').shadowRoot.querySelector('.cm-lintRange-error'))"
+        "return Boolean(document.querySelector('.program "
+        ".text').shadowRoot.querySelector('.cm-lintRange-error'))"
     )
     page.press("write HOME", ".found")
     until(lambda: "MOVEJ HOEM" not in page.titles() and "P0020 MOVEJ HOME" in page.text())
@@ -143,7 +153,8 @@ def test_buttons_and_typing_have_one_history(page):
     page.press("Edit")
     until(
         lambda: page.run(
-            "const it = document.querySelector('.sheet [name=time]'); if (it) it.value = '7'; return Boolean(it)"
+            "const it = document.querySelector('.sheet [name=time]'); if (it) it.value = '7'; return "
+            "Boolean(it)"
         )
     )
     page.press("Change", ".sheet")
@@ -152,7 +163,9 @@ def test_buttons_and_typing_have_one_history(page):
 
 
 def test_saving_and_others(page):
-    """Saving shows what changes; a file that somebody else has changed isn't overwritten without a question; a draft survives a reload."""
+    """Saving shows what changes; a file that somebody else has changed isn't overwritten without a
+    question; a draft survives a reload.
+    """
     place = page.folder / "bend.yarc"
     place.write_bytes(PROGRAM.replace("\n", "\r\n").encode())
     page.open("bend.yarc", 2)
@@ -161,7 +174,8 @@ def test_saving_and_others(page):
     until(
         lambda: (
             page.run(
-                "return document.querySelector('.compared').shadowRoot.querySelectorAll('.cm-changedLine, .cm-insertedLine').length"
+                "return document.querySelector('.compared').shadowRoot.querySelectorAll('.cm-changedLine, "
+                ".cm-insertedLine').length"
             )
             > 0
         )
@@ -250,7 +264,7 @@ def test_names_are_texts_and_sizes_fit(page):
                   out: all.filter((one) => one.getBoundingClientRect().right > document.getElementById('page').getBoundingClientRect().right + 1).map((one) => one.textContent),
                   images: document.querySelectorAll('#page img').length,
                 };
-                """
+                """  # noqa: E501
             )
             assert found == {"wide": width, "small": [], "out": [], "images": 0}, (width, tab)
     size(page.browser, *SIZES[0])
@@ -276,7 +290,7 @@ def test_the_line_that_runs_is_lit(page):
         """
         const post = (word, body) => fetch(`/api/orders/${word}`, {method: "POST", headers: {"content-type": "application/json"}, body: JSON.stringify(body)}).then((one) => one.json());
         post("load", {file: "bend.yarc", approach: true}).then((told) => post("run", {program: told.program.number, approach: true}));
-        """
+        """  # noqa: E501
     )
     until(
         lambda: (

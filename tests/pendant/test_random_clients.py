@@ -1,4 +1,6 @@
-"""Two people at their pendants by chance, in virtual time: whatever they order in whatever order, nothing is streamed that wasn't proved, and after a stop the robot rests."""
+"""Two people at their pendants by chance, in virtual time: whatever they order in whatever order, nothing
+is streamed that wasn't proved, and after a stop the robot rests.
+"""
 
 import asyncio
 import contextlib
@@ -33,9 +35,12 @@ DEEDS = st.one_of(
     st.tuples(st.just("control"), st.just(0)),
     st.tuples(st.just("give"), WHO),
     st.tuples(st.just("run"), WHO, st.sampled_from([0.0, 0.4, 2.0])),
-    st.tuples(st.just("order"), WHO, st.sampled_from(["hold", "resume", "abort", "clear", "release", "step", "status", "enable", "disable", "connect", "homing", "settings"])),
+    st.tuples(st.just("order"), WHO,
+        st.sampled_from(["hold", "resume", "abort", "clear", "release", "step", "status", "enable", "disable",
+            "connect", "homing", "settings"])),
     st.tuples(st.just("stop"), WHO),
-    st.tuples(st.just("jog"), WHO, WANT, st.sampled_from([0.1, 0.5, 1.0]), st.sampled_from(["let go", "silence", "stop", "late"])),
+    st.tuples(st.just("jog"), WHO, WANT, st.sampled_from([0.1, 0.5, 1.0]),
+        st.sampled_from(["let go", "silence", "stop", "late"])),
     st.tuples(st.just("wait"), WHO, st.sampled_from([0.05, 0.5, 3.0])),
 )  # fmt: skip
 

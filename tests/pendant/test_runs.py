@@ -1,4 +1,6 @@
-"""Logs of runs: the list from heads and tails, what a log shows, downloads; forged, cut, huge and renamed files, links, too many at once."""
+"""Logs of runs: the list from heads and tails, what a log shows, downloads; forged, cut, huge and renamed
+files, links, too many at once.
+"""
 
 import asyncio
 import json

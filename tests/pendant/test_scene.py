@@ -1,4 +1,6 @@
-"""The robot in three dimensions by way of the API: links stand where the kinematics have them, meshes are complete, parts move with the gripper."""
+"""The robot in three dimensions by way of the API: links stand where the kinematics have them, meshes are
+complete, parts move with the gripper.
+"""
 
 import asyncio
 import gzip
@@ -289,7 +291,9 @@ async def loaded(browser, file):
 
 
 def test_a_loaded_program_stands_in_its_own_cell(monkeypatch, tmp_path):
-    """The session has no cell, the program has one: feeder, press and gripper are there, and the parts at the times of its course."""
+    """The session has no cell, the program has one: feeder, press and gripper are there, and the parts at
+    the times of its course.
+    """
     for one in EXAMPLES.glob("05_pick_and_place.*"):
         (tmp_path / one.name).write_text(one.read_text())
 
@@ -303,7 +307,8 @@ def test_a_loaded_program_stands_in_its_own_cell(monkeypatch, tmp_path):
         assert {"TRACK", "PRESS_TABLE", "FINGERS", "BLANK 1", "BLANK 3"} <= names
         assert told["tool"] == "GRIPPER"
         assert {"B", "FEEDER", "PRESS", "GRIPPER"} == {one["name"] for one in told["axes"] if one["matters"]}
-        # at each time one place for each part: it is held, and moves with the gripper, while the course carries it
+        # at each time one place for each part: it is held, and moves with the gripper, while the course
+        # carries it
         course = (await otto.order("course", program=number)).told
         first = [item for item in told["items"] if item["name"] == "BLANK 1"]
         spans = sorted((item["begins_s"] or 0.0, item["ends_s"] or 1e9, item["joint"]) for item in first)
@@ -358,7 +363,9 @@ def test_a_program_is_drawn_once_for_its_own_session_only(monkeypatch, tmp_path)
 
 
 def test_a_coordinator_in_another_process_has_the_same_program(tmp_path):
-    """What it has loaded is compiled once more; another text by now is refused, and never shown as what was proved."""
+    """What it has loaded is compiled once more; another text by now is refused, and never shown as what
+    was proved.
+    """
     from yarclang.coordinator.course import course_described
     from yarclang.coordinator.loading import Source, load
     from yarclang.coordinator.messages.orders import Load

@@ -1,4 +1,6 @@
-"""The robot in three dimensions in a real browser: bodies stand where they should, the ghost too, and nothing is left when it is closed."""
+"""The robot in three dimensions in a real browser: bodies stand where they should, the ghost too, and
+nothing is left when it is closed.
+"""
 
 import time
 
@@ -61,7 +63,7 @@ import("/scene/scene.js").then(({ Scene3D }) => {
     place.addEventListener("drawn", () => done(true), { once: true });
   });
 });
-"""
+"""  # noqa: E501
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +96,7 @@ def test_bodies_stand_where_they_should(place):
           labels: [...document.querySelectorAll("#trial .label3d")].map((one) => one.textContent),
           images: document.querySelectorAll("#trial img").length,
         };
-        """,
+        """,  # noqa: E501
         HOSTILE,
     )
     names = {one[0]: one for one in found["items"]}
@@ -116,7 +118,7 @@ def test_bodies_stand_where_they_should(place):
         const gl = trial.painter.renderer.getContext();
         const read = (x, y) => { const four = new Uint8Array(4); gl.readPixels(x, y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, four); return [...four]; };
         return [read(gl.drawingBufferWidth / 2, gl.drawingBufferHeight / 2), read(4, gl.drawingBufferHeight - 4)];
-        """
+        """  # noqa: E501
     )
     assert max(abs(one - other) for one, other in zip(*pixel, strict=True)) > 40, pixel
 
@@ -140,7 +142,7 @@ def test_the_ghost_stands_elsewhere(place):
           };
           wait();
         });
-        """
+        """  # noqa: E501
     )
     assert abs(found[0][0] - 0.9396926) < 1e-5
     assert abs(found[1][1] + 0.5) < 1e-5
@@ -157,7 +159,8 @@ def test_it_is_drawn_only_if_something_changes(place):
     time.sleep(1.0)
     assert browser.execute_script("return trial.painter.frames") - frames == 0
     browser.execute_script(
-        "window.loss = trial.painter.renderer.getContext().getExtension('WEBGL_lose_context'); loss.loseContext()"
+        "window.loss = trial.painter.renderer.getContext().getExtension('WEBGL_lose_context'); "
+        "loss.loseContext()"
     )
     until(lambda: "lost" in shown(browser, "#trial .scene-words"))
     browser.execute_script("loss.restoreContext()")
@@ -169,7 +172,8 @@ def test_nothing_is_left_when_it_is_closed(place):
     browser = place.browser
     browser.execute_script("window.before = trial.painter.renderer; trial.close()")
     left = browser.execute_script(
-        "return [before.info.memory.geometries, before.info.memory.textures, document.querySelectorAll('#trial canvas').length]"
+        "return [before.info.memory.geometries, before.info.memory.textures, "
+        "document.querySelectorAll('#trial canvas').length]"
     )
     assert left == [0, 0, 0]
     sizes = []
@@ -186,7 +190,8 @@ def test_nothing_is_left_when_it_is_closed(place):
 def test_without_webgl_it_says_so(place):
     browser = place.browser
     browser.execute_script(
-        "window.plain = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = () => null"
+        "window.plain = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = "
+        "() => null"
     )
     try:
         goes_to(browser, "scene")

@@ -1,4 +1,6 @@
-"""Inputs and outputs of the API: what the cell says of them, the WAIT at which a program stands, who may switch what, and a thousand of them."""
+"""Inputs and outputs of the API: what the cell says of them, the WAIT at which a program stands, who may
+switch what, and a thousand of them.
+"""
 
 import asyncio
 import time

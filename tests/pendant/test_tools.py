@@ -1,4 +1,6 @@
-"""Tools and frames: where frames come from, what a payload does to torques (as Pinocchio has it), and robot.toml with it."""
+"""Tools and frames: where frames come from, what a payload does to torques (as Pinocchio has it), and
+robot.toml with it.
+"""
 
 import json
 
@@ -64,7 +66,9 @@ def test_no_pose_within_the_limits_is_worse_than_the_worst(seed, size):
 
 
 def test_payloads_are_pinocchios(tmp_path):
-    """Holding torques here and at the worst poses, of payloads written into robot.toml and read back, are Pinocchio's with the body appended."""
+    """Holding torques here and at the worst poses, of payloads written into robot.toml and read back, are
+    Pinocchio's with the body appended.
+    """
     robot = load_robot(described(tmp_path)).value
     project = project_of(tmp_path)
     plain = pin.buildModelFromUrdf(str(robot.folder / robot.urdf))
@@ -270,7 +274,13 @@ def test_a_robot_of_the_library_is_shown_and_left_alone(monkeypatch, tmp_path):
 
 def test_where_frames_come_from(monkeypatch, tmp_path):
     (tmp_path / "cell.toml").write_text(
-        'units = "mm,deg,s"\n[frames.TABLE]\nparent = "B"\nxyz = [100, 0, 0]\n[frames.CUP]\nparent = "FLANGE"\nxyz = [0, 0, 9]\n'
+        'units = "mm,deg,s"\n'
+        "[frames.TABLE]\n"
+        'parent = "B"\n'
+        "xyz = [100, 0, 0]\n"
+        "[frames.CUP]\n"
+        'parent = "FLANGE"\n'
+        "xyz = [0, 0, 9]\n"
     )
 
     async def work(place):

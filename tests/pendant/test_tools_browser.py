@@ -11,7 +11,12 @@ from tests.collision.test_bodies import changed
 from tests.conftest import EXAMPLES
 from tests.robot.test_dynamics import heavy_industrial6
 
-WAITS = 'CELL "cell.toml"\nP0010 MOVEJ 5 0 0 0 -10 0 [1] (deg,s)\nP0020 WAIT PART_READY OFF\nP0030 MOVEJ HOME [1] (deg,s)\n'
+WAITS = (
+    'CELL "cell.toml"\n'
+    "P0010 MOVEJ 5 0 0 0 -10 0 [1] (deg,s)\n"
+    "P0020 WAIT PART_READY OFF\n"
+    "P0030 MOVEJ HOME [1] (deg,s)\n"
+)
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +48,8 @@ def press(browser, where, label):
     """Press a button by what it says."""
     until(
         lambda: browser.execute_script(
-            "const one = [...document.querySelectorAll(arguments[0])].find((one) => one.textContent.includes(arguments[1]) && !one.disabled); one?.click(); return Boolean(one)",
+            "const one = [...document.querySelectorAll(arguments[0])].find((one) => "
+            "one.textContent.includes(arguments[1]) && !one.disabled); one?.click(); return Boolean(one)",
             where,
             label,
         )
@@ -52,7 +58,8 @@ def press(browser, where, label):
 
 def chosen(browser):
     return browser.execute_script(
-        "return Object.fromEntries([...document.querySelectorAll('select[data-frames]')].map((one) => [one.dataset.frames, one.value]))"
+        "return Object.fromEntries([...document.querySelectorAll('select[data-frames]')].map((one) => "
+        "[one.dataset.frames, one.value]))"
     )
 
 
@@ -73,8 +80,9 @@ def test_signals_are_shown_and_switched(place):
     until(lambda: shown(browser, "[data-name=GRIP] .lamp") == "ON")
     # the WAIT at which the robot stands, and the input set by hand that ends it
     browser.execute_script(
-        "const said = (path, body) => fetch(path, {method: 'POST', body: JSON.stringify(body)}).then((answer) => answer.json());"
-        "said('/api/orders/load', {file: 'wait.yarc'}).then((told) => said('/api/orders/run', {program: told.program.number}))"
+        "const said = (path, body) => fetch(path, {method: 'POST', body: "
+        "JSON.stringify(body)}).then((answer) => answer.json());said('/api/orders/load', {file: "
+        "'wait.yarc'}).then((told) => said('/api/orders/run', {program: told.program.number}))"
     )
     until(lambda: shown(browser, ".io-wait").startswith("P0020 waits for PART_READY = OFF since"))
     assert "outputs are the program's" in shown(browser, ".io-lists")
@@ -89,7 +97,8 @@ def test_signals_are_shown_and_switched(place):
     press(browser, "dialog.asks button", "Switch")
     until(lambda: shown(browser, "[data-name=PRESS_LOADED] .lamp") == "7")
     browser.execute_script(
-        "const one = document.querySelector('.io-bar input[type=search]'); one.value = 'm2'; one.dispatchEvent(new Event('input'))"
+        "const one = document.querySelector('.io-bar input[type=search]'); one.value = 'm2'; "
+        "one.dispatchEvent(new Event('input'))"
     )
     assert browser.execute_script(
         "return [...document.querySelectorAll('.signal')].map((one) => one.dataset.name)"
@@ -113,7 +122,8 @@ def test_one_choice_of_frames_and_a_payload(place):
     until(lambda: chosen(browser) == wanted)
     # a frame that isn't there any more falls back, with a word
     browser.execute_script(
-        "localStorage.setItem('yarc.anna.jog', JSON.stringify({moving: '{GONE}', axes: '{B}'})); location.reload()"
+        "localStorage.setItem('yarc.anna.jog', JSON.stringify({moving: '{GONE}', axes: '{B}'})); "
+        "location.reload()"
     )
     until(lambda: "There is no frame {GONE} any more" in shown(browser, "#notices"))
     goes_to(browser, "setup/tools")
@@ -121,7 +131,8 @@ def test_one_choice_of_frames_and_a_payload(place):
     # what a payload does, and robot.toml with it
     press(browser, ".tool-names .pick", "GRIPPER")
     browser.execute_script(
-        "document.querySelector('[name=mass]').value = '400'; document.querySelector('[name=center_y]').value = '500'"
+        "document.querySelector('[name=mass]').value = '400'; "
+        "document.querySelector('[name=center_y]').value = '500'"
     )
     press(browser, ".payload-form button", "What it does")
     press(browser, ".torque-kinds button", "Worst pose")

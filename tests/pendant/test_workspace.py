@@ -1,4 +1,6 @@
-"""The workspace: drafts become changes of texts, limits need the PIN, programs that no longer hold are named, and nobody gets round it."""
+"""The workspace: drafts become changes of texts, limits need the PIN, programs that no longer hold are
+named, and nobody gets round it.
+"""
 
 import asyncio
 import hashlib
@@ -111,9 +113,9 @@ def test_a_draft_changes_only_what_it_says_and_is_kept_in_the_audit_trail(monkey
         assert (project / "cell.toml").read_text() == told["after"]
         (deed,) = [one for one in place.deeds() if one[1] == "file change"]
         assert (
-            "xyz of obstacle BLOCK from [900, -900, 100] to [900.5, -900, 100]; margin of obstacle BLOCK from none to 5"
-            in deed[2]
-        )
+            "xyz of obstacle BLOCK from [900, -900, 100] to [900.5, -900, 100]; margin of obstacle BLOCK "
+            "from none to 5"
+        ) in deed[2]
         assert "programs not checked" in deed[2]
         assert (await sue.get("/api/trash")).told["deleted"][0]["file"] == "cell.toml"
         again = await sue.post("/api/workspace/save", draft)
@@ -201,7 +203,10 @@ def test_what_no_cell_may_say_isnt_saved(monkeypatch, tmp_path, values, said):
 def test_numbers_that_are_none(monkeypatch, tmp_path, number):
     async def work(place, project):
         sue = await pinned(place)
-        raw = '{"known": "%s", "entries": [{"table": "zones", "at": 0, "values": {"name": "A", "size": [1, %s, 1]}}]}'
+        raw = (
+            '{"known": "%s", "entries": [{"table": "zones", "at": 0, "values": {"name": "A", "size": [1, '
+            "%s, 1]}}]}"
+        )
         told = await sue.post(
             "/api/workspace/draft", raw=(raw % (sha256(project / "cell.toml"), number)).encode()
         )
@@ -219,7 +224,16 @@ FORMS = {
     "crlf": (CELL.replace("\n", "\r\n"), True, True),
     "mark": ("\ufeff" + CELL, True, True),
     "dotted": (
-        'units = "mm"\n[[obstacles]]\nname = "A"\nshape = "sphere"\nframe = "B"\nradius = 5\n[frames]\nF.parent = "B"\n',
+        (
+            'units = "mm"\n'
+            "[[obstacles]]\n"
+            'name = "A"\n'
+            'shape = "sphere"\n'
+            'frame = "B"\n'
+            "radius = 5\n"
+            "[frames]\n"
+            'F.parent = "B"\n'
+        ),
         True,
         True,
     ),
@@ -262,7 +276,15 @@ def test_files_in_other_forms_are_changed_or_refused_in_words(monkeypatch, tmp_p
 
 def test_a_thousand_obstacles(monkeypatch, tmp_path):
     many = CELL + "".join(
-        f'\n[[obstacles]]\nname = "S{one}"\nshape = "sphere"\nframe = "B"\nxyz = [{3000 + one}, 0, 0]\nradius = 5\n'
+        (
+            "\n"
+            "[[obstacles]]\n"
+            f'name = "S{one}"\n'
+            'shape = "sphere"\n'
+            'frame = "B"\n'
+            f"xyz = [{3000 + one}, 0, 0]\n"
+            "radius = 5\n"
+        )
         for one in range(1000)
     )
 
@@ -544,7 +566,8 @@ def test_killed_while_it_saves_the_file_is_whole(monkeypatch, tmp_path):
 
 @settings(max_examples=60, deadline=None)
 @given(
-    st.lists(st.tuples(st.sampled_from(["change", "remove", "add"]), st.integers(0, 3), st.floats(-1e6, 1e6)), max_size=6),
+    st.lists(st.tuples(st.sampled_from(["change", "remove", "add"]), st.integers(0, 3), st.floats(-1e6, 1e6)),
+        max_size=6),
     st.sampled_from(["\n", "\r\n"]),
 )  # fmt: skip
 def test_drafts_say_what_they_mean(steps, ending):
@@ -617,9 +640,16 @@ def test_programs_that_no_longer_hold_are_named(tmp_path):
     (tmp_path / "broken.yarc").write_text("P0010 MOVEJ 999 0 0 0 0 0 [4] (deg,s)\n")
     (tmp_path / "module.yarc").write_text("SUB A\n  P0010 STOP\nEND\n")
     files = {one: one.read_bytes() for one in tmp_path.iterdir()}
-    wall = (
-        CELL
-        + '\n[[zones]]\nname = "WALL"\nrule = "forbidden"\nshape = "half-space"\nframe = "B"\nxyz = [0, 0, 9000]\nnormal = [0, 0, -1]\nwatch = ["tcp"]\n'
+    wall = CELL + (
+        "\n"
+        "[[zones]]\n"
+        'name = "WALL"\n'
+        'rule = "forbidden"\n'
+        'shape = "half-space"\n'
+        'frame = "B"\n'
+        "xyz = [0, 0, 9000]\n"
+        "normal = [0, 0, -1]\n"
+        'watch = ["tcp"]\n'
     )
 
     async def work():

@@ -1,4 +1,6 @@
-"""The workspace page in a real browser: an obstacle is dragged, its numbers follow, and it is saved with the PIN."""
+"""The workspace page in a real browser: an obstacle is dragged, its numbers follow, and it is saved with
+the PIN.
+"""
 
 import tomllib
 
@@ -26,7 +28,7 @@ const high = camera.position.distanceTo(origin) * 1.9 * Math.tan((camera.fov * M
 const tip = origin.clone();
 tip.z += 0.5 * high;
 return [at(origin), at(tip)];
-"""
+"""  # noqa: E501
 
 
 @pytest.fixture
@@ -78,7 +80,8 @@ def test_an_obstacle_is_dragged_and_saved(place):
     click(browser, ".draft-bar button:nth-of-type(1)")
     until(lambda: "600 -500 100" in block(browser))
     browser.execute_script(
-        "const it = document.querySelector('[name=xyz2]'); it.value = '321,5'; it.dispatchEvent(new Event('change'))"
+        "const it = document.querySelector('[name=xyz2]'); it.value = '321,5'; it.dispatchEvent(new "
+        "Event('change'))"
     )
     until(lambda: "600 -500 321.5" in block(browser))
     click(browser, ".draft-bar .main")

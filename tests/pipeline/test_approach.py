@@ -1,4 +1,6 @@
-"""The slow way to where a program starts knows the cell: straight where that is free, else round, else it is said why not."""
+"""The slow way to where a program starts knows the cell: straight where that is free, else round, else it
+is said why not.
+"""
 
 import numpy as np
 from programs import codes

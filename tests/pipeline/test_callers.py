@@ -31,7 +31,9 @@ SUB FIXED
   P0040 MOVEJ 20 0 0 0 0 0 [0.001]
 END
 """
-"""TWICE stands at its target the second time: Y0603, a warning. FAST has an error of its argument, FIXED one of its own."""
+"""TWICE stands at its target the second time: Y0603, a warning. FAST has an error of its argument, FIXED
+one of its own.
+"""
 INSTALLED = """\
 ROBOT INDUSTRIAL6
 USE PICKPLACE
@@ -226,7 +228,9 @@ def test_findings_of_a_module_without_a_place_stay_apart(folder):
     )
 )
 def test_each_call_of_a_module_is_grouped_by_itself(drawn):
-    """Whatever order findings come in: one for each code, line and call, whichever round of a loop it was in."""
+    """Whatever order findings come in: one for each code, line and call, whichever round of a loop it was
+    in.
+    """
     module = SourceFile("m.yarc", "a\nb\nc\n", "M")
     told = [
         Diagnostic(code, "slow", module, Span.on_line(line, 1, 2), place=f"P0020(I={at})>P{call:04d}>P0010")

@@ -1,4 +1,6 @@
-"""Work that nobody waits for any more ends soon in every phase: a listener is asked often whether to go on."""
+"""Work that nobody waits for any more ends soon in every phase: a listener is asked often whether to go
+on.
+"""
 
 import gc
 import math
@@ -31,7 +33,10 @@ def spline(count):
 def chain(count):
     """Return `count` lines that flow into each other."""
     rows = [
-        f"P{number + 20:04} MOVEL {300 - number % 2 * 50 - number * 2} 1074.4 {1100 - number // 2 % 2 * 40} 0 0 0 [V 200] BLEND 5"
+        (
+            f"P{number + 20:04} MOVEL {300 - number % 2 * 50 - number * 2} 1074.4 "
+            f"{1100 - number // 2 % 2 * 40} 0 0 0 [V 200] BLEND 5"
+        )
         for number in range(1, count)
     ]
     return HEAD + "\n".join([*rows, "P9000 STOP\n"])
@@ -39,7 +44,11 @@ def chain(count):
 
 def grid(count):
     """Return `count` times three motions in a loop."""
-    body = "P0020 MOVEL $(300 - I % 7 * 20) 1074.4 1100 0 0 0\nP0030 MOVEJ $(I % 5) 0 0 0 -30 0\nP0040 MOVEJ_RPY 300 1074.4 1100 0 0 0\n"
+    body = (
+        "P0020 MOVEL $(300 - I % 7 * 20) 1074.4 1100 0 0 0\n"
+        "P0030 MOVEJ $(I % 5) 0 0 0 -30 0\n"
+        "P0040 MOVEJ_RPY 300 1074.4 1100 0 0 0\n"
+    )
     return f"{HEAD}REPEAT I {count}\n{body}END\nP0050 STOP\n"
 
 

@@ -1,4 +1,6 @@
-"""A bug of ours in any stage, at any door: one finding with a report, exit status 1, and everything else goes on."""
+"""A bug of ours in any stage, at any door: one finding with a report, exit status 1, and everything else
+goes on.
+"""
 
 import json
 import os
@@ -28,7 +30,12 @@ from yarclang.semantics.declared import declaring
 from yarclang.source import SourceFile
 from yarclang.syntax import form
 
-TEXT = "ROBOT INDUSTRIAL6\nP0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)\nP0020 BROKEN\nP0030 MOVEJ 0 0 0 0 0 0 [2] (deg,s)\n"
+TEXT = (
+    "ROBOT INDUSTRIAL6\n"
+    "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)\n"
+    "P0020 BROKEN\n"
+    "P0030 MOVEJ 0 0 0 0 0 0 [2] (deg,s)\n"
+)
 GOOD = TEXT.replace("P0020 BROKEN\n", "")
 
 

@@ -252,7 +252,9 @@ def test_work_that_nobody_waits_for_is_given_up(folder):
 
 
 def test_an_edit_costs_the_motion_and_the_one_behind_it(folder):
-    """Where a line ends doesn't depend on the digits of where it began: all others are the very same curves."""
+    """Where a line ends doesn't depend on the digits of where it began: all others are the very same
+    curves.
+    """
     head = "ROBOT INDUSTRIAL6\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0001 MOVEJ 0 -10 -20 0 -60 0\n"
     lines = [f"P{n:04} MOVEL {n % 10 * 20} 1000 {1050 + n % 7 * 10} -90 0 {n % 3}" for n in range(2, 40)]
     analyst, before = Analyst(), None
@@ -293,7 +295,9 @@ def test_edits_leave_no_texts_behind(folder):
 
 
 def test_what_is_known_before_the_proof(tmp_path):
-    """It is told once, with the findings of planning; a program with errors isn't proved, and has nothing to tell before."""
+    """It is told once, with the findings of planning; a program with errors isn't proved, and has nothing
+    to tell before.
+    """
     program = (
         "DEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ 0 10 0 0 -30 0 [5000]\nP0020 MOVEJ 0 20 0 0 -30 0\n"
     )

@@ -1,4 +1,6 @@
-"""OFFSET in a cell with parts: those in the shifted frame are shifted with it, the grip is the same, and nothing is left elsewhere than the program has it."""
+"""OFFSET in a cell with parts: those in the shifted frame are shifted with it, the grip is the same, and
+nothing is left elsewhere than the program has it.
+"""
 
 import numpy as np
 import pytest
@@ -74,7 +76,11 @@ P0090 MOVEL 0 0 120 0 0 0 [30%] {TRAY}
 # the block is put down within the shifted frame
 SHOVE = PICK.replace("P0040 MOVEL 0 0 120", "P0040 MOVEL 0 0 40").replace(
     "  P0050 MOVEJ READY",
-    "  P0042 MOVEL 0 60 40 0 0 0 [30%] {PART}\n  P0043 MOVEL 0 60 0 0 0 0 [30%] {PART}\n  P0044 SET SUCK OFF\n  P0045 MOVEL 0 60 120 0 0 0 [30%] {PART}\n  P0050 MOVEJ READY",
+    "  P0042 MOVEL 0 60 40 0 0 0 [30%] {PART}\n"
+    "  P0043 MOVEL 0 60 0 0 0 0 [30%] {PART}\n"
+    "  P0044 SET SUCK OFF\n"
+    "  P0045 MOVEL 0 60 120 0 0 0 [30%] {PART}\n"
+    "  P0050 MOVEJ READY",
 )
 SHOVE = SHOVE[: SHOVE.index("P0060")] + "P0060 MOVEJ 0 0 0 0 -30 0\n"
 

@@ -1,4 +1,6 @@
-"""Files of timed trajectories beside programs: found, refused where they aren't beside one, and read again when they have changed."""
+"""Files of timed trajectories beside programs: found, refused where they aren't beside one, and read again
+when they have changed.
+"""
 
 import os
 from pathlib import Path

@@ -74,7 +74,9 @@ def test_a_cell_without_parts_says_so(tmp_path):
 
 
 def test_signals_are_told_and_whoever_names_the_cell_learns_where_parts_are(project):
-    """One line for each signal, as `yarc run` tells them; of a file whose parts nothing has moved, none are told."""
+    """One line for each signal, as `yarc run` tells them; of a file whose parts nothing has moved, none
+    are told.
+    """
 
     async def session():
         async with talking(project) as person:

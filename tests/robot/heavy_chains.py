@@ -35,7 +35,10 @@ def urdf_text(random, size):
 
     def joint(name, kind, parent, child, more=""):
         place = f'xyz="{numbers(random.uniform(-0.4, 0.4, 3))}" rpy="{numbers(random.uniform(-3, 3, 3))}"'
-        return f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin {place}/>{more}</joint>'
+        return (
+            f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin '
+            f"{place}/>{more}</joint>"
+        )
 
     lines = ['<robot name="heavy" version="1.1">', f'<link name="floor">{inertial(random)}</link>']
     lines += ['<link name="foot"/>', joint("stand", "fixed", "floor", "foot")]
@@ -43,9 +46,13 @@ def urdf_text(random, size):
     for number in range(1, size + 1):
         kind = "prismatic" if random.random() < 0.25 else "revolute"
         axis = random.normal(size=3)
-        more = f'<axis xyz="{numbers(axis / np.linalg.norm(axis))}"/><limit lower="-1" upper="1" velocity="1" effort="{random.uniform(1, 90):.6f}"/>'
+        more = (
+            f'<axis xyz="{numbers(axis / np.linalg.norm(axis))}"/><limit lower="-1" upper="1" velocity="1" '
+            f'effort="{random.uniform(1, 90):.6f}"/>'
+        )
         lines.append(
-            f'<link name="L{number}">{inertial(random)}</link><link name="M{number}">{inertial(random)}</link>'
+            f'<link name="L{number}">{inertial(random)}</link><link '
+            f'name="M{number}">{inertial(random)}</link>'
         )
         lines += [
             joint(f"J{number}", kind, above, f"L{number}", more),

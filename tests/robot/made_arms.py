@@ -1,4 +1,6 @@
-"""Arms that `yarc robot new` makes, of real URDFs and of random ones; and programs that any of them can carry out."""
+"""Arms that `yarc robot new` makes, of real URDFs and of random ones; and programs that any of them can
+carry out.
+"""
 
 from __future__ import annotations
 
@@ -119,7 +121,9 @@ def _goals(robot, random, kinds) -> list[str]:
 
 
 def calibrated(text: str, seed: int = 1) -> str:
-    """A URDF with each joint's frame off by 0.1 mm and 0.01 deg or so in every direction: no axes meet any more."""
+    """A URDF with each joint's frame off by 0.1 mm and 0.01 deg or so in every direction: no axes meet any
+    more.
+    """
     random = np.random.default_rng(seed)
 
     def off(origin: re.Match[str]) -> str:

@@ -11,6 +11,7 @@ import pytest
 from conftest import EXAMPLES
 
 from tests.robot.made_arms import DATA, REAL, made, yarc
+from tests.robot.trap_arms import arm, robot, written
 from yarclang.robot.checklist import check_robot
 from yarclang.robot.checklist.geometry import geometry_items
 from yarclang.robot.description import list_robots, stdlib_folder
@@ -30,12 +31,12 @@ def changed(folder: Path, *changes: tuple[str, str], file: str = "robot.toml") -
     return str(folder)
 
 
-@pytest.mark.parametrize("robot", [robot.name for robot in list_robots()])
-def test_nothing_is_to_do_for_the_library(robot):
-    result = yarc("robot", "check", robot)
+@pytest.mark.parametrize("name", [one.name for one in list_robots()])
+def test_nothing_is_to_do_for_the_library(name):
+    result = yarc("robot", "check", name)
     assert result.exit_code == 0, result.output
     assert "0 to do" in result.output
-    subjects = {item.subject for item in check_robot(robot).items}
+    subjects = {item.subject for item in check_robot(name).items}
     assert subjects >= {
         "files", "chain", "position limits", "velocity limits", "acceleration limits", "jerk limits", "units",
         "inverse kinematics", "forward kinematics", "inverse of forward", "HOME", "reach", "TCP", "frames",
@@ -58,7 +59,8 @@ POINTS = [
     ([("[1540, 1550", "[154, 1550")], "motor speeds", "note", "motor 1 reaches 10"),
     ([("[1540, 1550, 3520", "[1540, 1550, 2000")], "motor speeds", "note", "motor 3 limits"),
     ([("[1540, 1550", "[99999, 1550")], "motor speeds", "note", "three times"),
-    ([("a0 = [0, 0, 0, 0, 0, 0]  # counts", "a0 = [0, 0, 0, 0, 0, 0]  # guess: none")], "guess", "to do", "none"),
+    ([("a0 = [0, 0, 0, 0, 0, 0]  # counts", "a0 = [0, 0, 0, 0, 0, 0]  # guess: none")], "guess", "to do",
+        "none"),
     ([("velocity = 60  ", 'velocity = "60"')], "Y1306", "to do", "text"),
     ([("velocity = [1540, ", "velocity = [")], "Y1309", "to do", "5"),
     ([("speed = 250 ", "speed = 400 ")], "jogs", "note", "up to 400 mm/s"),
@@ -100,6 +102,33 @@ def test_what_is_no_robot(words, tmp_path, monkeypatch):
     assert result.exit_code == 1
     assert "to do" in result.output
     assert "Traceback" not in result.output
+
+
+def heavy(center, effort=500):
+    """Each link of a large arm with a mass whose centre is at `center`."""
+    inside = (
+        f'<inertial><origin xyz="{center}"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" '
+        'iyz="0" izz="0.1"/></inertial>'
+    )
+    return robot(arm(effort=effort)).replace("</collision></link>", f"</collision>{inside}</link>")
+
+
+@pytest.mark.parametrize(
+    ("center", "joints"), [("0 0 0.1", ""), ("0 0 3", "joint_1"), ("0 2.5 0", "joint_4")]
+)
+def test_centres_of_mass_far_from_their_links(center, joints, tmp_path):
+    yarc("robot", "new", written(tmp_path, heavy(center)), "--yes", "-o", tmp_path / "r")
+    items = [one for one in check_robot(str(tmp_path / "r")).items if one.subject == "centres of mass"]
+    assert [one.verdict for one in items] == ["note"] * bool(joints)
+    assert all(joints in one.found and "the arm is" in one.found for one in items)
+
+
+def test_an_arm_that_cannot_stand_says_how_often(tmp_path):
+    yarc("robot", "new", written(tmp_path, heavy("0 0 0.1", 40)), "--yes", "-o", tmp_path / "r")
+    (item,) = [one for one in check_robot(str(tmp_path / "r")).items if one.subject == "torques"]
+    assert item.verdict == "note"
+    assert "of them a joint needs more than all of its effort" in item.found
+    assert "checked = false in [dynamics]" in item.remedy
 
 
 def test_json(tmp_path):

@@ -1,4 +1,6 @@
-"""Torques of many instants at once are Pinocchio's, one by one; masses and efforts come from the URDF, tools and robot.toml."""
+"""Torques of many instants at once are Pinocchio's, one by one; masses and efforts come from the URDF,
+tools and robot.toml.
+"""
 
 import numpy as np
 import pytest
@@ -81,7 +83,9 @@ def test_real_arms(tmp_path, name):
 
 
 def test_what_the_files_say(tmp_path):
-    """Masses in the URDF, an effort and the direction of gravity in robot.toml; and when nothing is checked."""
+    """Masses in the URDF, an effort and the direction of gravity in robot.toml; and when nothing is
+    checked.
+    """
     plain = load_robot("INDUSTRIAL6").value
     assert not plain.dynamics.is_checked
     assert plain.dynamics.effort == pytest.approx([2000, 2000, 1000, 200, 200, 100])
@@ -107,7 +111,10 @@ def test_what_the_files_say(tmp_path):
 
 def heavy_industrial6(tmp_path):
     """The robot with 10 kg a link."""
-    mass = '<inertial><mass value="10"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    mass = (
+        '<inertial><mass value="10"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" '
+        'iyz="0"/></inertial>'
+    )
     changed(
         tmp_path,
         *[(f'<link name="link_{k}">', f'<link name="link_{k}">{mass}') for k in range(1, 7)],

@@ -1,4 +1,6 @@
-"""Arms of the package example-robot-data, made as their files are, and judged by Pinocchio on the original text: joints, solutions, and the line that is emitted."""
+"""Arms of the package example-robot-data, made as their files are, and judged by Pinocchio on the original
+text: joints, solutions, and the line that is emitted.
+"""
 
 import numpy as np
 import pytest
@@ -66,7 +68,8 @@ def test_the_arm_of_the_file_by_pinocchio(name, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["baxter", "pr2", "tiago_dual", "tiago_pro", "romeo", "b1-z1", "anymal-kinova", "centauro", "iris", "a1", "solo12"]
+    "name", ["baxter", "pr2", "tiago_dual", "tiago_pro", "romeo", "b1-z1", "anymal-kinova", "centauro",
+        "iris", "a1", "solo12"]
 )  # fmt: skip
 def test_a_file_with_more_than_one_limb_asks(name, tmp_path):
     path = next(iter(DATA.rglob(f"{name}.urdf")))

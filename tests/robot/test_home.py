@@ -1,4 +1,6 @@
-"""The HOME that `yarc robot new` proposes: away from singularities and limits, and free of collision, judged by Pinocchio on the original URDF."""
+"""The HOME that `yarc robot new` proposes: away from singularities and limits, and free of collision,
+judged by Pinocchio on the original URDF.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +25,10 @@ def blocked(name: str, places, radius: float = 0.12) -> str:
     text = (DATA / REAL[name][0]).read_text(encoding="utf-8")
     text = text.replace("package://example-robot-data/robots", str(DATA))
     balls = "".join(
-        f'<link name="ball{number}"><collision><geometry><sphere radius="{radius}"/></geometry></collision></link>'
-        f'<joint name="to_ball{number}" type="fixed"><parent link="{ARMS[name]}"/><child link="ball{number}"/>'
-        f'<origin xyz="{" ".join(map(str, place))}"/></joint>'
+        f'<link name="ball{number}"><collision><geometry><sphere '
+        f'radius="{radius}"/></geometry></collision></link><joint name="to_ball{number}" '
+        f'type="fixed"><parent link="{ARMS[name]}"/><child link="ball{number}"/><origin '
+        f'xyz="{" ".join(map(str, place))}"/></joint>'
         for number, place in enumerate(places)
     )
     return text.replace("</robot>", balls + "</robot>")

@@ -79,7 +79,14 @@ def test_a_joint_is_named_in_either_way_at_the_doors():
 
 def window(joints):
     """The result of reading a cell with a window of the joints."""
-    text = f'units = "mm,deg,s"\n[[zones]]\nname = "A"\nrule = "allowed"\nshape = "joints"\njoints = {{ {joints} }}\n'
+    text = (
+        'units = "mm,deg,s"\n'
+        "[[zones]]\n"
+        'name = "A"\n'
+        'rule = "allowed"\n'
+        'shape = "joints"\n'
+        f"joints = {{ {joints} }}\n"
+    )
     return read_cell(source(text, "cell.toml"), Path(), Names(lambda _name: False, ARM))
 
 

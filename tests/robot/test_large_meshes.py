@@ -1,4 +1,6 @@
-"""Large collision meshes are copied as their hulls: the same body, in a small file that each command reads."""
+"""Large collision meshes are copied as their hulls: the same body, in a small file that each command
+reads.
+"""
 
 import numpy as np
 import pytest

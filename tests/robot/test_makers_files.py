@@ -1,4 +1,6 @@
-"""URDFs the way makers' files look: which joints are the arm, judged with Pinocchio on the original text, up to the path that is emitted."""
+"""URDFs the way makers' files look: which joints are the arm, judged with Pinocchio on the original text,
+up to the path that is emitted.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ FEET = (
 )
 CONTROL = """<gazebo reference="link_1"><material>Gazebo/Orange</material></gazebo><transmission name="t1">
 <type>transmission_interface/SimpleTransmission</type><joint name="joint_1"/><actuator name="m"/></transmission>
-<ros2_control name="c" type="system"><hardware><plugin>mock</plugin></hardware><joint name="joint_1"/></ros2_control>"""
+<ros2_control name="c" type="system"><hardware><plugin>mock</plugin></hardware><joint name="joint_1"/></ros2_control>"""  # noqa: E501
 LIFT = link("foot") + link("torso") + joint("lift", "foot", "torso", kind="prismatic")
 HEAD = link("pan") + link("tilt") + joint("head_pan", "torso", "pan", (0, 0, 0.5))
 HEAD += joint("head_tilt", "pan", "tilt", axis=Y)

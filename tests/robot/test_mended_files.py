@@ -1,4 +1,6 @@
-"""Files that other readers take, or nearly: mended with a note, and judged by Pinocchio on the original where Pinocchio reads that."""
+"""Files that other readers take, or nearly: mended with a note, and judged by Pinocchio on the original
+where Pinocchio reads that.
+"""
 
 import numpy as np
 import pinocchio as pin
@@ -42,11 +44,17 @@ COLOR = '<color rgba="{}"/>'
 LIMITS = 'lower="-2.5" upper="2.5"'
 MENDED = {
     # the text, the note, whether Pinocchio reads the original
-    "limits of inf": (robot(arm()).replace(LIMITS, 'lower="-inf" upper="inf"'), "12 limits without an end", False),
-    "limits of 1e308": (robot(arm()).replace(LIMITS, 'lower="-1e308" upper="1e308"'), "12 limits without", True),
+    "limits of inf": (robot(arm()).replace(LIMITS, 'lower="-inf" upper="inf"'), "12 limits without an end",
+        False),
+    "limits of 1e308": (robot(arm()).replace(LIMITS, 'lower="-1e308" upper="1e308"'), "12 limits without",
+        True),
     "effort of inf": (robot(arm()).replace('effort="500"', 'effort="inf"'), "6 limits without an end", False),
-    "tabs in numbers": (robot(arm()).replace('xyz="0 0 0.78"', 'xyz="0\t0 0.78"'), "lists of numbers with tabs", False),
-    "line ends in numbers": (robot(arm()).replace('xyz="0 0 0.78"', "xyz='\n0\r\n0\n0.78 '"), "1 lists of numbers", False),
+    "tabs in numbers": (robot(arm()).replace('xyz="0 0 0.78"', 'xyz="0\t0 0.78"'),
+        "lists of numbers with tabs", False),
+    "line ends in numbers": (robot(arm()).replace('xyz="0 0 0.78"', "xyz='\n"
+        "0\r\n"
+        "0\n"
+        "0.78 '"), "1 lists of numbers", False),
     "a capsule of version 1.0": (
         on_foot(body('<capsule radius="0.01" length="0.1"/>')).replace(' version="1.1"', ""),
         "1 capsules count",
@@ -57,12 +65,16 @@ MENDED = {
         "1 shapes without a size",
         True,
     ),
-    "a ball that collides and has no size": (on_foot(body('<sphere radius="0"/>')), "1 shapes without a size", True),
-    "a disc": (on_foot(body('<cylinder radius="0.1" length="0"/>')), "1 collision shapes with a side of 0", True),
-    "a picture without a shape": (on_foot("<visual><geometry/></visual>"), "1 pictures without a shape", True),
+    "a ball that collides and has no size": (on_foot(body('<sphere radius="0"/>')), "1 shapes without a size",
+        True),
+    "a disc": (on_foot(body('<cylinder radius="0.1" length="0"/>')), "1 collision shapes with a side of 0",
+        True),
+    "a picture without a shape": (on_foot("<visual><geometry/></visual>"), "1 pictures without a shape",
+        True),
     "a picture without a file": (on_foot(picture('<mesh filename=""/>')), "1 pictures without a shape", True),
     "a picture of scale 0": (on_foot(picture('<mesh filename="a.stl" scale="0 0 0"/>')), "1 pictures", True),
-    "a material without a name": (on_foot(picture(BOX, f"<material>{COLOR.format('0 0 0 1')}</material>")), "1 materials", True),
+    "a material without a name": (on_foot(picture(BOX, f"<material>{COLOR.format('0 0 0 1')}</material>")),
+        "1 materials", True),
     "a material twice": (
         robot(2 * f'<material name="a">{COLOR.format("0 0 0 1")}</material>', arm()),
         "1 materials that are there twice",
@@ -145,7 +157,8 @@ def test_what_collides_or_means_nothing_is_not_mended(text, code, tmp_path):
 # ------------------------------------------------------------------------ which link, which format
 
 GRIPPERS = (
-    "hand", "panda_hand", "onrobot_rg2_base_link", "robotiq_85_base_link", "wsg_50_base_link", "suction_cup", "vacuum_tool", "gripper_base",
+    "hand", "panda_hand", "onrobot_rg2_base_link", "robotiq_85_base_link", "wsg_50_base_link", "suction_cup",
+        "vacuum_tool", "gripper_base",
     "palm", "EOAT", "welding_torch", "spindle", "ft_sensor_link", "camera_link",
 )  # fmt: skip
 
@@ -188,7 +201,9 @@ def test_a_joint_of_vehicles_in_the_middle_of_an_arm_asks(kind, tmp_path):
 
 def test_a_follower_above_a_vehicle_asks_nothing(tmp_path):
     text = robot(
-        link("rail"), link("slide"), joint("rail_joint", "rail", "slide", axis=Y, kind="prismatic", more=follows("joint_1")), arm(base=("slide", "planar"))
+        link("rail"), link("slide"),
+            joint("rail_joint", "rail", "slide", axis=Y, kind="prismatic", more=follows("joint_1")),
+                arm(base=("slide", "planar"))
     )  # fmt: skip
     assert made(written(tmp_path, text), tmp_path / "r").joint_names == SIX
 

@@ -14,12 +14,12 @@ from yarclang.robot.new.meshes import NoMeshError, read_mesh
 TRIANGLE = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
 BINARY = b"\0" * 80 + struct.pack("<I", 1) + TRIANGLE
 TEXT = (
-    b"solid a b\n facet normal nan 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5e-3 0 0\n   vertex -0 +1 2\n  endloop\n"
+    b"solid a b\n facet normal nan 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5e-3 0 0\n   vertex -0 +1 2\n  endloop\n"  # noqa: E501
     b" endfacet\nendsolid a b\n"
 )
-OBJ = b"# made\nmtllib a.mtl\no part\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ns off\nusemtl x\nf 1//1 2//1 \\\n3//1\n"
+OBJ = b"# made\nmtllib a.mtl\no part\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ns off\nusemtl x\nf 1//1 2//1 \\\n3//1\n"  # noqa: E501
 PLY_HEAD = (
-    b"ply\nformat %b 1.0\ncomment made\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    b"ply\nformat %b 1.0\ncomment made\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"  # noqa: E501
     b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
 )
 PLY = PLY_HEAD % b"ascii" + b"0 0 0\n1 0 0\n0 1.5e-3 -0\n3 0 1 2\n"
@@ -27,10 +27,10 @@ PLY_BINARY = (
     PLY_HEAD % b"binary_little_endian" + np.eye(3, dtype="<f4").tobytes() + struct.pack("<B3i", 3, 0, 1, 2)
 )
 DAE = (
-    b'<?xml version="1.0" encoding="utf-8"?>\n<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
-    b'<library_geometries><geometry><mesh><source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array></source>'
+    b'<?xml version="1.0" encoding="utf-8"?>\n<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'  # noqa: E501
+    b'<library_geometries><geometry><mesh><source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array></source>'  # noqa: E501
     b'<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">'
-    b'<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries></COLLADA>'
+    b'<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries></COLLADA>'  # noqa: E501
 )
 
 
@@ -181,11 +181,11 @@ def test_a_normal_that_is_no_number_harms_nothing(tmp_path):
 
 
 DAE_CORNERS = (
-    b'<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries><geometry><mesh>'
+    b'<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries><geometry><mesh>'  # noqa: E501
     b'<source id="p"><float_array id="pa" count="9">%b 0 0 1 0 0 0 1 0</float_array></source>'
     b'<source id="n"><float_array id="na" count="3">%b 0 1</float_array></source>'
     b'<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">'
-    b'<input semantic="NORMAL" source="#n" offset="1"/><input semantic="VERTEX" source="#v" offset="0"/><p>0 0 1 0 2 0</p></triangles>'
+    b'<input semantic="NORMAL" source="#n" offset="1"/><input semantic="VERTEX" source="#v" offset="0"/><p>0 0 1 0 2 0</p></triangles>'  # noqa: E501
     b"</mesh></geometry></library_geometries></COLLADA>"
 )
 
@@ -235,11 +235,13 @@ def test_a_doctype_is_refused_before_its_entities_are_read(tmp_path):
 
 
 OBJ_LINES = st.one_of(
-    st.sampled_from([b"v 0 0 0", b"v 1 0 0", b"\tv 0 1 0", b"vn 0 0 1", b"vt 0 0", b"# f 9 9 9", b"", b"o one", b"v"]),
+    st.sampled_from([b"v 0 0 0", b"v 1 0 0", b"\tv 0 1 0", b"vn 0 0 1", b"vt 0 0", b"# f 9 9 9", b"",
+        b"o one", b"v"]),
     st.tuples(
         st.sampled_from([b"f", b" f", b"fo", b"f\t", b"face"]),
         st.lists(
-            st.sampled_from([b"1", b"2", b"3", b"4", b"+1", b"-1", b"-4", b"0", b"1/1", b"2//5", b"x", b"1.5", b"#", b"1_0", b"9" * 30]),
+            st.sampled_from([b"1", b"2", b"3", b"4", b"+1", b"-1", b"-4", b"0", b"1/1", b"2//5", b"x", b"1.5",
+                b"#", b"1_0", b"9" * 30]),
             max_size=4,
         ),
     ).map(lambda one: b" ".join([one[0], *one[1]])),

@@ -109,6 +109,17 @@ def test_what_is_only_drawn_may_miss(tmp_path):
     assert "the visual mesh gone.dae isn't there" in result.output
 
 
+def test_many_drawn_meshes_that_miss_are_one_note(tmp_path):
+    bodies = "".join(MESH.format(f"gone{k}.dae").replace("collision", "visual") for k in range(5))
+    file = written(
+        tmp_path / "given", robot(arm(), link("s", bodies), joint("j", "base_link", "s", kind="fixed"))
+    )
+    result = new(file)
+    assert result.exit_code == 0, result.output
+    assert "5 visual meshes: gone0.dae, gone1.dae, gone2.dae and 2 more aren't there" in result.output
+    assert result.output.count("--package-path or --meshes says where to look") == 1
+
+
 def test_the_robot_without_them_says_so(tmp_path):
     file = with_meshes(tmp_path, "gone.stl", "lost.stl")
     result = new(file, "--allow-missing-meshes")

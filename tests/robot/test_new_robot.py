@@ -52,7 +52,10 @@ def tree(*joints: str, extra: str = "") -> str:
             f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}'
             f'<origin xyz="0 0.0{number} 0.1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>'
         )
-    return f'<robot name="t">{"".join(f"<link name={link!r}/>" for link in links)}{"".join(lines)}{extra}</robot>'
+    return (
+        "<robot "
+        f'name="t">{"".join(f"<link name={link!r}/>" for link in links)}{"".join(lines)}{extra}</robot>'
+    )
 
 
 def chain_of(text: str, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:

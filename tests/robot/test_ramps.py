@@ -1,4 +1,6 @@
-"""[ramps]: one rule for the accelerations and jerks of all joints; planner and judge read it each by itself."""
+"""[ramps]: one rule for the accelerations and jerks of all joints; planner and judge read it each by
+itself.
+"""
 
 import re
 from dataclasses import replace

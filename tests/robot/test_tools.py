@@ -1,4 +1,6 @@
-"""Tools of robot.toml: shapes and masses on the flange, mistakes, and that nothing of them gets lost on the way to the collision check."""
+"""Tools of robot.toml: shapes and masses on the flange, mistakes, and that nothing of them gets lost on
+the way to the collision check.
+"""
 
 import re
 
@@ -107,7 +109,16 @@ def test_a_tool_hits_if_it_is_mounted(tmp_path):
 
 def test_a_tool_hits_the_arm_unless_that_is_allowed(tmp_path):
     """A long bar across the flange meets the links behind it."""
-    bar = '[tools.BAR]\n[[bodies]]\ntool = "BAR"\nshape = "capsule"\nxyz = [0, -150, 0]\nrpy = [90, 0, 0]\nradius = 5\nlength = 300\n'
+    bar = (
+        "[tools.BAR]\n"
+        "[[bodies]]\n"
+        'tool = "BAR"\n'
+        'shape = "capsule"\n'
+        "xyz = [0, -150, 0]\n"
+        "rpy = [90, 0, 0]\n"
+        "radius = 5\n"
+        "length = 300\n"
+    )
     folder = with_tools(tmp_path, bar)
     program = "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)"
     (finding,) = compiled(program, folder)[1]

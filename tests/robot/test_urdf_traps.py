@@ -1,4 +1,6 @@
-"""A URDF with a trap comes out as its robot, or says why not: joints, solutions and paths by Pinocchio on the original text."""
+"""A URDF with a trap comes out as its robot, or says why not: joints, solutions and paths by Pinocchio on
+the original text.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ SIX = tuple(f"joint_{number}" for number in range(1, 7))
 
 
 def judged(text, robot_, base="base_link", flange="tool0", names=SIX):
-    """Joints, forward kinematics and solutions of a robot against Pinocchio on the text; a line is planned and proved."""
+    """Joints, forward kinematics and solutions of a robot against Pinocchio on the text; a line is planned
+    and proved.
+    """
     assert robot_.size == len(names)
     q = within(robot_.chain, robot_.limits, 200)
     true = poses(text, base, flange, names, q)
@@ -164,8 +168,14 @@ def test_two_names_that_become_one_stay_two(tmp_path):
     judged(text, made(written(tmp_path, text), tmp_path / "r"))
 
 
-FLAT = '<visual><geometry><box size="0 0 0"/></geometry><material name="a"/><material name="b"><color rgba="1 0 0 1"/></material></visual>'
-PLATE = '<visual><geometry><box size="1 1 1"/></geometry><material name="a"/><material name="b"></material></visual><collision><geometry><box size="0.1 0.1 0"/></geometry></collision>'
+FLAT = (
+    '<visual><geometry><box size="0 0 0"/></geometry><material name="a"/><material name="b"><color rgba="1 '
+    '0 0 1"/></material></visual>'
+)
+PLATE = (
+    '<visual><geometry><box size="1 1 1"/></geometry><material name="a"/><material '
+    'name="b"></material></visual><collision><geometry><box size="0.1 0.1 0"/></geometry></collision>'
+)
 
 
 def test_boxes_without_a_size_and_second_materials(tmp_path):
@@ -282,7 +292,10 @@ def cube() -> bytes:
 
 @pytest.mark.parametrize("how", ["option", "environment", "own"])
 def test_a_mesh_of_a_package_whose_folder_has_another_name(how, tmp_path, monkeypatch):
-    mesh = '<collision><geometry><mesh filename="package://maker_support/meshes/a%20b.stl"/></geometry></collision>'
+    mesh = (
+        "<collision><geometry><mesh "
+        'filename="package://maker_support/meshes/a%20b.stl"/></geometry></collision>'
+    )
     text = robot(
         arm(), link("stand", mesh, shape=False), joint("to_stand", "base_link", "stand", kind="fixed")
     )
@@ -311,8 +324,8 @@ def test_other_formats_are_named(text, words, tmp_path):
 @pytest.mark.parametrize(
     ("tcp", "words"),
     [
-        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),
-        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),
+        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),  # noqa: E501
+        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),  # noqa: E501
         ("0,0,100,90,0,0", "z of TCP leads neither out nor back along the tool"),
     ],
 )  # fmt: skip
@@ -419,7 +432,9 @@ def palletizer(more: str) -> str:
 
 
 def test_a_coupled_chain_is_written_in_J_as_the_message_says(tmp_path):
-    """The numbers of the message, put into robot.toml, make the arm that Pinocchio makes of the URDF with its <mimic>."""
+    """The numbers of the message, put into robot.toml, make the arm that Pinocchio makes of the URDF with
+    its <mimic>.
+    """
     coupled = palletizer(f'<mimic joint="joint_3" multiplier="{K}" offset="{B}"/>')
     result = yarc("robot", "new", written(tmp_path, coupled), "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 1
@@ -477,7 +492,8 @@ def test_a_chain_that_follows_a_joint_elsewhere_has_no_row(tmp_path):
 
 @pytest.mark.parametrize(
     "mimic",
-    ["<mimic/>", '<mimic joint="joint_3" multiplier="abc"/>', '<mimic joint="joint_3" offset="nan"/>', '<mimic joint="joint_3" offset=""/>'],
+    ["<mimic/>", '<mimic joint="joint_3" multiplier="abc"/>', '<mimic joint="joint_3" offset="nan"/>',
+        '<mimic joint="joint_3" offset=""/>'],
 )  # fmt: skip
 def test_a_mimic_that_is_none_is_named(mimic, tmp_path, capfd):
     result = yarc("robot", "new", written(tmp_path, palletizer(mimic)), "--yes", "-o", tmp_path / "r")

@@ -1,4 +1,6 @@
-"""URDFs as they are in the world, each with a trap, with the lengths of large arms and cobots; and their poses by Pinocchio on that very text."""
+"""URDFs as they are in the world, each with a trap, with the lengths of large arms and cobots; and their
+poses by Pinocchio on that very text.
+"""
 
 from __future__ import annotations
 

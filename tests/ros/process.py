@@ -55,7 +55,9 @@ class Told:
 
 @contextmanager
 def yarc(*arguments, folder):
-    """Run a command of yarc as long as the context lasts; robots are found only by others of the same folder."""
+    """Run a command of yarc as long as the context lasts; robots are found only by others of the same
+    folder.
+    """
     process = subprocess.Popen(
         [sys.executable, "-u", "-c", SCRIPT, *arguments],
         stdout=subprocess.PIPE,

@@ -1,7 +1,9 @@
-"""A double of ROS-Industrial's stock client nodes, as they behave: streamer, downloader, state node and joint_trajectory_action in one.
+"""A double of ROS-Industrial's stock client nodes, as they behave: streamer, downloader, state node and
+joint_trajectory_action in one.
 
-It does what was seen of the unmodified C++ nodes (industrial_core 0.7.3), their faults included: it ignores FAILURE, holds its lock while it waits for an answer, never marks the end of a
-streamed goal, derives the first duration from the goal before, and knows of an end by in_motion and positions alone.
+It does what was seen of the unmodified C++ nodes (industrial_core 0.7.3), their faults included: it ignores
+FAILURE, holds its lock while it waits for an answer, never marks the end of a streamed goal, derives the
+first duration from the goal before, and knows of an end by in_motion and positions alone.
 """
 
 import asyncio
@@ -100,7 +102,9 @@ class StockClient:
             self._wire = None
 
     async def ask(self, body):
-        """Send a request and wait for its answer, without a time limit; connect again and send it again if the connection is lost."""
+        """Send a request and wait for its answer, without a time limit; connect again and send it again if
+        the connection is lost.
+        """
         async with self._lock:
             while True:
                 try:

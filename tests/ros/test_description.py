@@ -1,4 +1,6 @@
-"""The robot's description for launch files: as the server tells it, or in bounded time a word of what to do."""
+"""The robot's description for launch files: as the server tells it, or in bounded time a word of what to
+do.
+"""
 
 import contextlib
 import json

@@ -1,4 +1,6 @@
-"""What RViz is given: the kinematics of the URDF's text are those of the robot, and markers are where the cell has its bodies."""
+"""What RViz is given: the kinematics of the URDF's text are those of the robot, and markers are where the
+cell has its bodies.
+"""
 
 import json
 from dataclasses import fields
@@ -30,7 +32,7 @@ SLIDING = """<robot name="s"><material name="red"><color rgba="1 0 0 1"/></mater
 <collision><geometry><sphere radius="9"/></geometry></collision></link>
 <joint name="root" type="fixed"><parent link="world"/><child link="base"/><origin xyz="5 6 7" rpy="0 0 1.5707963267948966"/></joint>
 <joint name="j" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="0 3 4"/></joint>
-<joint name="k" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"""
+<joint name="k" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"""  # noqa: E501
 
 
 def rows(pose):

@@ -186,7 +186,9 @@ def test_a_slow_client_goes_on_while_its_goal_is_planned():
 
 
 def test_a_plan_of_a_goal_before_it_went_on_isnt_moved():
-    """Both plans have the number of their goal; the first one, of fewer points, must not be taken for the second."""
+    """Both plans have the number of their goal; the first one, of fewer points, must not be taken for the
+    second.
+    """
     at = Link()
     at.goal()
     at.wait(PAUSE)
@@ -375,7 +377,9 @@ DEEDS = st.one_of(
 
 
 class Model(Link):
-    """A link, and a robot that must never be told nonsense: no motion while another one is under way, none after a stop."""
+    """A link, and a robot that must never be told nonsense: no motion while another one is under way, none
+    after a stop.
+    """
 
     def __init__(self):
         super().__init__()

@@ -30,11 +30,15 @@ def path(count, seconds, end=END, start=None):
 
 
 TRIES = 8
-"""A client that a busy computer keeps from sending for 50 ms has sent half a goal, which is told: it sends another one."""
+"""A client that a busy computer keeps from sending for 50 ms has sent half a goal, which is told: it sends
+another one.
+"""
 
 
 async def carried_out(ports, count, seconds):
-    """Send a goal, as often as it takes on a busy computer, and return what the state link has told at its end."""
+    """Send a goal, as often as it takes on a busy computer, and return what the state link has told at its
+    end.
+    """
     async with StockClient(ports) as client:
         await client.until(lambda: client.robot.times, 60.0)
         for _ in range(TRIES):
@@ -60,7 +64,9 @@ def test_a_goal_is_carried_out(folder):
 
 def test_feedback_goes_on_while_a_long_goal_is_planned(folder):
     async def longest(client):
-        """Send a long goal; return the longest silence of the state link until the robot moves; None: it doesn't [s]."""
+        """Send a long goal; return the longest silence of the state link until the robot moves; None: it
+        doesn't [s].
+        """
         positions, times = path(4000, 80.0, start=np.array(client.robot.joints[:6]))
         begun = len(client.robot.times)
         await client.stream(positions, times, between=0.0)

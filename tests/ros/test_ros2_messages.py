@@ -1,4 +1,6 @@
-"""ROS 2's messages from and to the driver's values, with namespaces in the place of rosidl's classes; and the node where there is no ROS 2."""
+"""ROS 2's messages from and to the driver's values, with namespaces in the place of rosidl's classes; and
+the node where there is no ROS 2.
+"""
 
 import math
 from types import SimpleNamespace
@@ -20,7 +22,9 @@ def time(seconds: int = 0, nanoseconds: int = 0) -> SimpleNamespace:
 
 
 def empty(kind: str) -> Any:
-    """Return a stand-in for a message's class: only the fields that it has can be given, as in rosidl's constructors."""
+    """Return a stand-in for a message's class: only the fields that it has can be given, as in rosidl's
+    constructors.
+    """
 
     def point() -> SimpleNamespace:
         return SimpleNamespace(

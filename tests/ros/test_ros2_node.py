@@ -1,4 +1,6 @@
-"""The ROS 2 node, moved by an rclpy client, beside `yarc serve`: where a Python has rclpy and control_msgs (YARCLANG_ROS2_PYTHON, or the one of a sourced setup.bash)."""
+"""The ROS 2 node, moved by an rclpy client, beside `yarc serve`: where a Python has rclpy and control_msgs
+(YARCLANG_ROS2_PYTHON, or the one of a sourced setup.bash).
+"""
 
 import json
 import os

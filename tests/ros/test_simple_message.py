@@ -1,6 +1,7 @@
 """The codec against frames of the unmodified C++ nodes, and against streams of any kind.
 
-`simple_message_vectors.json`: exchanged between the client nodes of ros-industrial/industrial_core 0.7.3 (commit 2b7ef65) and a toy controller; its "about" says how.
+`simple_message_vectors.json`: exchanged between the client nodes of ros-industrial/industrial_core 0.7.3
+(commit 2b7ef65) and a toy controller; its "about" says how.
 """
 
 import json

@@ -20,7 +20,8 @@ class Told:
     def __init__(self, state=State.STOP, owner=None):
         joints = [replies.Joint(name=name, position=None, unit="deg") for name in ROBOT.joint_names]
         status = replies.Status(
-            program="ros", robot=ROBOT.name, controller="", state=state, why="", command=None, done=0.0, left=0.0,
+            program="ros", robot=ROBOT.name, controller="", state=state, why="", command=None, done=0.0,
+                left=0.0,
             override=100.0, joints=tuple(joints), waiting=0, pid=1, since="", owner=owner,
         )  # fmt: skip
         self.feedback = Feedback(ROBOT, "ros", status)

@@ -1,4 +1,5 @@
-"""Whatever is compiled is executed without an alarm: the way of the lines is where the controller commands the motors to be.
+"""Whatever is compiled is executed without an alarm: the way of the lines is where the controller commands
+the motors to be.
 
 Usually 24 programs are run; YARCLANG_RANDOM_RUNS=1000 in the environment runs so many.
 """
@@ -31,7 +32,9 @@ ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_random_programs_run_without_an_alarm(name):
-    """Joints, lines, arcs, splines, all laws, BLENDs and outputs; at any segment time, over links of any delay, at any pace."""
+    """Joints, lines, arcs, splines, all laws, BLENDs and outputs; at any segment time, over links of any
+    delay, at any pace.
+    """
     robot = robot_of(name)
     arm = Arm.in_folder(robot.folder)
     tally = Tally()

@@ -255,7 +255,9 @@ def test_a_new_run_begins_anew(robot):
 
 @pytest.mark.parametrize(
     "lines",
-    [("P10 SET N = 1",), ('P10 SAY "a"',), ("P10 WAIT JOB = 1 OR EMPTY = ON [5] (s)",), ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
+    [("P10 SET N = 1",), ('P10 SAY "a"',), ("P10 WAIT JOB = 1 OR EMPTY = ON [5] (s)",),
+        ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"),
+            ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
 )  # fmt: skip
 def test_a_program_buffer_can_not_decide(robot, lines):
     text = HEAD + "\n".join((*COUNTED, *lines)) + "\n"
@@ -278,7 +280,8 @@ def test_a_program_can_not_be_begun_inside_a_case(robot):
 @pytest.mark.parametrize(
     ("lines", "place"),
     [
-        (("WHEN EMPTY ON", "P10 MOVEJ 5 0 0 0 0 0 [1] (deg,s)", "ELSE", "P20 MOVEJ 7 0 0 0 0 0 [1] (deg,s)", "P30 STOP", "END"), 5.0),
+        (("WHEN EMPTY ON", "P10 MOVEJ 5 0 0 0 0 0 [1] (deg,s)", "ELSE", "P20 MOVEJ 7 0 0 0 0 0 [1] (deg,s)",
+            "P30 STOP", "END"), 5.0),
         (("WHEN EMPTY ON", "P20 MOVEJ 7 0 0 0 0 0 [1] (deg,s)", "P30 STOP", "END"), 0.0),
     ],
 )  # fmt: skip

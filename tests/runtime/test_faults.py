@@ -1,5 +1,5 @@
-"""Faults: for each the robot ends at rest, the user is told where it stands and in which command, and nothing begins before the
-controller was looked at.
+"""Faults: for each the robot ends at rest, the user is told where it stands and in which command, and nothing
+begins before the controller was looked at.
 """
 
 import numpy as np
@@ -229,7 +229,8 @@ def test_something_else_at_the_address():
 
 
 GARBLED = {
-    "PR": (asks_flow, [b"2a\r1\r5\r1\r5\r100\r\x06", b"99999\r1\r5\r1\r5\r100\r\x06", b"-3\r1\r5\r1\r5\r100\r\x06", b"\r\x06", b"17\r\n\x06", b"1\r2\r\x06", b"\x07ERR00\r", b"\x00\x00"]),
+    "PR": (asks_flow, [b"2a\r1\r5\r1\r5\r100\r\x06", b"99999\r1\r5\r1\r5\r100\r\x06",
+        b"-3\r1\r5\r1\r5\r100\r\x06", b"\r\x06", b"17\r\n\x06", b"1\r2\r\x06", b"\x07ERR00\r", b"\x00\x00"]),
     "status": (AskControl("\x02"), [b"8820000184\r", b"\x80\r", b"88200001840_ " * 8 + b"\r"]),
     "positions": (AskControl("\x10"), [b"1 2 3\r", b"1 2 3 4 5 x 7 8\r", b"nan " * 8 + b"\r"]),
     "following errors": (AskControl("\x06"), [b"1 2 3\r", b"0x0 " * 8 + b"\r"]),
@@ -271,7 +272,9 @@ def test_a_garbled_reply(kind, number):
 @settings(max_examples=8)
 @given(st.integers(0, 2**31), st.sampled_from([0.002, 0.01, 0.05]))
 def test_any_byte_of_any_reply(tally, seed, share):
-    """What can be told from a right reply ends the run on the path; and a wrong position or status does no more harm than that."""
+    """What can be told from a right reply ends the run on the path; and a wrong position or status does no
+    more harm than that.
+    """
     job, plan = prepared(tm=10)
     world = world_of(job, record=True, seed=seed)
     since = world.now
@@ -446,7 +449,9 @@ def test_a_fault_is_seen_over_a_slow_link(delay):
     ],
 )
 def test_a_fault_while_the_program_is_loaded(fault, words):
-    """Nothing has moved: no command was executed, and it is the motor that is told of, not that R is refused."""
+    """Nothing has moved: no command was executed, and it is the motor that is told of, not that R is
+    refused.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job, faults=[fault])
     ended = run(world, job)

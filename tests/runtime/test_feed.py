@@ -1,5 +1,5 @@
-"""The feed: it never sends more than fits, never believes that more lies ahead than does, and sends each line once, in order,
-whatever the controller executes in the meantime.
+"""The feed: it never sends more than fits, never believes that more lies ahead than does, and sends each line
+once, in order, whatever the controller executes in the meantime.
 """
 
 from dataclasses import replace

@@ -59,7 +59,9 @@ def test_the_first_variable_is_the_lowest_bit_and_all_values_need_no_else(robot,
 
 
 def test_a_torn_number_is_never_taken(robot):
-    """The PLC goes from 1 to 6; the first look falls between its writes, and has read 7, which was never meant."""
+    """The PLC goes from 1 to 6; the first look falls between its writes, and has read 7, which was never
+    meant.
+    """
     made = standing(robot, 7)
     asked_of(made, lambda looks: set_bits(made, 6) if looks == 1 else None)
     ended = performed(made, robot, "SET N = JOB")

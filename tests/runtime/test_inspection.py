@@ -1,4 +1,6 @@
-"""Looking at a controller: each single wrong thing is one clear row and a refusal; harmless differences aren't."""
+"""Looking at a controller: each single wrong thing is one clear row and a refusal; harmless differences
+aren't.
+"""
 
 import re
 
@@ -430,7 +432,8 @@ def test_nothing_is_asked_that_moves():
         if not re.fullmatch(r"(I\d+)+|([M#]\d+->)+|LIST PLC \d+|(M\d61)+(I\d+)+|\??", line)
     ]
     assert set(asked) <= {
-        "I6=1 I3=2", "CLOSE", "CID", "TYPE", "&1??", "CLOSE ALL", "M8116", "P8100=1", "P8100", "P8100=0", "&1A",
+        "I6=1 I3=2", "CLOSE", "CID", "TYPE", "&1??", "CLOSE ALL", "M8116", "P8100=1", "P8100", "P8100=0",
+            "&1A",
         "P8103", "I5112=136 P8104=1", "I5112=136 P8104", "P8104", "P8103P8105", "P8104=0",
     }  # fmt: skip
     assert {sent.request.character for sent in world.sent if isinstance(sent.request, Control)} == {"\x0c"}

@@ -1,4 +1,6 @@
-"""A host that is kept from its work, beside a simulator in its own process: the simulation is slower, and otherwise the same."""
+"""A host that is kept from its work, beside a simulator in its own process: the simulation is slower, and
+otherwise the same.
+"""
 
 import asyncio
 import time
@@ -86,7 +88,9 @@ def test_without_a_leash_the_guard_holds_meanwhile(job):
 
 @pytest.mark.parametrize("pace", PACES)
 def test_a_process_that_is_stopped_again_and_again_holds_nothing(job, pace):
-    """A request lies in the simulator's socket when both go on: the time since the last one is left out all the same."""
+    """A request lies in the simulator's socket when both go on: the time since the last one is left out
+    all the same.
+    """
     starved = Starved(0.2, [0.3 * number for number in range(15)])
     ended = carried_out(job, starved, leashed=True, pace=pace)
     assert ended.well, ended

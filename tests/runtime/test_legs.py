@@ -1,4 +1,6 @@
-"""Programs with barriers: outputs, dwells, waits on inputs, holds, and the ways of a WHEN, in both targets."""
+"""Programs with barriers: outputs, dwells, waits on inputs, holds, and the ways of a WHEN, in both
+targets.
+"""
 
 import numpy as np
 import pytest
@@ -86,7 +88,9 @@ def test_a_wait_for_an_input(robot):
 
 
 def test_sets_and_waits_are_told(robot):
-    """Each SET as it is carried out, each WAIT as it begins and ends, also one that is met at once; between two legs no state says that the program is at its end."""
+    """Each SET as it is carried out, each WAIT as it begins and ends, also one that is met at once;
+    between two legs no state says that the program is at its end.
+    """
     made = world(robot)
     made.operation.outputs = {"M2": "LAMP"}
     made.at.append((made.now + 3.0, lambda: made.machine.command("M11=1", 7)))
@@ -341,7 +345,17 @@ def test_a_program_buffer_waits_by_itself(robot):
     assert machine.command("P1").items[0].startswith(("20", "19.99"))
 
 
-PROGRAM = f"P10 {OUT}\nP20 SET LAMP ON\nP30 WAIT DOOR ON [5] (s)\nWHEN DOOR ON\nP40 {HOME}\nELSE\nP50 {HOME}\nEND\nP60 WAIT [1] (s)\n"
+PROGRAM = (
+    f"P10 {OUT}\n"
+    "P20 SET LAMP ON\n"
+    "P30 WAIT DOOR ON [5] (s)\n"
+    "WHEN DOOR ON\n"
+    f"P40 {HOME}\n"
+    "ELSE\n"
+    f"P50 {HOME}\n"
+    "END\n"
+    "P60 WAIT [1] (s)\n"
+)
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,9 @@ SCENE = {"/transforms", "/robot"}
 
 
 def messages(path):
-    """Topic, time of logging, content of all messages, as another reader has them; without those of a scene."""
+    """Topic, time of logging, content of all messages, as another reader has them; without those of a
+    scene.
+    """
     with path.open("rb") as stream:
         found = make_reader(stream, validate_crcs=True).iter_messages(log_time_order=False)
         return [
@@ -465,7 +467,9 @@ for number in range(1000):
 
 
 def test_a_process_that_is_killed_loses_a_second_at_most(tmp_path):
-    """kill -9 in the middle; the last numbers that it told us of are at most so many behind those in the log."""
+    """kill -9 in the middle; the last numbers that it told us of are at most so many behind those in the
+    log.
+    """
     path = tmp_path / "a.mcap"
     tests = str(Path(__file__).parents[1])
     process = subprocess.Popen(

@@ -1,4 +1,6 @@
-"""The robot in a run's log: read back by another reader, as Foxglove's schemas want it. No viewer has opened it here."""
+"""The robot in a run's log: read back by another reader, as Foxglove's schemas want it. No viewer has
+opened it here.
+"""
 
 import base64
 import dataclasses
@@ -70,7 +72,9 @@ def pose_of(said):
 
 
 def placed(message):
-    """base_from_frame of all frames of a message; each parent comes before its children, and no frame twice."""
+    """base_from_frame of all frames of a message; each parent comes before its children, and no frame
+    twice.
+    """
     found = {"B": np.eye(4)}
     for one in message["transforms"]:
         assert one["child_frame_id"] not in found
@@ -81,7 +85,9 @@ def placed(message):
 
 @pytest.fixture(scope="module")
 def read(tmp_path_factory):
-    """The messages of a run's log by topic, as another reader has them, with the names and schemas of topics."""
+    """The messages of a run's log by topic, as another reader has them, with the names and schemas of
+    topics.
+    """
     path, _ = whole(tmp_path_factory.mktemp("run") / "a.mcap", *made())
     found, schemas = {}, {}
     with path.open("rb") as stream:

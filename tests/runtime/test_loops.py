@@ -1,4 +1,6 @@
-"""Loops on the simulator: passes, ways out of them, what people order in between, and what is known of the last pass."""
+"""Loops on the simulator: passes, ways out of them, what people order in between, and what is known of the
+last pass.
+"""
 
 import time
 
@@ -70,7 +72,8 @@ def test_a_loop_streams_its_body_in_each_pass(robot):
 def test_a_loop_is_left_where_the_robot_is(robot):
     made = world(robot)
     lines = (
-        "LOOP", f"P10 {OUT}", "P15 SET N = N + 1", "WHEN N = 2", "P20 EXIT", "END", f"P30 {HOME}", "END", "P40 SET LAMP 7",
+        "LOOP", f"P10 {OUT}", "P15 SET N = N + 1", "WHEN N = 2", "P20 EXIT", "END", f"P30 {HOME}", "END",
+            "P40 SET LAMP 7",
     )  # fmt: skip
     ended = made.perform(perform(made.operation, job(robot, *HEAD, *lines)))
     assert ended.well
@@ -195,7 +198,9 @@ def test_a_hold_in_a_loop_holds_where_it_begins_anew(robot):
 
 
 def test_of_a_stopped_run_the_last_pass_is_known(robot):
-    """What was done in the passes before is as if it hadn't been: the loop found all as in front of its first one."""
+    """What was done in the passes before is as if it hadn't been: the loop found all as in front of its
+    first one.
+    """
     made = world(robot)
     lines = (
         "WHEN DOOR OFF",
@@ -237,7 +242,8 @@ def test_the_steps_that_were_taken(robot):
     )
     program, _ = checked("INPUT DOOR M11\nREGISTER N 0..9\n" + "\n".join(lines) + "\n")
     names = [type(one).__name__ for one in program.steps]
-    assert names == ["Loop", "Assign", "When", "Exit", "EndWhen", "Assign", "NextPass", "EndLoop", "Assign"]  # fmt: skip
+    assert names == ["Loop", "Assign", "When", "Exit", "EndWhen", "Assign", "NextPass", "EndLoop",
+        "Assign"]  # fmt: skip
     assert taken(program.steps, 0, 9, (True,)) == [0, 1, 2, 3, 8]
     assert taken(program.steps, 0, 9, (False,)) == [0, 1, 2, 5, 6]
     assert taken(program.steps, 0, 9, ()) == [0, 1]

@@ -1,4 +1,6 @@
-"""OFFSET {PART} X DX ...: the lines are planned and proved where registers have shifted the frame, or refused before anything moves."""
+"""OFFSET {PART} X DX ...: the lines are planned and proved where registers have shifted the frame, or
+refused before anything moves.
+"""
 
 from dataclasses import replace
 
@@ -117,7 +119,9 @@ BOX = st.tuples(*(st.integers(-high, high) for high in (3000, 3000, 1000, 2000))
 @settings(max_examples=12)
 @given(BOX, st.floats(0.0, 0.003), st.integers(0, 2**32))
 def test_anywhere_in_the_box(tally, values, delay, seed):
-    """The frame comes to the shifted place, along the path that was proved; all else is as without a shift."""
+    """The frame comes to the shifted place, along the path that was proved; all else is as without a
+    shift.
+    """
     world, job, value = made(values, record=True, delay=delay, seed=seed)
     ended = run(world, job)
     ((wanted, answer, since),) = world.anew
@@ -185,7 +189,9 @@ OUTSIDE = BARE.replace("-3000..3000 0\n", "-3000..3000 0 OUTSIDE\n", 1).replace(
 
 
 def test_without_an_else_it_holds_with_the_reason_until_it_can_be_done():
-    """Resumed with the same values it holds again; with others, which came from outside meanwhile, it moves."""
+    """Resumed with the same values it holds again; with others, which came from outside meanwhile, it
+    moves.
+    """
     world, job, _ = made(
         (9999, 0, 0, 0), OUTSIDE.replace("OUTPUT LAMP M1", "OUTPUT LAMP M1 OFF"), record=True
     )
@@ -306,7 +312,9 @@ def test_a_loop_takes_new_values_in_each_pass():
 
 @pytest.mark.parametrize("does", ["stalls", "lies", "repeats"])
 def test_values_from_outside(does):
-    """Only what was asked for, in range, gets into the registers; a camera that stalls leads into the ELSE of its WAIT."""
+    """Only what was asked for, in range, gets into the registers; a camera that stalls leads into the ELSE
+    of its WAIT.
+    """
     head = HEAD.replace("-3000..3000 0\n", "-3000..3000 0 OUTSIDE\n", 1)
     text = head + 'P0012 WAIT DX > -3000 [2] ELSE\n P0013 ABORT "stuck"\nEND\n' + BLOCK + ELSE + TAIL
     world, job, _ = made((0, 0, 0, 0), text.replace("-3000..3000 0 OUTSIDE", "-3000..3000 -3000 OUTSIDE"))

@@ -1,4 +1,6 @@
-"""A controller whose time isn't that of this computer: a simulator at another rate is named, not its settings."""
+"""A controller whose time isn't that of this computer: a simulator at another rate is named, not its
+settings.
+"""
 
 import asyncio
 

@@ -1,4 +1,6 @@
-"""The client's end of the Ethernet protocol: bytes of requests, replies in any chopping, and what isn't a reply."""
+"""The client's end of the Ethernet protocol: bytes of requests, replies in any chopping, and what isn't a
+reply.
+"""
 
 import itertools
 

@@ -1,4 +1,5 @@
-"""Programs with registers, ways and cases by chance, run on the simulator with inputs by chance: what is done is what the program says, step by step.
+"""Programs with registers, ways and cases by chance, run on the simulator with inputs by chance: what is done
+is what the program says, step by step.
 
 What it says is computed here by itself, from the drawn tree and not from its text.
 """
@@ -202,7 +203,9 @@ class Drawn:
         return [f"{self.number()} RETURN"], carried_out
 
     def sub(self, depth):
-        """A SUB that is called where it is drawn; a RETURN may stand in its ways, and in those of its loops."""
+        """A SUB that is called where it is drawn; a RETURN may stand in its ways, and in those of its
+        loops.
+        """
         around, self.in_a_way, self.in_a_loop, self.in_a_sub = (self.in_a_way, self.in_a_loop), 0, 0, True
         lines, does = self.block(depth)
         (self.in_a_way, self.in_a_loop), self.in_a_sub = around, False

@@ -1,6 +1,8 @@
-"""MOVEL ... UNTIL TOUCH: the motion ends on its line where the input is found, and what follows is planned and proved from there.
+"""MOVEL ... UNTIL TOUCH: the motion ends on its line where the input is found, and what follows is planned
+and proved from there.
 
-Usually 15 searches are drawn; YARCLANG_RANDOM_SEARCHES=1000 in the environment draws so many, some minutes of one core.
+Usually 15 searches are drawn; YARCLANG_RANDOM_SEARCHES=1000 in the environment draws so many, some minutes of
+one core.
 """
 
 import os
@@ -284,7 +286,9 @@ def test_step_by_step_a_search_goes_on_to_where_it_is_known_again():
 
 @pytest.mark.parametrize("fault", ["drop@3.05", "drop@3.3", "freeze@3.02", "reset@3.1"])
 def test_what_fails_while_it_comes_to_rest(fault):
-    """A connection or a controller that is lost just behind the touch: the run ends, and nothing goes on by itself."""
+    """A connection or a controller that is lost just behind the touch: the run ends, and nothing goes on
+    by itself.
+    """
     world, job, _ = made()
     world.do(lambda: world.say("M12=1"), 3.0)
     world.spoil_by(fault)
@@ -295,7 +299,9 @@ def test_what_fails_while_it_comes_to_rest(fault):
 
 @pytest.mark.parametrize("place", ["P0030", "P0040", "P0050"])
 def test_no_run_begins_where_a_search_has_ended(place):
-    """That place is known only in the run that has found it: from where the robot stands the way to the line's end may not be free."""
+    """That place is known only in the run that has found it: from where the robot stands the way to the
+    line's end may not be free.
+    """
     value, _ = compiled(PROGRAM)
     number, step = beginning(value.plan, place)
     assert not can_begin_at(value.plan, place)

@@ -1,4 +1,6 @@
-"""A run over a real connection: one packet in flight, stops at once, last words where a connection ends in motion."""
+"""A run over a real connection: one packet in flight, stops at once, last words where a connection ends in
+motion.
+"""
 
 import asyncio
 import contextlib
@@ -19,11 +21,15 @@ from yarclang.runtime.state import State
 from yarclang.simulator.network.ethernet import PacketReader, Station
 
 PACE = 5.0
-"""The controller's time passes so much faster; by more, a loaded machine can't carry the program's lines in time."""
+"""The controller's time passes so much faster; by more, a loaded machine can't carry the program's lines
+in time.
+"""
 
 
 class Controller(asyncio.Protocol):
-    """A machine on a port. `heard` has (connection, code, data, whether it came before the reply to the one before)."""
+    """A machine on a port. `heard` has (connection, code, data, whether it came before the reply to the
+    one before).
+    """
 
     def __init__(self, machine):
         self.machine = machine

@@ -1,4 +1,6 @@
-"""The transition table: a stop is legal everywhere, every state can be reached and left, and nothing else is possible."""
+"""The transition table: a stop is legal everywhere, every state can be reached and left, and nothing else
+is possible.
+"""
 
 import itertools
 

@@ -1,4 +1,6 @@
-"""Holds, stops, aborts, the override: at any moment, with any delays. A stop lands at rest on the path, at once."""
+"""Holds, stops, aborts, the override: at any moment, with any delays. A stop lands at rest on the path, at
+once.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""Streaming: loading, feeding, low water, the end; what it refuses before anything moves, and what ends it."""
+"""Streaming: loading, feeding, low water, the end; what it refuses before anything moves, and what ends
+it.
+"""
 
 from dataclasses import replace
 

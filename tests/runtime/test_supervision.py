@@ -1,4 +1,6 @@
-"""What somebody else changes while a program runs holds it, is named, and must be put back; and a host that dies leaves a robot at rest."""
+"""What somebody else changes while a program runs holds it, is named, and must be put back; and a host
+that dies leaves a robot at rest.
+"""
 
 import numpy as np
 import pytest
@@ -28,7 +30,8 @@ AT_ONCE = {
     "all PLCs": ("I5=0", "I5=3", "I5 (foreground and background PLCs run) was 3, and is 0", 0.16),
 }
 WITHIN_A_SECOND = {
-    "a limit": ("I113=1000000", "I113=4340581", "I113 (positive software limit, counts) was 4340581, and is 1000000"),
+    "a limit": ("I113=1000000", "I113=4340581",
+        "I113 (positive software limit, counts) was 4340581, and is 1000000"),
     "the deceleration of an abort": ("I115=0.01", "I115=6.1279", "was 6.1279, and is 0.01"),
     "the following error": ("I111=0", None, "I111 (fatal following error) was"),
     "the guard's mark": ("I16=0", "I16=45", "I16 (lines below which the guard holds) was 45, and is 0"),
@@ -229,7 +232,9 @@ def test_pace_and_flags_of_our_own_alarm_nobody():
 
 
 def test_holds_of_the_guard_near_the_end_are_nobody_elses():
-    """Once all lines are in, the guard is disarmed when the motion goes on; it stays so, however often the watchdog holds then."""
+    """Once all lines are in, the guard is disarmed when the motion goes on; it stays so, however often the
+    watchdog holds then.
+    """
     job, _ = prepared(tm=5)
     world = world_of(job)
     for held in (3.5, 4.3):
@@ -336,8 +341,8 @@ def test_the_watchdog_is_wound_up_in_servo_cycles(industrial6):
 @settings(max_examples=30)
 @given(st.integers(0, 2**31), st.sampled_from([5, 20, 50]))
 def test_one_changed_digit_of_a_line_is_found_before_it_leads_far(tally, seed, tm):
-    """It is seen with the next look at the positions, if it leads off the path by more than the following error; a single point of 5 ms may lie between
-    two looks, and one that jumps far trips its motor before."""
+    """It is seen with the next look at the positions, if it leads off the path by more than the following
+    error; a single point of 5 ms may lie between two looks, and one that jumps far trips its motor before."""
     job, plan = prepared(tm=tm)
     world = world_of(job, record=True)
     since, changed = world.now, []

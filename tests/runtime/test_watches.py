@@ -1,4 +1,6 @@
-"""ON CURTAIN OFF HOLD: the motion is held on its path at whatever instant the input changes, and goes on only when a person says so."""
+"""ON CURTAIN OFF HOLD: the motion is held on its path at whatever instant the input changes, and goes on
+only when a person says so.
+"""
 
 import numpy as np
 import pytest

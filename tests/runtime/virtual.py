@@ -1,4 +1,6 @@
-"""The runtime against the simulator in virtual time: no socket, no clock. A reply takes as long as the test says."""
+"""The runtime against the simulator in virtual time: no socket, no clock. A reply takes as long as the
+test says.
+"""
 
 import random
 import re
@@ -46,7 +48,8 @@ P0030 MOVEJ_POLY5 0 0 0 0 0 0 [1.5] (deg,s)
 class Sent:
     """One request: when it went out, when its event came, and how the world was then.
 
-    `moving` and `stores` (a rotary is open on the port) aren't looked at where the request is one that never matters.
+    `moving` and `stores` (a rotary is open on the port) aren't looked at where the request is one that never
+    matters.
     """
 
     time: float
@@ -400,7 +403,9 @@ _PATHS = {}
 
 
 def well_behaved(world):
-    """What holds for every run: no line too many, nothing forbidden in motion, nothing that an open rotary would store."""
+    """What holds for every run: no line too many, nothing forbidden in motion, nothing that an open rotary
+    would store.
+    """
     for sent in world.sent:
         match sent.request:
             case Ask(line=line):

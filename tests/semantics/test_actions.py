@@ -26,7 +26,13 @@ def test_a_wait_is_a_dwell_of_its_time(ms):
 
 
 def test_steps():
-    text = 'P0010 WAIT DOOR ON [5]\nP0020 WAIT DOOR 3\nP0030 SET GLUE ON\nP0040 SET GLUE $(1.5+2)\nP0050 HOLD "go ! on"'
+    text = (
+        "P0010 WAIT DOOR ON [5]\n"
+        "P0020 WAIT DOOR 3\n"
+        "P0030 SET GLUE ON\n"
+        "P0040 SET GLUE $(1.5+2)\n"
+        'P0050 HOLD "go ! on"'
+    )
     program, found = checked(HEAD + text)
     first, second, third, fourth, fifth = program.steps
     assert isinstance(first, WaitInput)

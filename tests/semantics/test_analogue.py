@@ -11,7 +11,12 @@ from programs import checked, codes
 from yarclang.decisions import evaluated
 from yarclang.hir import SetOutput, WaitUntil, When
 
-HEAD = "INPUT PRESSURE M80..M91 STEP 0.01\nOUTPUT FLOW M92..M99 STEP 0.5 1\nREGISTER N 0..9\nREGISTER USED 0..9\n"
+HEAD = (
+    "INPUT PRESSURE M80..M91 STEP 0.01\n"
+    "OUTPUT FLOW M92..M99 STEP 0.5 1\n"
+    "REGISTER N 0..9\n"
+    "REGISTER USED 0..9\n"
+)
 SIDES = {
     "<": lambda one, other: one < other,
     "<=": lambda one, other: one <= other,

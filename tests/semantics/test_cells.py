@@ -57,8 +57,11 @@ def test_a_program_with_a_cell_is_the_one_with_its_declarations(tmp_path):
         "START READY\nP0010 WAIT DOOR ON [5]\nP0020 MOVEL {GRIPPER} 0 0 50 0 0 0 {FIXTURE}\nP0030 SET GRIP ON"
     )
     lines = (
-        "FRAME {FIXTURE} 0 620 560 0 0 0\nFRAME {GRIPPER} 0 150 0 90 0 0 {FLANGE}\nJOINTS READY 0 -15 -25 0 -50 0\n"
-        "INPUT DOOR M11\nOUTPUT GRIP M1 OFF\n"
+        "FRAME {FIXTURE} 0 620 560 0 0 0\n"
+        "FRAME {GRIPPER} 0 150 0 90 0 0 {FLANGE}\n"
+        "JOINTS READY 0 -15 -25 0 -50 0\n"
+        "INPUT DOOR M11\n"
+        "OUTPUT GRIP M1 OFF\n"
     )
     from yarclang.identity import fingerprint
 
@@ -202,11 +205,24 @@ def test_a_mistake_in_the_file_is_the_only_finding(tmp_path):
         assert len(program(tmp_path, text, cell=broken, plan=True)[1]) == 1
 
 
-MODULE = 'CELL "cell.toml"\nDEFAULT {GRIPPER} [5] (mm,deg,s) {FIXTURE}\nSUB GO\nP0010 MOVEJ READY\nP0020 SET GRIP ON\nEND\n'
+MODULE = (
+    'CELL "cell.toml"\n'
+    "DEFAULT {GRIPPER} [5] (mm,deg,s) {FIXTURE}\n"
+    "SUB GO\n"
+    "P0010 MOVEJ READY\n"
+    "P0020 SET GRIP ON\n"
+    "END\n"
+)
 
 
 def test_a_module_reads_its_programs_cell(tmp_path):
-    text = f'{DEFAULT}CELL "cell.toml"\nUSE CLAMP\nP0010 CALL CLAMP.GO\nP0020 MOVEJ CLAMP.READY\nP0030 MOVEJ READY'
+    text = (
+        f'{DEFAULT}CELL "cell.toml"\n'
+        "USE CLAMP\n"
+        "P0010 CALL CLAMP.GO\n"
+        "P0020 MOVEJ CLAMP.READY\n"
+        "P0030 MOVEJ READY"
+    )
     made, found = program(tmp_path, text, clamp=MODULE)
     assert codes(found) == []
     assert made.steps[0].goal.q is made.steps[3].goal.q
@@ -250,7 +266,14 @@ def test_a_description_by_itself(tmp_path):
 
 
 def test_indices_of_a_module_are_checked(tmp_path):
-    module = "SUB GO\nP0010 MOVEJ HOME [5] (s)\nP0010 MOVEJ HOME [4] (s)\nMOVEJ HOME [4] (s)\nP0005 WAIT [1] (s)\nEND"
+    module = (
+        "SUB GO\n"
+        "P0010 MOVEJ HOME [5] (s)\n"
+        "P0010 MOVEJ HOME [4] (s)\n"
+        "MOVEJ HOME [4] (s)\n"
+        "P0005 WAIT [1] (s)\n"
+        "END"
+    )
     found = program(tmp_path, "USE M\nP0010 STOP", m=module)[1]
     assert [(one.code, one.span.line) for one in found] == [("Y0201", 3), ("Y0105", 4), ("Y1201", 5)]
     assert all(one.source.name.endswith("m.yarc") for one in found)

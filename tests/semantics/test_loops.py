@@ -1,4 +1,6 @@
-"""LOOP, WHILE, UNTIL, EXIT, RETURN and a REPEAT that a register counts: which steps they become, and what is said of mistakes."""
+"""LOOP, WHILE, UNTIL, EXIT, RETURN and a REPEAT that a register counts: which steps they become, and what
+is said of mistakes.
+"""
 
 import pytest
 from programs import checked, codes, planned
@@ -193,11 +195,13 @@ def test_lines_that_no_way_leads_to_are_told(lines, what):
 @pytest.mark.parametrize(
     ("lines", "what"),
     [
-        (["LOOP", "P10 MOVEJ A", "UNTIL DOOR ON"], "a pass of this loop doesn't end where it began: J1 by 10 deg off"),
+        (["LOOP", "P10 MOVEJ A", "UNTIL DOOR ON"],
+            "a pass of this loop doesn't end where it began: J1 by 10 deg off"),
         (["WHILE DOOR ON", "P10 MOVEJ A", "END"], "a pass of this loop doesn't end where it began"),
         (["REPEAT N", "P10 DMOVEJ 1 0 0 0 0 0", "END"], "a pass of this loop doesn't end where it began"),
         (
-            ["LOOP", "WHEN DOOR ON", "P10 EXIT", "END", "P20 MOVEJ A", "WHEN N > 1", "P30 EXIT", "END", "P40 MOVEJ HOME", "END"],
+            ["LOOP", "WHEN DOOR ON", "P10 EXIT", "END", "P20 MOVEJ A", "WHEN N > 1", "P30 EXIT", "END",
+                "P40 MOVEJ HOME", "END"],
             "the ways out of this loop end apart: J1 by 10 deg",
         ),
         (

@@ -79,7 +79,10 @@ def test_a_left_out_name_is_its_default_or_a_finding():
 
 def test_a_frame_and_a_number_of_one_name():
     text = (
-        "SUB GO {A} A (deg)\n  FRAME {C} 0 0 0 0 0 0 (mm,deg) {A}\n  P0010 MOVEJ $A 0 0 0 -30 0 [5] (deg,s)\nEND\n"
+        "SUB GO {A} A (deg)\n"
+        "  FRAME {C} 0 0 0 0 0 0 (mm,deg) {A}\n"
+        "  P0010 MOVEJ $A 0 0 0 -30 0 [5] (deg,s)\n"
+        "END\n"
         "P0020 CALL GO A=4 A={B}"
     )
     made, findings = checked(text)

@@ -52,7 +52,15 @@ def test_an_element_is_what_a_name_is(by_index, by_name):
 
 
 def test_a_loop_goes_through_a_table_and_a_sub_is_given_elements():
-    program = "SUB GO THERE\n  P0005 MOVEJ THERE\nEND\nREPEAT I 3\n  P0010 MOVEL $(SPOTS[I])\n  P0020 CALL GO $(STANDS[I % 2])\nEND"
+    program = (
+        "SUB GO THERE\n"
+        "  P0005 MOVEJ THERE\n"
+        "END\n"
+        "REPEAT I 3\n"
+        "  P0010 MOVEL $(SPOTS[I])\n"
+        "  P0020 CALL GO $(STANDS[I % 2])\n"
+        "END"
+    )
     goals = [shown(step.goals[0]) for step in steps(program)]
     named = steps("".join(f"P{n + 1}10 MOVEL A{n}\nP{n + 1}20 MOVEJ B{n % 2}\n" for n in range(3)))
     assert goals == [shown(step.goals[0]) for step in named]

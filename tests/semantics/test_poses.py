@@ -28,8 +28,19 @@ ONE, OTHER = "0 40 276 0 0 10", "20 0 320 5 0 0"
         ("P0010 MOVEC A; B", "P0010 MOVEC 0 40 276; OTHER {TABLE}"),
         ("P0010 MOVEC 0 40 276; B {TABLE}", "P0010 MOVEC 0 40 276; OTHER {TABLE}"),
         ("P0010 MOVEL {TABLED} A", "P0010 MOVEL {TABLED} ONE {TABLE}"),
-        ("SUB GO P\n  P0011 MOVEL P\nEND\nP0010 CALL GO A", "SUB GO\n  P0011 MOVEL ONE {TABLE}\nEND\nP0010 CALL GO"),
-        ("REPEAT I 2\n  POSE C $(20*I) 0 320 5 0 0 {TABLE}\n  P0010 MOVEL C\nEND", "REPEAT I 2\n  P0010 MOVEL $(20*I) 0 320 5 0 0 {TABLE}\nEND"),
+        (("SUB GO P\n"
+            "  P0011 MOVEL P\n"
+            "END\n"
+            "P0010 CALL GO A"), ("SUB GO\n"
+            "  P0011 MOVEL ONE {TABLE}\n"
+            "END\n"
+            "P0010 CALL GO")),
+        (("REPEAT I 2\n"
+            "  POSE C $(20*I) 0 320 5 0 0 {TABLE}\n"
+            "  P0010 MOVEL C\n"
+            "END"), ("REPEAT I 2\n"
+            "  P0010 MOVEL $(20*I) 0 320 5 0 0 {TABLE}\n"
+            "END")),
     ],
 )  # fmt: skip
 def test_a_name_is_its_numbers(named, written):

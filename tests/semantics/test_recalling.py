@@ -80,7 +80,12 @@ def test_a_program_after_others_is_what_it_is_by_itself(texts):
 
 
 def in_blocks(one, other):
-    block = "IF 1 < 2\nFRAME {{A}} 0 900 {} 0 0 0 (mm,deg) {{B}}\nP{:04} MOVEL 0 100 500 0 0 0 [5] (mm,deg,s) {{A}}\nEND"
+    block = (
+        "IF 1 < 2\n"
+        "FRAME {{A}} 0 900 {} 0 0 0 (mm,deg) {{B}}\n"
+        "P{:04} MOVEL 0 100 500 0 0 0 [5] (mm,deg,s) {{A}}\n"
+        "END"
+    )
     return "\n".join(["DEFAULT {TCP}", block.format(one, 10), block.format(other, 20)])
 
 

@@ -30,7 +30,14 @@ GO = "P0010 MOVEJ $A 0 0 0 0 0"
         (f"IF 1\nREPEAT 1\nLET A = 1\nEND\nELSE\nLET A = 3\nEND\n{GO}", ["Y0210"]),
         ("IF 1\nJOINTS A 0 0 0 0 0 1\nELSE\nJOINTS A 0 0 0 0 0 2\nEND\nP0010 MOVEJ A", []),
         (
-            "IF 0\nFRAME {A} 1 2 3 0 0 0\nELSE\nFRAME {A} 0 1174.4 1176 0 0 0\nEND\nP0010 MOVEJ_RPY 0 0 0 0 0 0 {A}",
+            (
+                "IF 0\n"
+                "FRAME {A} 1 2 3 0 0 0\n"
+                "ELSE\n"
+                "FRAME {A} 0 1174.4 1176 0 0 0\n"
+                "END\n"
+                "P0010 MOVEJ_RPY 0 0 0 0 0 0 {A}"
+            ),
             [],
         ),
         ("IF 0\nLET A = 2\nELSE\nLET A = 3\nEND\nREPEAT $A\nP0010 MOVEJ HOME\nEND", []),

@@ -61,12 +61,25 @@ def test_what_is_refused(lines, code):
     [
         f"{DOWN} UNTIL TOUCH\n",
         f"{DOWN} UNTIL TOUCH OFF INTO DEPTH\n{UP}",
-        f"{DOWN} UNTIL TOUCH\nP0025 SET LAMP ON\nP0026 WAIT TOUCH OFF [5]\nP0027 HOLD\nP0028 SET DEPTH = 3\n{UP}",
+        (
+            f"{DOWN} UNTIL TOUCH\n"
+            "P0025 SET LAMP ON\n"
+            "P0026 WAIT TOUCH OFF [5]\n"
+            "P0027 HOLD\n"
+            "P0028 SET DEPTH = 3\n"
+            f"{UP}"
+        ),
         f'{DOWN} UNTIL TOUCH ELSE\nP0025 ABORT "nothing"\nEND\n{UP}',
         f"{DOWN} UNTIL TOUCH ELSE\nEND\n{UP}",
         f"LOOP\n{DOWN} UNTIL TOUCH INTO DEPTH\n{UP}UNTIL DEPTH > 1000\n",
         f"{DOWN} UNTIL TOUCH\n{UP}P0040 DMOVE 0 0 50 0 0 0 [1]\n",
-        f"SUB DOWN\n{DOWN.replace('P0020 ', 'P0020 ')} UNTIL TOUCH\n{UP}END\nP0050 CALL DOWN\nP0060 CALL DOWN\n",
+        (
+            "SUB DOWN\n"
+            f"{DOWN.replace('P0020 ', 'P0020 ')} UNTIL TOUCH\n"
+            f"{UP}END\n"
+            "P0050 CALL DOWN\n"
+            "P0060 CALL DOWN\n"
+        ),
     ],
 )
 def test_what_is_taken(lines):

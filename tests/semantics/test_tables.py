@@ -18,11 +18,25 @@ P0001 MOVEJ READY
         ("TABLE H 117.6 120 (cm)\nP0010 MOVEL 0 1174.4 $(h[0]) 0 0 0", "P0010 MOVEL 0 1174.4 1176 0 0 0"),
         ("TABLE H 1; 20; 4\nP0010 DMOVE $(H[1]) 0 0 0 0 0", "P0010 DMOVE 20 0 0 0 0 0"),
         ("TABLE S 0 1;\n  20 4\nP0010 DMOVE $(S[1, 0]) $(S[0, 1]) 0 0 0 0", "P0010 DMOVE 20 1 0 0 0 0"),
-        ("LET A = 5 (mm)\nTABLE H $A $(2*A) 3 (cm)\nP0010 DMOVE $(H[1]) $(H[2]) 0 0 0 0", "P0010 DMOVE 10 30 0 0 0 0"),
+        (("LET A = 5 (mm)\n"
+            "TABLE H $A $(2*A) 3 (cm)\n"
+            "P0010 DMOVE $(H[1]) $(H[2]) 0 0 0 0"), "P0010 DMOVE 10 30 0 0 0 0"),
         ("TABLE T 6 7 (s)\nP0010 DMOVE 20 0 0 0 0 0 [$(T[1])]", "P0010 DMOVE 20 0 0 0 0 0 [7]"),
-        ("TABLE C 1 2\nREPEAT $(C[1])\n  P0010 DMOVE 20 0 0 0 0 0\nEND", "REPEAT 2\n  P0010 DMOVE 20 0 0 0 0 0\nEND"),
+        (("TABLE C 1 2\n"
+            "REPEAT $(C[1])\n"
+            "  P0010 DMOVE 20 0 0 0 0 0\n"
+            "END"), ("REPEAT 2\n"
+            "  P0010 DMOVE 20 0 0 0 0 0\n"
+            "END")),
         ("TABLE N 1 0\nTABLE H 5 9\nP0010 DMOVE $(H[N[1]] + H[N[0]]) 0 0 0 0 0", "P0010 DMOVE 14 0 0 0 0 0"),
-        ("TABLE H 5 9\nSUB GO I\n  P0011 DMOVE $(H[I]) 0 0 0 0 0\nEND\nP0010 CALL GO 1", "SUB GO\n  P0011 DMOVE 9 0 0 0 0 0\nEND\nP0010 CALL GO"),
+        (("TABLE H 5 9\n"
+            "SUB GO I\n"
+            "  P0011 DMOVE $(H[I]) 0 0 0 0 0\n"
+            "END\n"
+            "P0010 CALL GO 1"), ("SUB GO\n"
+            "  P0011 DMOVE 9 0 0 0 0 0\n"
+            "END\n"
+            "P0010 CALL GO")),
         ("TABLE H 5 9\nIF H[1] > 8\n  P0010 DMOVE 9 0 0 0 0 0\nEND", "P0010 DMOVE 9 0 0 0 0 0"),
         ("TABLE H 5 9\nP0010 DMOVE $(H[(0.1 + 0.2)/0.3]) 0 0 0 0 0", "P0010 DMOVE 9 0 0 0 0 0"),
     ],

@@ -1,4 +1,6 @@
-"""Files of timed trajectories: read without loss, and whatever is wrong with one is found at its line and column."""
+"""Files of timed trajectories: read without loss, and whatever is wrong with one is found at its line and
+column.
+"""
 
 import time
 from dataclasses import replace
@@ -155,11 +157,15 @@ def test_lengths_and_angles(slider):
         (f"{HEADER}\n1,1,٣,3,4,5,6", "Y1382", 2, 5, "is not a number"),
         (f"{HEADER}\n1,1,--3,3,4,5,6", "Y1382", 2, 5, "'--3' is not a number"),
         (f"{HEADER}\n-0.5,1,2,3,4,5,6", "Y1383", 2, 1, "the first time is -0.5 s"),
-        (f"{HEADER}\n1,1,2,3,4,5,6\n1,2,3,4,5,6,7", "Y1383", 3, 1, "1 s isn't later than the one before, 1 s in line 2"),
+        ((f"{HEADER}\n"
+            "1,1,2,3,4,5,6\n"
+            "1,2,3,4,5,6,7"), "Y1383", 3, 1, "1 s isn't later than the one before, 1 s in line 2"),
         (f"{HEADER}\r\n1,1,2,3,4,5,6\r\n0.5,2,3,4,5,6,7\r\n", "Y1383", 3, 1, "0.5 s isn't later"),
         (f"{HEADER}\n3,1,1,1,1,1,1\n2,1,1,1,1,1,1\n1,1,1,1,1,1,1", "Y1383", 3, 1, "(and 1 more row)"),
         (f"{HEADER}\n1,0,0,0,0,0,0\n2,0,180,0,0,0,0", "Y0502", 3, 5, "J2 at 180 deg is out of its limits"),
-        (f"{HEADER}{RATES}\n0{',0' * 6},0,0,9{',0' * 3}\n1{',0' * 12}", "Y1383", 2, 19, "J3 moves at 9 deg/s at time 0"),
+        ((f"{HEADER}{RATES}\n"
+            f"0{',0' * 6},0,0,9{',0' * 3}\n"
+            f"1{',0' * 12}"), "Y1383", 2, 19, "J3 moves at 9 deg/s at time 0"),
         (f"{HEADER}{RATES}\n1{',0' * 11},9", "Y1383", 2, 25, "J6 moves at 9 deg/s in the last row"),
     ],
 )  # fmt: skip

@@ -31,7 +31,15 @@ def first_joints(program):
 
 @given(st.integers(0, 5), st.integers(0, 5))
 def test_nested_loops_count_from_zero(rows, columns):
-    program = f"LET N = {rows}\nREPEAT I $N\nREPEAT J {columns}\nP0010 MOVEJ $(10*I+J) 0 0 0 0 0\nEND\nEND\nP0020 STOP"
+    program = (
+        f"LET N = {rows}\n"
+        "REPEAT I $N\n"
+        f"REPEAT J {columns}\n"
+        "P0010 MOVEJ $(10*I+J) 0 0 0 0 0\n"
+        "END\n"
+        "END\n"
+        "P0020 STOP"
+    )
     *moves, _ = steps(program)
     expected = [(i, j) for i in range(rows) for j in range(columns)]
     assert [step.origin.place for step in moves] == [f"P0010(I={i},J={j})" for i, j in expected]
@@ -43,11 +51,25 @@ def test_nested_loops_count_from_zero(rows, columns):
     [
         ("REPEAT 3\nP0010 MOVEJ 1 0 0 0 0 0\nEND", [1, 1, 1]),
         ("REPEAT $(3*0.1*10)\nP0010 MOVEJ 1 0 0 0 0 0\nEND", [1, 1, 1]),
-        ("REPEAT I 4\nIF I % 2 = 0\nP0010 MOVEJ $I 0 0 0 0 0\nELSE\nP0020 MOVEJ $(-I) 0 0 0 0 0\nEND\nEND", [0, -1, 2, -3]),
+        (("REPEAT I 4\n"
+            "IF I % 2 = 0\n"
+            "P0010 MOVEJ $I 0 0 0 0 0\n"
+            "ELSE\n"
+            "P0020 MOVEJ $(-I) 0 0 0 0 0\n"
+            "END\n"
+            "END"), [0, -1, 2, -3]),
         ("IF 0\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nP0020 MOVEJ 2 0 0 0 0 0", [2]),
         ("IF 2 (cm) > 19 (mm)\nP0010 MOVEJ 1 0 0 0 0 0\nEND", [1]),
-        ("SUB S A (deg)\nP0010 MOVEJ $A 0 0 0 0 0\nEND\nP0020 CALL S 2\nP0030 CALL S 0.1 (rad)", [2, round(np.degrees(0.1), 9)]),
-        ("SUB S A (m)\nP0010 MOVEJ $(A / 1 (m)) 0 0 0 0 0\nEND\nP0020 CALL S 2000 (mm)\nP0030 CALL S 3", [2, 3]),
+        (("SUB S A (deg)\n"
+            "P0010 MOVEJ $A 0 0 0 0 0\n"
+            "END\n"
+            "P0020 CALL S 2\n"
+            "P0030 CALL S 0.1 (rad)"), [2, round(np.degrees(0.1), 9)]),
+        (("SUB S A (m)\n"
+            "P0010 MOVEJ $(A / 1 (m)) 0 0 0 0 0\n"
+            "END\n"
+            "P0020 CALL S 2000 (mm)\n"
+            "P0030 CALL S 3"), [2, 3]),
         ("LET W = 5\nSUB S A\nP0010 MOVEJ $(A+W) 0 0 0 0 0\nEND\nP0020 CALL S $(W*2)", [15]),
         ("SUB S P\nP0010 MOVEJ P\nEND\nJOINTS LOW 7 0 0 0 0 0\nP0020 CALL S LOW", None),
     ],
@@ -142,11 +164,22 @@ ROUNDS_LIMIT = "; the loops of a program make at most 200,000 rounds"
     ("program", "line", "message"),
     [
         ("REPEAT 200001\nEND", 2, "REPEAT 200,001: the loops of a program make at most 200,000 rounds"),
-        ("REPEAT 8881\nREPEAT 99\nEND\nEND", 2, "8,881 rounds, each around 99 others, are 888,100 rounds" + ROUNDS_LIMIT),
+        (("REPEAT 8881\n"
+            "REPEAT 99\n"
+            "END\n"
+            "END"), 2, "8,881 rounds, each around 99 others, are 888,100 rounds" + ROUNDS_LIMIT),
         ("REPEAT I 1000\nREPEAT J 1000\nIF I > J\nP0010 STOP\nEND\nEND\nEND", 2,
          "1,000 rounds, each around at least 1,000 others, are at least 1,001,000 rounds" + ROUNDS_LIMIT),
-        ("REPEAT I 1000\nREPEAT $I\nEND\nEND", 2, "up to round 632 of 1,000 this loop comes to 200,028 rounds" + ROUNDS_LIMIT),
-        ("REPEAT I 100000\nEND\nREPEAT 99999\nEND\nREPEAT 2\nEND", 6, "with this REPEAT the program comes to 200,001 rounds" + ROUNDS_LIMIT),
+        (("REPEAT I 1000\n"
+            "REPEAT $I\n"
+            "END\n"
+            "END"), 2, "up to round 632 of 1,000 this loop comes to 200,028 rounds" + ROUNDS_LIMIT),
+        (("REPEAT I 100000\n"
+            "END\n"
+            "REPEAT 99999\n"
+            "END\n"
+            "REPEAT 2\n"
+            "END"), 6, "with this REPEAT the program comes to 200,001 rounds" + ROUNDS_LIMIT),
         ("SUB S\nREPEAT 1000\nEND\nEND\nREPEAT 200\nP0010 CALL S\nEND", 6,
          "200 rounds, each around 1,000 others, are 200,200 rounds" + ROUNDS_LIMIT),
     ],
@@ -170,7 +203,16 @@ def test_as_many_rounds_as_are_allowed():
         "IF I > 2\nP0010 MOVEJ 1 0 0 0 0 0\nEND",
         "IF I > 2\nELSE\nREPEAT 3\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nEND",
         "LET N = I % 3\nREPEAT $N\nP0010 CALL S $N\nEND",
-        "INPUT DOOR M11\nWHEN DOOR ON\nREPEAT $(I % 2)\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nELSE\nP0020 MOVEJ 2 0 0 0 0 0\nEND",
+        (
+            "INPUT DOOR M11\n"
+            "WHEN DOOR ON\n"
+            "REPEAT $(I % 2)\n"
+            "P0010 MOVEJ 1 0 0 0 0 0\n"
+            "END\n"
+            "ELSE\n"
+            "P0020 MOVEJ 2 0 0 0 0 0\n"
+            "END"
+        ),
         'REPEAT J 4\nREPEAT $(I * J)\nP0010 MOVEJ 1 0 0 0 0 0\nEND\nIF J > 2\nP0020 HOLD "A"\nEND\nEND',
     ],
 )

@@ -34,7 +34,13 @@ CALLS = "ON CURTAIN OFF CALL AWAY\n"
         ("SUB STAY\n  P0030 SET LAMP ON\nEND\nON CURTAIN OFF CALL STAY\n", "Y0478"),
         ("SUB ENDS\n  P0030 MOVEJ HOME [3] (s)\n  P0040 STOP\nEND\nON CURTAIN OFF CALL ENDS\n", "Y0478"),
         (
-            "SUB WAITS\n  P0030 WAIT DOOR ON [3] (s)\n  P0040 MOVEJ HOME [3] (s)\nEND\nON CURTAIN OFF CALL WAITS\n",
+            (
+                "SUB WAITS\n"
+                "  P0030 WAIT DOOR ON [3] (s)\n"
+                "  P0040 MOVEJ HOME [3] (s)\n"
+                "END\n"
+                "ON CURTAIN OFF CALL WAITS\n"
+            ),
             "Y0478",
         ),
         (
@@ -42,7 +48,14 @@ CALLS = "ON CURTAIN OFF CALL AWAY\n"
             "Y0478",
         ),
         (
-            "SUB LOOKS\n  WHEN DOOR ON\n    P0030 MOVEJ HOME [3] (s)\n  END\nEND\nON CURTAIN OFF CALL LOOKS\n",
+            (
+                "SUB LOOKS\n"
+                "  WHEN DOOR ON\n"
+                "    P0030 MOVEJ HOME [3] (s)\n"
+                "  END\n"
+                "END\n"
+                "ON CURTAIN OFF CALL LOOKS\n"
+            ),
             "Y0478",
         ),
         ("SUB ROUND\n  P0030 CALL ROUND\nEND\nON CURTAIN OFF CALL ROUND\n", "Y0212"),

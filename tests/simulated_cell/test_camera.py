@@ -1,4 +1,6 @@
-"""A simulated camera: tells where a part lies, in counts of its frame; and cameras that lie, stall, repeat or come late, in a run."""
+"""A simulated camera: tells where a part lies, in counts of its frame; and cameras that lie, stall, repeat
+or come late, in a run.
+"""
 
 import asyncio
 import math

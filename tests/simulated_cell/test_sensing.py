@@ -64,7 +64,15 @@ count = {count}
 def proximity(place, **keys):
     x, y, z = place
     more = "".join(f"{key} = {value}\n" for key, value in keys.items())
-    return f'[[sensors]]\ninput = "SEEN"\nkind = "proximity"\nframe = "B"\nxyz = [{x}, {y}, {z}]\nrange = 10\n{more}'
+    return (
+        "[[sensors]]\n"
+        'input = "SEEN"\n'
+        'kind = "proximity"\n'
+        'frame = "B"\n'
+        f"xyz = [{x}, {y}, {z}]\n"
+        "range = 10\n"
+        f"{more}"
+    )
 
 
 VACUUM = '[[sensors]]\ninput = "HELD"\nkind = "vacuum"\ngripper = "GRIP"\n'
@@ -107,8 +115,19 @@ def test_the_robot_is_seen_and_what_stands_still_is_not():
     wrist = flange_poses(robot.chain, robot.home[None])[0][:3, 3] * 1000.0
     robot, cell = cell_with(
         proximity(wrist),
-        '[[obstacles]]\nname = "WALL"\nshape = "box"\nframe = "B"\nsize = [4000, 50, 4000]\nxyz = [0, -2500, 0]\n',
-        '[[sensors]]\ninput = "HELD"\nkind = "proximity"\nframe = "B"\nxyz = [0, -2500, 0]\nrange = 10\ninverted = true\n',
+        "[[obstacles]]\n"
+        'name = "WALL"\n'
+        'shape = "box"\n'
+        'frame = "B"\n'
+        "size = [4000, 50, 4000]\n"
+        "xyz = [0, -2500, 0]\n",
+        "[[sensors]]\n"
+        'input = "HELD"\n'
+        'kind = "proximity"\n'
+        'frame = "B"\n'
+        "xyz = [0, -2500, 0]\n"
+        "range = 10\n"
+        "inverted = true\n",
     )
     sensing = Sensing(robot, cell)
     away = robot.home.copy()
@@ -174,8 +193,23 @@ def test_sensors_look_at_exact_times_however_time_passes(step):
 @pytest.mark.parametrize("turn", [0, 30])
 def test_a_beam_sees_a_part_wherever_it_goes_through_it(turn):
     """Also through its very middle, where the distance of both comes out as tiny and not as zero."""
-    part = '[[parts]]\nname = "BOX"\nshape = "box"\nsize = [60, 60, 60]\nframe = "B"\nxyz = [420, 800, {}]\nrpy = [0, 0, {}]\n'
-    beam = '[[sensors]]\ninput = "SEEN"\nkind = "beam"\nframe = "B"\nxyz = [320, {y}, 610]\nto = [520, {y}, 610]\n'
+    part = (
+        "[[parts]]\n"
+        'name = "BOX"\n'
+        'shape = "box"\n'
+        "size = [60, 60, 60]\n"
+        'frame = "B"\n'
+        "xyz = [420, 800, {}]\n"
+        "rpy = [0, 0, {}]\n"
+    )
+    beam = (
+        "[[sensors]]\n"
+        'input = "SEEN"\n'
+        'kind = "beam"\n'
+        'frame = "B"\n'
+        "xyz = [320, {y}, 610]\n"
+        "to = [520, {y}, 610]\n"
+    )
     for z in (610, 600, 639, 645):
         for y in (800, 790, 771, 850):
             robot, cell = cell_with(part.format(z, turn), beam.format(y=y))

@@ -135,7 +135,9 @@ def clock(machine, compiled, count=400):
 
 @cache
 def executed(name, target):
-    """The robot, the compiled example, and each of its commands as the machine executed it: joints in SI (N, n)."""
+    """The robot, the compiled example, and each of its commands as the machine executed it: joints in SI
+    (N, n).
+    """
     robot, machine = robot_machine(name)
     compiled = example(name, target)
     if target == "prog":
@@ -158,7 +160,9 @@ def executed(name, target):
 @BOTH
 @TARGETS
 def test_the_trace_agrees_with_the_certificate(name, target):
-    """Differences of positions are means of velocity and acceleration, so that they never exceed a true bound."""
+    """Differences of positions are means of velocity and acceleration, so that they never exceed a true
+    bound.
+    """
     robot, _, traces = executed(name, target)
     limits = robot.limits
     for command, step, counts in traces:

@@ -20,18 +20,23 @@ WORDS = st.sampled_from(
     ENDWHILE P1=P1+1 P(P1)=5 M1==1 M1|=2 CMD"R" CMD"#1J+" CMD"^A" SEND"x" DISPLAY"x" ENABLE PLC2 DISABLE PLC2 ENABLE PLC 0..31 OPEN PLC0
     I5=3 I8=0 I10=1 I10=0 I16=0 I17=0 I15=1 I42=1 I5113=10 I5194=0 I5195=0 I113=5 I114=-5 I115=0 I111=16 I119=0 I120=0 I121=0 I122=0
     I122=1000 I124=$200000 HOME1 HOMEZ1 PSET X5 G1 M3 T2 S100 NORMAL K-1 CC1 READ(A) ADDRESS&1#2 ; // "
-    I108=0 I5190=0 RX$B0 WY$78400,5""".replace("\n", " ").split(" ")
+    I108=0 I5190=0 RX$B0 WY$78400,5""".replace("\n", " ").split(" ")  # noqa: E501
 )
 FRAGMENTS = st.lists(st.one_of(WORDS, WORDS, NUMBERS), min_size=1, max_size=6).flatmap(
     lambda parts: st.sampled_from(["", " "]).map(lambda glue: glue.join(parts))
 )
 LEGAL = st.sampled_from(
     [
-        "I100=1I200=1", "#1->1000X", "#2->1000X+1000Y", "#1J/#2J/", "OPEN PROG 1 CLEAR", "OPEN PLC 2 CLEAR", "OPEN ROT",
-        "CLOSE", "CLOSE ALL", "SPLINE1 TM50", "LINEAR TA20 TS5 TM30", "RAPID", "PVT20", "X1Y1", "X2Y-1", "X1:5Y2:1", "INC", "ABS",
-        "DWELL5", "DELAY5", "WHILE(P1<5)", "ENDWHILE", "IF(P1!=3)", "ELSE", "ENDIF", "P1=P1+1", "M1==1", "&1B1R", "&1B0R", "R", "S",
-        "H", "Q", "A", "/", "%50", "%100", "%0", "DEFINE ROT 100", "DELETE ROT", "CLEAR", "I5=3", "ENABLE PLC 0..31", "#1J+", "#1J-",
-        "#1J=5000", "#2J^100", "#1HM", "#1K", "$$$", "SAVE", "I113=3000 I114=-3000", "STOP", 'CMD"&1R"', 'CMD"#2J+"', "OPEN PLC 0 CLEAR",
+        "I100=1I200=1", "#1->1000X", "#2->1000X+1000Y", "#1J/#2J/", "OPEN PROG 1 CLEAR", "OPEN PLC 2 CLEAR",
+            "OPEN ROT",
+        "CLOSE", "CLOSE ALL", "SPLINE1 TM50", "LINEAR TA20 TS5 TM30", "RAPID", "PVT20", "X1Y1", "X2Y-1",
+            "X1:5Y2:1", "INC", "ABS",
+        "DWELL5", "DELAY5", "WHILE(P1<5)", "ENDWHILE", "IF(P1!=3)", "ELSE", "ENDIF", "P1=P1+1", "M1==1",
+            "&1B1R", "&1B0R", "R", "S",
+        "H", "Q", "A", "/", "%50", "%100", "%0", "DEFINE ROT 100", "DELETE ROT", "CLEAR", "I5=3",
+            "ENABLE PLC 0..31", "#1J+", "#1J-",
+        "#1J=5000", "#2J^100", "#1HM", "#1K", "$$$", "SAVE", "I113=3000 I114=-3000", "STOP", 'CMD"&1R"',
+            'CMD"#2J+"', "OPEN PLC 0 CLEAR",
     ]
 )  # fmt: skip
 

@@ -94,7 +94,9 @@ def test_a_series_says_which_line_was_refused(peer):
 
 
 def test_a_long_listing_comes_in_several_packets(peer):
-    """The library takes a packet that is full and ends with a CR for an error: 1400 isn't so many of these lines."""
+    """The library takes a packet that is full and ends with a CR for an error: 1400 isn't so many of these
+    lines.
+    """
     lines = ["CLOSE", "OPEN PROG 9", "CLEAR", "P1=1", *(f"P{n}=1" for n in range(1000, 1500)), "CLOSE"]
     assert all(good for good, *_ in peer.sendSeries(enumerate(lines, 1)))
     reply, good = peer.sendCommand("LIST PROG 9")

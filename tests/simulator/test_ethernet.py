@@ -320,7 +320,7 @@ WORDS = """
 I6=1 I3=2 I3=1 VER P1 P1..6 P1=-2.5 M161 M161-> #1P #2? &1?? ??? #1->X #1->100X+5 #1J+ #1J/ #1HM I100=1 &1DEFINEROT480
 OPENROT OPENPROG1CLEAR CLOSE CLEAR X10 Y-2.5 SPLINE1TM50 LINEAR TM100 B0 B1 R Q A H K % %50 PR LISTPROG1 DWELL100
 IF(P1=0) ENDIF WHILE(P1<9) ENDWHILE ENABLEPLC0 OPENPLC0CLEAR P1=P1+1 CMD"P1=1" $$$ DELETEROT UNDEFINEALL ; !
-"""
+"""  # noqa: E501
 LINES = st.one_of(
     st.binary(max_size=300),
     st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=60).map(str.encode),

@@ -91,7 +91,9 @@ def test_who_has_the_leash_says_how_far_time_goes(rate):
 
 
 def test_a_request_that_waits_for_a_busy_computer_lets_no_time_pass():
-    """The client has asked, but the machine's thread gets no turn: what it missed isn't caught up before the answer."""
+    """The client has asked, but the machine's thread gets no turn: what it missed isn't caught up before
+    the answer.
+    """
     machine = Echo()
     with EmbeddedSimulator(machine, rate=20.0) as simulator, Client(simulator.port) as client:
         client.ask(ASK)

@@ -1,4 +1,6 @@
-"""Compiled programs over the wire to a commissioned machine: both targets end where the plan ends, to a count."""
+"""Compiled programs over the wire to a commissioned machine: both targets end where the plan ends, to a
+count.
+"""
 
 import time
 

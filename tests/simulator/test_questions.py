@@ -1,4 +1,6 @@
-"""The quick ways of reading a line, for questions and for plain moves, against the interpreter that reads any line."""
+"""The quick ways of reading a line, for questions and for plain moves, against the interpreter that reads
+any line.
+"""
 
 import pytest
 from floors import exercises
@@ -14,7 +16,8 @@ from yarclang.simulator.online.line import LONGEST
 from yarclang.simulator.online.questions import questions
 
 POINTERS = (
-    "M1->X:$B0,24", "M2->Y:$C0,24", "M3->Y:$C0,0", "M4->X:$B0,13", "M5->X:$2040,24", "M6->Y:$203F,16", "M7->Y:$203F,24",
+    "M1->X:$B0,24", "M2->Y:$C0,24", "M3->Y:$C0,0", "M4->X:$B0,13", "M5->X:$2040,24", "M6->Y:$203F,16",
+        "M7->Y:$203F,24",
     "M8->D:$88", "M9->D:$8B", "M10->X:$130,8,8,S", "M11->L:$10", "M12->*", "M161->D:$C7", "M162->Y:$2140,24",
 )  # fmt: skip
 
@@ -35,8 +38,10 @@ NUMBERED = st.tuples(
 ).map(lambda part: f"{part[0][0]}{part[1]}{part[0][1]}")
 ASKED = st.one_of(NUMBERED, NUMBERED, st.sampled_from(["P", "V", "F", "?", "??", "???"]))
 OTHER = st.sampled_from(
-    ["#", "&", "##2", "P(1)", "P1..3", "P1=5", "Q3=1", "M1->", "M1->*", "I9=1", "I9=2", "PR", "PC", "%", "FOO", "X1",
-     "VER", "1", "$", '"', ";", "//", "; P1", "// ?", "é", "#1->", "I5111=1000", "TIME", "???????", "PP", "OPEN PLC 3"]
+    ["#", "&", "##2", "P(1)", "P1..3", "P1=5", "Q3=1", "M1->", "M1->*", "I9=1", "I9=2", "PR", "PC", "%",
+        "FOO", "X1",
+     "VER", "1", "$", '"', ";", "//", "; P1", "// ?", "é", "#1->", "I5111=1000", "TIME", "???????", "PP",
+         "OPEN PLC 3"]
 )  # fmt: skip
 GLUE = st.sampled_from(["", "", " ", "  ", "\t"])
 
@@ -49,7 +54,9 @@ def glued(parts):
 
 
 def moving(i9):
-    """A machine in the middle of a program, a jog and a PLC 0, with M-variables that point at what it does."""
+    """A machine in the middle of a program, a jog and a PLC 0, with M-variables that point at what it
+    does.
+    """
     machine = bare("1000X+5", "100.5Y", record=False)
     say(
         machine,

@@ -1,4 +1,6 @@
-"""Statements in blocks: what stands wrong is one finding at its place, and the rest is arranged all the same."""
+"""Statements in blocks: what stands wrong is one finding at its place, and the rest is arranged all the
+same.
+"""
 
 import re
 
@@ -96,7 +98,15 @@ WRONG = {
     ),
     "ELSE without a block": ("ELSE   ! error: Y0114 this ELSE belongs to nothing\nP2 STOP", [2]),
     "a second ELSE": (
-        "WHEN D ON\nP1 STOP\nELSE\nP2 STOP\nELSE   ! error: Y0115 the WHEN of line 1 has an ELSE already in line 3\nP3 STOP\nEND",
+        (
+            "WHEN D ON\n"
+            "P1 STOP\n"
+            "ELSE\n"
+            "P2 STOP\n"
+            "ELSE   ! error: Y0115 the WHEN of line 1 has an ELSE already in line 3\n"
+            "P3 STOP\n"
+            "END"
+        ),
         [[1, [2], 3, [4, 6], 7]],
     ),
     "ELSE in REPEAT": (
@@ -109,7 +119,13 @@ WRONG = {
         [[1, [[2, [], 4]], 5]],
     ),
     "SUB in a block": (
-        "REPEAT 4\nSUB S   ! error: Y0116 SUB can't stand in a block: the REPEAT of line 1 is open here\nP1 STOP\nEND\nEND",
+        (
+            "REPEAT 4\n"
+            "SUB S   ! error: Y0116 SUB can't stand in a block: the REPEAT of line 1 is open here\n"
+            "P1 STOP\n"
+            "END\n"
+            "END"
+        ),
         [[1, [[2, [3], 4]], 5]],
     ),
     "declarations in a block": (
@@ -130,7 +146,14 @@ WRONG = {
         [[1, [2, 3, 4, 5, 6, 7, 8], 9]],
     ),
     "declarations that a block holds": (
-        "SUB S\nFRAME {F} 1 2 3 4 5 6 {B}\nFRAME_QUAT {F} 1 2 3 4 5 6 7 {B}\nJOINTS J 1 2 3 4 5 6\nLET A = 1\nEND",
+        (
+            "SUB S\n"
+            "FRAME {F} 1 2 3 4 5 6 {B}\n"
+            "FRAME_QUAT {F} 1 2 3 4 5 6 7 {B}\n"
+            "JOINTS J 1 2 3 4 5 6\n"
+            "LET A = 1\n"
+            "END"
+        ),
         [[1, [2, 3, 4, 5], 6]],
     ),
     "indices": (

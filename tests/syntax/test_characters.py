@@ -1,4 +1,6 @@
-"""Characters that can't be told from plain ones, or can't be seen: a finding with the place, the name and, if it is safe, a fix."""
+"""Characters that can't be told from plain ones, or can't be seen: a finding with the place, the name and,
+if it is safe, a fix.
+"""
 
 import re
 
@@ -176,8 +178,8 @@ def test_a_fix_leaves_nothing_foreign(text, data):
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text)))
         text = text[:at] + data.draw(st.sampled_from(FOREIGN)) + text[at:]
-    # a character that isn't seen behind a semicolon makes two statements of one, each with its own finding; a quotation mark that is mended
-    # ends a text that stood behind another one, and what was in it is code then
+    # a character that isn't seen behind a semicolon makes two statements of one, each with its own finding; a
+    # quotation mark that is mended ends a text that stood behind another one, and what was in it is code then
     rounds = 0
     while fixes := [one.fix for one in parsed(text).diagnostics if one.fix is not None]:
         rounds += 1

@@ -1,4 +1,6 @@
-"""The usual form is written only if it is proved to say the same: words, numbers, comments, and itself in form."""
+"""The usual form is written only if it is proved to say the same: words, numbers, comments, and itself in
+form.
+"""
 
 import pytest
 from conftest import EXAMPLES

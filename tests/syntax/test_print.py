@@ -1,4 +1,6 @@
-"""Printing then parsing gives the same tree, for every form of statement and for whole files; blocks are indented."""
+"""Printing then parsing gives the same tree, for every form of statement and for whole files; blocks are
+indented.
+"""
 
 from pathlib import Path
 
@@ -67,9 +69,25 @@ def test_the_contract_is_printed_as_it_is_written():
 
 
 def test_comments_of_a_paragraph_are_below_each_other():
-    text = "let a = 1 ! one\nlet bcd = 2   ! two\nlet e = 3\n\n\n\nlet f = 4 ! three\n! alone\nlet g = 500!four\n"
+    text = (
+        "let a = 1 ! one\n"
+        "let bcd = 2   ! two\n"
+        "let e = 3\n"
+        "\n"
+        "\n"
+        "\n"
+        "let f = 4 ! three\n"
+        "! alone\n"
+        "let g = 500!four\n"
+    )
     assert printed(text) == (
-        "LET A = 1    ! one\nLET BCD = 2  ! two\nLET E = 3\n\nLET F = 4    ! three\n! alone\nLET G = 500  !four\n"
+        "LET A = 1    ! one\n"
+        "LET BCD = 2  ! two\n"
+        "LET E = 3\n"
+        "\n"
+        "LET F = 4    ! three\n"
+        "! alone\n"
+        "LET G = 500  !four\n"
     )
     far = "let a = 1 ! one\np1 movej 100 0 0 0 0 0 [10] (mm,deg,s) {b} ! a long line\n"
     assert printed(far) == "LET A = 1  ! one\nP1 MOVEJ 100 0 0 0 0 0 [10] (mm,deg,s) {B}  ! a long line\n"
@@ -77,7 +95,13 @@ def test_comments_of_a_paragraph_are_below_each_other():
 
 def test_comments_between_way_points_stay_there():
     text = "p1 movej_spline 1 2; ! first\n! second\n\n3 4; ! third\n! fourth\n5 6 [$t] ! last\n"
-    again = "P1 MOVEJ_SPLINE 1 2;  ! first\n! second\n3 4;                  ! third\n! fourth\n5 6 [$T]              ! last\n"
+    again = (
+        "P1 MOVEJ_SPLINE 1 2;  ! first\n"
+        "! second\n"
+        "3 4;                  ! third\n"
+        "! fourth\n"
+        "5 6 [$T]              ! last\n"
+    )
     assert printed(text) == again
     assert printed(again) == again
 
@@ -119,7 +143,14 @@ def test_let_and_if_hold_their_expression():
 def test_comments_stay_where_they_are():
     text = "if a ! why\n! first\np1 stop! done\n! last\nelse\n! none\nend ! of it\n! after\n"
     assert printed(text) == (
-        "IF A       ! why\n  ! first\n  P1 STOP  ! done\n  ! last\nELSE\n  ! none\nEND        ! of it\n! after\n"
+        "IF A       ! why\n"
+        "  ! first\n"
+        "  P1 STOP  ! done\n"
+        "  ! last\n"
+        "ELSE\n"
+        "  ! none\n"
+        "END        ! of it\n"
+        "! after\n"
     )
 
 

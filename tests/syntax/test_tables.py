@@ -18,7 +18,9 @@ is_made_with_this = json.loads(TABLES.read_text())["of"].startswith(f"lark {lark
 
 
 def canonical(text):
-    """The tables with states and rules numbered in the order in which they are met: Lark numbers them by chance."""
+    """The tables with states and rules numbered in the order in which they are met: Lark numbers them by
+    chance.
+    """
     content = json.loads(text)
     tables, memo = content["data"]["parser"].pop("parser"), content.pop("memo")
     told = {number: json.dumps(one, sort_keys=True) for number, one in memo.items()}

@@ -177,7 +177,8 @@ def motion(draw):
     return draw(blank).join(parts)
 
 
-# behind VEL, `ACC $A` is an acceleration: a computed share, which no command with VEL takes, can't follow there
+# behind VEL, `ACC $A` is an acceleration: a computed share, which no command with VEL takes, can't follow
+# there
 timed_option = st.one_of(
     option.filter(lambda text: not text.startswith("ACC $")),
     number.map(lambda factor: f"STRETCH {factor}"),

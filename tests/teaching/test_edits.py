@@ -1,4 +1,6 @@
-"""Laws of all edits, over whole and broken texts: they never overlap, what they don't touch stays to the byte, and nothing is read worse."""
+"""Laws of all edits, over whole and broken texts: they never overlap, what they don't touch stays to the
+byte, and nothing is read worse.
+"""
 
 import itertools
 import random
@@ -163,7 +165,16 @@ def test_no_text_is_too_strange_to_be_listed():
 
 
 def test_a_block_goes_with_its_end_and_says_what_is_missing_then():
-    text = "JOINTS READY 0 0 0 0 10 0 (deg)\nREPEAT 2 ! twice\n  P0010 MOVEJ READY [2] (s)\n  IF 1\n    P0020 STOP\n  END\nEND\nP0030 STOP\n"
+    text = (
+        "JOINTS READY 0 0 0 0 10 0 (deg)\n"
+        "REPEAT 2 ! twice\n"
+        "  P0010 MOVEJ READY [2] (s)\n"
+        "  IF 1\n"
+        "    P0020 STOP\n"
+        "  END\n"
+        "END\n"
+        "P0030 STOP\n"
+    )
     gone = delete(program(text), 2, 2)
     assert applied(text, gone.edits) == "JOINTS READY 0 0 0 0 10 0 (deg)\nP0030 STOP\n"
     assert gone.what == "deleted 6 lines from line 2 on"
@@ -189,8 +200,11 @@ def test_a_command_is_moved_into_a_block_as_its_neighbours_are():
 
 def test_tables_of_places_and_ceilings_have_fields():
     text = (
-        "TABLE SPOTS POSE 1 2 3 0 0 0; 4 5 6 0 0 0 (mm,deg) {B}\nTABLE STANDS JOINTS 0 0 0 0 20 0; 10 0 0 0 20 0 (deg)\n"
-        "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=250] (mm,s) BLEND <=5\nP0020 MOVEJ $(STANDS[0]) [V 5]\nFUNC MID(A, B) = (A + B) / 2\n"
+        "TABLE SPOTS POSE 1 2 3 0 0 0; 4 5 6 0 0 0 (mm,deg) {B}\n"
+        "TABLE STANDS JOINTS 0 0 0 0 20 0; 10 0 0 0 20 0 (deg)\n"
+        "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=250] (mm,s) BLEND <=5\n"
+        "P0020 MOVEJ $(STANDS[0]) [V 5]\n"
+        "FUNC MID(A, B) = (A + B) / 2\n"
     )
     found = program(text)
 
@@ -208,7 +222,12 @@ def test_tables_of_places_and_ceilings_have_fields():
 
 
 def test_fields_are_changed_in_their_places():
-    text = "DEFAULT {TCP} [50%] (mm,deg) {B}\nP0010   MOVEL  1.00 2  3 0 0 0   BLEND 5   ! there\nP0020 WAIT DOOR ON\nP0030 MOVEJ A NEAR B\n"
+    text = (
+        "DEFAULT {TCP} [50%] (mm,deg) {B}\n"
+        "P0010   MOVEL  1.00 2  3 0 0 0   BLEND 5   ! there\n"
+        "P0020 WAIT DOOR ON\n"
+        "P0030 MOVEJ A NEAR B\n"
+    )
     found = program(text)
 
     def line(number, **fields):
@@ -237,7 +256,13 @@ def test_fields_are_changed_in_their_places():
 
 
 def test_the_condition_of_a_wait_is_a_field():
-    text = 'INPUT DOOR M11\nP0010  WAIT  DOOR = ON AND JOB > 2  [5] (s) ! x\nP0020 WAIT NOT DOOR = ON ! y\nP0030 ABORT "no part"\nP0040 WAIT N = 1 AND (NOT (DOOR = ON))\n'
+    text = (
+        "INPUT DOOR M11\n"
+        "P0010  WAIT  DOOR = ON AND JOB > 2  [5] (s) ! x\n"
+        "P0020 WAIT NOT DOOR = ON ! y\n"
+        'P0030 ABORT "no part"\n'
+        "P0040 WAIT N = 1 AND (NOT (DOOR = ON))\n"
+    )
     found = program(text)
 
     def line(number, **fields):
@@ -265,7 +290,13 @@ def test_a_long_program_is_listed_in_a_second():
 
 
 def test_the_input_that_ends_a_motion_is_a_field():
-    text = "INPUT TOUCH M12\nINPUT STOP M13\nREGISTER DEPTH 0..9\nP0010 MOVEL 1 2 3 0 0 0 [V 50] (mm,deg,s) UNTIL TOUCH OFF INTO DEPTH ELSE\nEND\n"
+    text = (
+        "INPUT TOUCH M12\n"
+        "INPUT STOP M13\n"
+        "REGISTER DEPTH 0..9\n"
+        "P0010 MOVEL 1 2 3 0 0 0 [V 50] (mm,deg,s) UNTIL TOUCH OFF INTO DEPTH ELSE\n"
+        "END\n"
+    )
     found = program(text)
 
     def line(**fields):
@@ -278,7 +309,10 @@ def test_the_input_that_ends_a_motion_is_a_field():
 
 
 def test_a_timetable_has_the_time_of_each_way_point_and_its_own_options():
-    text = "DEFAULT (deg,s)\nP0010 MOVEJ_TIMED 1 0 0 0 5 0 [1] VEL 0 0 0 0 4 0; 2 0 0 0 9 0 [2.5] VEL 0 0 0 0 0 0\n"
+    text = (
+        "DEFAULT (deg,s)\n"
+        "P0010 MOVEJ_TIMED 1 0 0 0 5 0 [1] VEL 0 0 0 0 4 0; 2 0 0 0 9 0 [2.5] VEL 0 0 0 0 0 0\n"
+    )
     made = program(text)
     fields = {one.field.name: one.field.value for one in Reader(made.sketch).placed(made.statement(2))}
     assert {"1.time": "1", "time": "2.5", "stretch": "", "tol": ""}.items() <= fields.items()
@@ -308,7 +342,8 @@ END
 def test_a_case_is_listed_with_its_ways():
     found = listing(SourceFile("x", CASE))
     assert [(one.line, one.depth, one.kind) for one in found] == [
-        (1, 0, "declaration"), (2, 0, "block"), (3, 0, "end"), (4, 1, "wait"), (5, 0, "end"), (6, 1, "set"), (7, 0, "end"),
+        (1, 0, "declaration"), (2, 0, "block"), (3, 0, "end"), (4, 1, "wait"), (5, 0, "end"), (6, 1, "set"),
+            (7, 0, "end"),
     ]  # fmt: skip
     assert [
         [(field.name, field.value) for field in one.fields if field.value]

@@ -82,7 +82,8 @@ def test_taught_is_where_the_robot_stands(taught, units):
     new, _ = made(text, 5, taught)
     same(last_flange(new), flange_poses(ROBOT.chain, STANDS[None])[0])
     touched = touch_up(named(new), new.count("\n"), STANDS) if taught.motion != "DMOVE" else None
-    # the via point of an arc to a frame is counted in it: the end is touched up by its numbers, which are rounded once more
+    # the via point of an arc to a frame is counted in it: the end is touched up by its numbers, which are
+    # rounded once more
     assert touched is None or (taught.motion == "MOVEC" and taught.name) or touched.edits == ()
     assert new.startswith(text[: text.index("P0010")].splitlines(keepends=True)[0])
 
@@ -138,16 +139,22 @@ def test_it_stands_where_it_may():
 @pytest.mark.parametrize(
     ("text", "after", "taught", "said"),
     [
-        ("DEFAULT {TCP} [5] (mm,deg,s) {AT}\nSUB A {AT}\n P0010 MOVEL 0 0 0 0 0 0 {AT}\nEND\n", 3, Taught("MOVEL"), "parameter of A"),
+        (("DEFAULT {TCP} [5] (mm,deg,s) {AT}\n"
+            "SUB A {AT}\n"
+            " P0010 MOVEL 0 0 0 0 0 0 {AT}\n"
+            "END\n"), 3, Taught("MOVEL"), "parameter of A"),
         ("DEFAULT {TCP} [5] (mm,deg,s) {NOWHERE}\n", 1, Taught("MOVEL"), r"\{NOWHERE\} can't be resolved"),
-        ("DEFAULT {TCP} [5] (mm,deg,s) {T}\nP0010 STOP\nFRAME {T} 0 0 0 0 0 0 {B}\n", 2, Taught("MOVEL"), "only below, in line 3"),
+        (("DEFAULT {TCP} [5] (mm,deg,s) {T}\n"
+            "P0010 STOP\n"
+            "FRAME {T} 0 0 0 0 0 0 {B}\n"), 2, Taught("MOVEL"), "only below, in line 3"),
         ("DEFAULT {B} [5] (mm,deg,s) {B}\n", 1, Taught("MOVEL"), "stands still"),
         ("ROBOT TRACKED_MANIPULATOR\n", 1, Taught("MOVEL"), "the program is for TRACKED_MANIPULATOR"),
         (HEAD, 5, Taught("MOVEC"), "point on its way"),
         (HEAD, 5, Taught("MOVEC", via=STANDS), "is the end of the arc"),
         (HEAD, 5, Taught("MOVEL", "joints"), "to a pose"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="HOME"), "declared already, by the robot"),
-        (HEAD + "POSE PICK 0 0 0 0 0 0 (mm,deg)\n", 5, Taught("MOVEL", name="PICK"), "declared already, in line 6"),
+        (HEAD + "POSE PICK 0 0 0 0 0 0 (mm,deg)\n", 5, Taught("MOVEL", name="PICK"),
+            "declared already, in line 6"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="P7"), "meaning in the language"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="A b"), "is no name"),
         (HEAD, 5, Taught("MOVEJ", "joints", name="MOVEJ"), "meaning in the language"),
@@ -175,7 +182,12 @@ def test_an_increment_goes_on_from_where_the_program_is():
 
 
 def test_a_declaration_is_touched_up_and_tells_who_uses_it():
-    text = "JOINTS PARK 0 0 0 0 0 0 (deg) ! here\r\nP0010 MOVEJ PARK [2] (s)\r\nP0020 MOVEJ HOME [2] (s)\r\nP0030 MOVEJ PARK [2] (s)"
+    text = (
+        "JOINTS PARK 0 0 0 0 0 0 (deg) ! here\r\n"
+        "P0010 MOVEJ PARK [2] (s)\r\n"
+        "P0020 MOVEJ HOME [2] (s)\r\n"
+        "P0030 MOVEJ PARK [2] (s)"
+    )
     edited = touch_up(named(text), 2, STANDS)
     assert edited.what == "touched up the declaration of PARK in line 1, which 2 lines use"
     assert applied(text, edited.edits) == text.replace("0 0 0 0 0 0", "12.346 -20.1 -30.7 5.5 -40.3 7.7")

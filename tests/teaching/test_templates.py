@@ -1,13 +1,20 @@
 """Forms make lines that compile; templates are proved as they come, on both robots of the library."""
 
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from programs import checked, codes, robot_of
 
+from tests.robot.made_arms import yarc
+from tests.robot.trap_arms import arm, written
+from tests.robot.trap_arms import robot as made_of
 from yarclang.commands.registry import commands
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.inputs import Options
+from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.runtime.actions import Trouble
 from yarclang.source import SourceFile
 from yarclang.teaching.edits import Program, applied
@@ -16,7 +23,15 @@ from yarclang.teaching.holding import around
 from yarclang.teaching.templates import filled, new, templates
 
 NAMES = [one.name for one in templates()]
-HEAD = "INPUT DOOR M11\nOUTPUT GRIP M1\nFRAME {TOOL} 0 150 0 90 0 0 (mm,deg) {FLANGE}\nDEFAULT {TOOL} [50%] (mm,deg,s) {B}\nFRAME {BOX} 0 900 500 0 0 0\nJOINTS READY 0 -10 -20 0 -60 0\nP0010 MOVEJ READY\n"
+HEAD = (
+    "INPUT DOOR M11\n"
+    "OUTPUT GRIP M1\n"
+    "FRAME {TOOL} 0 150 0 90 0 0 (mm,deg) {FLANGE}\n"
+    "DEFAULT {TOOL} [50%] (mm,deg,s) {B}\n"
+    "FRAME {BOX} 0 900 500 0 0 0\n"
+    "JOINTS READY 0 -10 -20 0 -60 0\n"
+    "P0010 MOVEJ READY\n"
+)
 
 
 @pytest.mark.parametrize("robot", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])
@@ -46,6 +61,28 @@ def test_templates_take_only_what_they_ask_for(tmp_path):
             filled("pick-place", robot, fields)
     with pytest.raises(Trouble, match="there is no template"):
         filled("../project/program", robot, {})
+
+
+@pytest.mark.parametrize("tcp", ["0,0,0", "0,0,0,180,0,0", "0,0,150,180,0,0", "0,0,150"])
+def test_the_tool_points_down_however_tcp_is_turned(tcp, tmp_path):
+    yarc("robot", "new", written(tmp_path, made_of(arm())), "--yes", "--tcp", tcp, "-o", tmp_path / "r")
+    made = load_robot(str(tmp_path / "r")).value
+    text = filled("pick-place", made, {})
+    numbers = re.search(r"^JOINTS READY (.*) \(deg\)", text, re.MULTILINE)[1].split()
+    flange = flange_poses(made.chain, np.deg2rad([[float(one) for one in numbers]]))[0]
+    assert flange[2, 2] < -0.7, "z of tool0 leads out along the tool"
+
+
+def test_a_robot_that_cannot_stand_is_told_what_to_correct(tmp_path):
+    weight = (
+        '<inertial><origin xyz="0 0 0"/><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" '
+        'iyz="0" izz="0.1"/></inertial>'
+    )
+    text = made_of(arm(effort=20)).replace("</collision></link>", f"</collision>{weight}</link>")
+    yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
+    with pytest.raises(Trouble, match="of its effort of 20 N m") as caught:
+        new("pick-place", load_robot(str(tmp_path / "r")).value, {}, tmp_path)
+    assert "effort in robot.toml; or begin with the template empty" in caught.value.remedy
 
 
 def named(text):

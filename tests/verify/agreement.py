@@ -1,4 +1,6 @@
-"""The verdicts of the judge and of the small checker about one text, and random changes of texts by a forger who has the checker."""
+"""The verdicts of the judge and of the small checker about one text, and random changes of texts by a
+forger who has the checker.
+"""
 
 import hashlib
 import json

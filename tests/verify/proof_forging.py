@@ -1,4 +1,6 @@
-"""Texts with their proofs, and forgeries of both. A forger has the checker: the hash of a forged text is put into its proof."""
+"""Texts with their proofs, and forgeries of both. A forger has the checker: the hash of a forged text is
+put into its proof.
+"""
 
 import copy
 import hashlib
@@ -61,7 +63,9 @@ def made(program, robot="INDUSTRIAL6"):
 
 
 def table(program, *, bodies=False):
-    """Return the proof of a program as a table that may be changed; without bodies, which take most of the time and have tests of their own."""
+    """Return the proof of a program as a table that may be changed; without bodies, which take most of the
+    time and have tests of their own.
+    """
     proof = json.loads(made(program)[1])
     if not bodies:
         proof |= {"cell": {"bodies": [], "exceptions": [], "zones": []}, "planes": []}

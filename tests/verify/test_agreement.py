@@ -1,4 +1,6 @@
-"""Where the judge refuses a text, the small checker does: one number of a move is changed, by little or by much."""
+"""Where the judge refuses a text, the small checker does: one number of a move is changed, by little or by
+much.
+"""
 
 import hashlib
 import json

@@ -1,4 +1,6 @@
-"""Planes prove distances that Pinocchio's and coal's samples never fall below, and a body that comes too near is refused."""
+"""Planes prove distances that Pinocchio's and coal's samples never fall below, and a body that comes too
+near is refused.
+"""
 
 import copy
 import functools
@@ -74,7 +76,9 @@ class Case:
         return np.array(found)
 
     def nearest(self, begin, end, count):
-        """Return the smallest distance of each two bodies on a stretch; a body is its name and its number among those of this name."""
+        """Return the smallest distance of each two bodies on a stretch; a body is its name and its number
+        among those of this name.
+        """
         apart = self.dense.distances(self.joints(begin, end, count)).min(axis=0)
         objects, links = self.dense.geometry.geometryObjects, self.dense.links
         # Pinocchio adds a number to a link's name
@@ -232,7 +236,9 @@ def test_bodies_are_there_when_they_are():
 
 @pytest.mark.parametrize("seed", range(0, CASES, 2))
 def test_no_point_of_a_body_is_faster_than_its_bound(seed):
-    """The bound of a slow zone holds for all corners of a body, by the judge's placements and differences in time."""
+    """The bound of a slow zone holds for all corners of a body, by the judge's placements and differences
+    in time.
+    """
     case = Case(seed)
     timeline, told = Timeline(case.rows, case.arm), exactly(case.cell)
     travel = np.abs(np.concatenate([row.control for row in case.rows]).astype(np.float64)).max(axis=0)
@@ -264,7 +270,9 @@ def test_no_point_of_a_body_is_faster_than_its_bound(seed):
 
 @pytest.mark.parametrize("seed", range(CASES))
 def test_where_bodies_pass_no_gap_is_larger_than_the_distance(seed):
-    """The plane between two bodies where they are nearest, on stretches around and beside that place: here bounds are sharp."""
+    """The plane between two bodies where they are nearest, on stretches around and beside that place: here
+    bounds are sharp.
+    """
     case = Case(seed)
     timeline, told = Timeline(case.rows, case.arm), exactly(case.cell)
     travel = np.abs(np.concatenate([row.control for row in case.rows]).astype(np.float64)).max(axis=0)

@@ -1,4 +1,6 @@
-"""Lines and arcs that flow into each other: what the judge certifies is followed, and what is changed is refused."""
+"""Lines and arcs that flow into each other: what the judge certifies is followed, and what is changed is
+refused.
+"""
 
 import hashlib
 import json
@@ -40,6 +42,26 @@ P0050 MOVEJ 15 -10 -40 0 50 5 [2]
 P0060 STOP
 """
 """Motions of joints and of a frame, with corners of all kinds."""
+SPLINED = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+P0010 MOVEJ 10 -10 -50 5 60 0 [2] BLEND 5
+P0020 MOVEJ_SPLINE 20 0 -45 0 50 0; 20 5 -40 0 40 10 [4] BLEND 3
+P0025 MOVEJ 10 0 -40 5 45 0 [2] BLEND 3
+P0030 MOVEJ_SPLINE 5 -5 -45 0 45 0; 0 -5 -45 0 50 0 [3] BLEND 10
+P0040 MOVEL 150 1174.4 1176 0 0 0 [2] BLEND 10
+P0050 MOVEJ_SPLINE 5 -5 -45 0 45 0; 0 -5 -45 0 55 0 [3]
+P0060 STOP
+"""
+"""Splines of joints beside straight ways and beside a line."""
+FRAMES = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+FRAME {CAMERA} 0 60 80 90 0 0 (mm,deg) {FLANGE}
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]
+P0020 MOVEL 150 1174.4 1176 0 0 0 [2] BLEND 20
+P0040 MOVEL {CAMERA} 150 1094.4 1276 100 0 5 [3] BLEND 15
+P0050 MOVEL 80 1044.4 1176 0 0 0 [3] BLEND 10
+P0060 DMOVE 0 80 20 0 0 0 [2]
+P0070 STOP
+"""
+"""A line of another frame among lines of one."""
 
 
 def left_of(text, proof):
@@ -48,7 +70,7 @@ def left_of(text, proof):
     return [one for one in verdict.unchecked if one not in ALWAYS_UNCHECKED]
 
 
-@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED, SPLINED, FRAMES])
 def test_a_chain_is_decided_whole(program):
     text, proof = made(program)
     assert left_of(text, proof) == []
@@ -60,7 +82,7 @@ def moves(text):
     return [k for k, line in enumerate(text.split("\n")) if re.match(r"X-?[0-9].*C-?[0-9]", line)]
 
 
-@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED, SPLINED, FRAMES])
 def test_every_move_that_leaves_the_path_is_refused(program):
     text, _ = made(program)
     lines = text.split("\n")
@@ -95,7 +117,7 @@ def turned(pose):
 
 
 @pytest.mark.parametrize("change", TOLD)
-@pytest.mark.parametrize("program", [CHAIN, SHARP])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, FRAMES])
 def test_a_chain_of_which_something_else_is_told_is_refused(program, change):
     text, _ = made(program)
     steps = [
@@ -107,7 +129,7 @@ def test_a_chain_of_which_something_else_is_told_is_refused(program, change):
         forged = table(program)
         TOLD[change](forged["program"]["steps"][at])
         verdict = verify(text.encode(), json.dumps(forged).encode())
-        # a frame that differs from the next motion's isn't a chain that is decided
+        # a chain whose frame changes isn't decided if it has speeds
         assert verdict.refused or any("another frame" in one for one in verdict.unchecked), at
 
 
@@ -121,7 +143,7 @@ def test_a_ball_has_its_radius():
                 )
 
 
-@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED])
+@pytest.mark.parametrize("program", [CHAIN, SHARP, JOINED, SPLINED, FRAMES])
 def test_every_number_of_a_chains_proof_counts(program):
     text, _ = made(program)
     proof = table(program)
@@ -158,6 +180,32 @@ def test_joints_in_a_chain_of_which_something_else_is_told_are_refused(change):
     assert refused(text, forged) == ""
     BESIDE[change](forged["program"]["steps"])
     assert refused(text, forged)
+
+
+def test_a_spline_in_a_chain_of_which_something_else_is_told_is_refused():
+    text, _ = made(SPLINED)
+    changes = {
+        "another way-point": lambda steps: steps[1]["through"][0]["q"].__setitem__(2, -45.1),
+        "another goal": lambda steps: steps[3]["through"][1]["q"].__setitem__(0, 0.1),
+        "a way-point less": lambda steps: steps[1]["through"].pop(0),
+        "a way-point more": lambda steps: steps[1]["through"].insert(0, {"q": [15, -5, -47, 2, 55, 0]}),
+        "a smaller ball of joints": lambda steps: steps[1].__setitem__("blend", [1000, 0.2]),
+        "a smaller ball before a line": lambda steps: steps[3].__setitem__("blend", [5, 0]),
+        "a smaller ball after a line": lambda steps: steps[4].__setitem__("blend", [5, 0]),
+        "a straight way": lambda steps: (
+            steps[1].__setitem__("move", "joint"),
+            steps[1]["through"].pop(0),
+        ),
+    }
+    for name, change in changes.items():
+        forged = table(SPLINED)
+        change(forged["program"]["steps"])
+        assert refused(text, forged), name
+
+
+def test_a_frame_that_changes_in_a_chain_with_a_speed_is_named():
+    program = FRAMES.replace("1276 100 0 5 [3]", "1276 100 0 5 [V 50]")
+    assert any("another frame goes on, with a speed" in one for one in left_of(*made(program)))
 
 
 def test_joints_of_a_corner_are_chosen_by_the_proof_and_are_at_its_pose():
@@ -221,7 +269,9 @@ def drawn_lines(random):
 
 
 def drawn_with_joints(random):
-    """A chain of lines and of straight motions of joints, to poses and to joints, with corners of all kinds."""
+    """A chain of lines and of straight motions of joints, to poses and to joints, with corners of all
+    kinds.
+    """
     lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]"]
     count, here = int(random.integers(3, 6)), np.array([0.0, 1174.4, 1176.0])
     for number in range(count):

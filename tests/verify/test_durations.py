@@ -1,4 +1,6 @@
-"""The checker's durations are those of `lasting`, for ways, loops and waits by chance; another header is refused."""
+"""The checker's durations are those of `lasting`, for ways, loops and waits by chance; another header is
+refused.
+"""
 
 import random
 from fractions import Fraction

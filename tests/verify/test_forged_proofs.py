@@ -286,7 +286,9 @@ P0040 STOP
 
 
 def test_what_is_told_of_a_frame_while_joints_move_is_checked():
-    """Joints stay within their tolerance, and the frame as well, which is farther away; and it has a ceiling."""
+    """Joints stay within their tolerance, and the frame as well, which is farther away; and it has a
+    ceiling.
+    """
     text, proof = made(OF_FRAMES)
     verdict = verify(text.encode(), proof.encode())
     assert (verdict.refused, [*verdict.unchecked]) == ("", [*ALWAYS_UNCHECKED])

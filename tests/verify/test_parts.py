@@ -1,4 +1,6 @@
-"""Parts stay where they are when grippers take and leave them; each part that is told elsewhere is refused or named."""
+"""Parts stay where they are when grippers take and leave them; each part that is told elsewhere is refused
+or named.
+"""
 
 import copy
 import hashlib
@@ -170,16 +172,16 @@ WAYS = {
     ),
     "again": (
         (
-            "barrier loop 0 -|move 1|barrier when 2 -|barrier exit 3 -|barrier end 4 -|put M1=1|move 5|put M2=1"
-            "|barrier next 6 -|barrier endloop 7 -|move 8"
+            "barrier loop 0 -|move 1|barrier when 2 -|barrier exit 3 -|barrier end 4 -|put M1=1|move 5|put "
+            "M2=1|barrier next 6 -|barrier endloop 7 -|move 8"
         ),
         {(-1, 1, False), (1, 5, True), (5, 1, True), (1, 8, False)},
     ),
     "twice": (
         (
-            "move 0|barrier loop 1 -|barrier loop 2 -|move 3|barrier when 4 -|barrier exit 5 -|barrier end 6 -"
-            "|barrier next 7 -|barrier endloop 8 -|barrier when 9 -|barrier exit 10 -|barrier end 11 -|put M1=1"
-            "|barrier next 12 -|barrier endloop 13 -|move 14"
+            "move 0|barrier loop 1 -|barrier loop 2 -|move 3|barrier when 4 -|barrier exit 5 -|barrier end "
+            "6 -|barrier next 7 -|barrier endloop 8 -|barrier when 9 -|barrier exit 10 -|barrier end 11 "
+            "-|put M1=1|barrier next 12 -|barrier endloop 13 -|move 14"
         ),
         {(-1, 0, False), (0, 3, False), (3, 3, False), (3, 3, True), (3, 14, False)},
     ),

@@ -1,7 +1,9 @@
-"""The judge and the small checker agree about random programs, and about their texts after a change by chance.
+"""The judge and the small checker agree about random programs, and about their texts after a change by
+chance.
 
-Usually a few programs are drawn; `YARCLANG_RANDOM_AGREEMENTS=1000 pytest -s tests/verify/test_random_agreement.py` draws 1,000 and prints the figures.
-Whatever the judge refuses is refused by the checker, or what it has not checked is listed.
+Usually a few programs are drawn;
+`YARCLANG_RANDOM_AGREEMENTS=1000 pytest -s tests/verify/test_random_agreement.py` draws 1,000 and prints the
+figures. Whatever the judge refuses is refused by the checker, or what it has not checked is listed.
 """
 
 import os

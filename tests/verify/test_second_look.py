@@ -1,4 +1,6 @@
-"""What the checker once accepted and mustn't: ends that no piece shows, commands that aren't told, names that it doesn't know."""
+"""What the checker once accepted and mustn't: ends that no piece shows, commands that aren't told, names
+that it doesn't know.
+"""
 
 import hashlib
 import json
@@ -22,7 +24,8 @@ P0040 STOP
 
 
 def ends_elsewhere(off):
-    """Return the verdict about SHORT with a ball of 40 mm, whose last line is all blend, and leads `off` deg of J1 away from its goal.
+    """Return the verdict about SHORT with a ball of 40 mm, whose last line is all blend, and leads `off` deg
+    of J1 away from its goal.
 
     The proof follows the last line at its end only.
     """

@@ -1,4 +1,6 @@
-"""A motion that the text leaves out on one way is refused, even where the line above it, on another way, leads to its goal."""
+"""A motion that the text leaves out on one way is refused, even where the line above it, on another way,
+leads to its goal.
+"""
 
 import hashlib
 import re
@@ -28,7 +30,9 @@ REST = {
 
 
 def without(text, step, index):
-    """Return a text without the moves of a command, whose map is moved along and says that the command has none."""
+    """Return a text without the moves of a command, whose map is moved along and says that the command has
+    none.
+    """
     forger = Forger.of(text)
     entry = re.fullmatch(
         r"(; command \d+ \S+ \S+ \S+) (\d+) (\d+)", next(one for one in forger.lines if f" {index} " in one)
@@ -64,7 +68,13 @@ def test_a_motion_that_one_way_leaves_out_is_refused(name, time):
 
 
 def test_a_motion_that_rests_for_its_time_is_not_left_out():
-    program = "DEFAULT (deg,s)\nINPUT DOOR M11\nP0010 MOVEJ 10 0 0 0 0 0 [2]\nP0020 WAIT DOOR ON\nP0040 MOVEJ 10 0 0 0 0 0 [2]\n"
+    program = (
+        "DEFAULT (deg,s)\n"
+        "INPUT DOOR M11\n"
+        "P0010 MOVEJ 10 0 0 0 0 0 [2]\n"
+        "P0020 WAIT DOOR ON\n"
+        "P0040 MOVEJ 10 0 0 0 0 0 [2]\n"
+    )
     text, _ = made(program)
     proof = table(program)
     assert refused(text, proof) == ""

@@ -1,4 +1,6 @@
-"""Zones by the small checker: what the judge certifies in random zones is proved or named, and zones that are told otherwise are broken."""
+"""Zones by the small checker: what the judge certifies in random zones is proved or named, and zones that
+are told otherwise are broken.
+"""
 
 import copy
 import json

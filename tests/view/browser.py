@@ -47,7 +47,9 @@ _FLAGS = (
 
 
 def browser_or_skip() -> tuple[str, str]:
-    """The paths of Chromium and its driver; without them the test is skipped, or, where a browser is required, fails."""
+    """The paths of Chromium and its driver; without them the test is skipped, or, where a browser is
+    required, fails.
+    """
     browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     driver = shutil.which("chromedriver")
     if browser and driver:

@@ -1,4 +1,6 @@
-"""`yarc view` in a real browser: what is drawn, that controls do something, and that nothing is fetched from outside."""
+"""`yarc view` in a real browser: what is drawn, that controls do something, and that nothing is fetched
+from outside.
+"""
 
 import io
 import json
@@ -42,7 +44,8 @@ def page(program, tmp_path_factory):
             if message["method"] in {"Network.requestWillBeSent", "Network.webSocketCreated"}
         }
         own = re.compile(
-            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome(-untrusted)?:|about:"
+            rf"(http|ws)://{re.escape(url.removeprefix('http://'))}(/|$)|data:|blob:|chrome(-untrusted)?:"
+            r"|about:"
         )
         assert [one for one in asked if not own.match(one)] == []
         assert any(own.match(one) for one in asked)
@@ -98,7 +101,7 @@ def test_no_text_of_a_button_or_label_is_cut_off(page):
     script = """
         return [...document.querySelectorAll("button, button *, label, label *, [role=tab]")]
             .filter(one => one.clientWidth > 0 && one.scrollWidth > one.clientWidth).map(one => one.textContent);
-    """
+    """  # noqa: E501
     for tab, word in (("Findings", "Y0901 P0030"), ("Show", "other frames"), ("Commands", "P0020 MOVEL")):
         press(browser, tab)
         waited(lambda word=word: word in text_of(browser))
@@ -209,7 +212,7 @@ def test_curves_stand_beside_the_time_and_a_frame_gives_its_line(page):
         const all = [...document.querySelectorAll("svg")].filter(one => one.querySelector("polyline"));
         const first = box(all[0]), last = box(all[all.length - 1]);
         return [(marker.left - first.left) / first.width, first.top - marker.top, marker.bottom - last.bottom];
-    """
+    """  # noqa: E501
     # the marker crosses all pictures, where the command begins
     waited(lambda: abs(browser.execute_script(places)[0] - 6.891 / 11.891) < 0.02)
     _, above, below = browser.execute_script(places)

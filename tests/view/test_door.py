@@ -139,11 +139,18 @@ def served():
     thread.join(30)
 
 
-SOCKET = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+SOCKET = (
+    "Upgrade: websocket\r\n"
+    "Connection: Upgrade\r\n"
+    "Sec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+)
 
 
 def answered(port, *headers, path="/", scene=False):
-    """All that the server answers to a request, as raw as it is asked; of a connection that it opens, the first part of the scene."""
+    """All that the server answers to a request, as raw as it is asked; of a connection that it opens, the
+    first part of the scene.
+    """
     lines = [f"GET {path} HTTP/1.1", *headers]
     if scene:
         lines.append(f"{SOCKET}Sec-WebSocket-Protocol: viser-v{viser.__version__}")

@@ -43,7 +43,9 @@ EYE, MIDDLE = np.array([4.0, 3.0, 2.0]), np.zeros(3)
 
 
 def boxes(labels, heights):
-    """What labels cover on a screen 800 pixels high, by a pinhole of our own: the camera's axes, then similar triangles."""
+    """What labels cover on a screen 800 pixels high, by a pinhole of our own: the camera's axes, then
+    similar triangles.
+    """
     z = (EYE - MIDDLE) / np.linalg.norm(EYE - MIDDLE)
     x = np.cross([0.0, 0.0, 1.0], z) / np.linalg.norm(np.cross([0.0, 0.0, 1.0], z))
     y = np.cross(z, x)

@@ -1,4 +1,6 @@
-"""`yarc view --live` in a real browser: a running robot is drawn, an input is ticked, and a robot that is away is grey."""
+"""`yarc view --live` in a real browser: a running robot is drawn, an input is ticked, and a robot that is
+away is grey.
+"""
 
 import os
 import signal
@@ -33,7 +35,7 @@ def box(browser, name):
     script = """
         const label = [...document.querySelectorAll("label")].find(one => one.textContent.trim() === arguments[0]);
         return label && (label.control || label.parentElement.parentElement.querySelector("input[type=checkbox]"));
-    """
+    """  # noqa: E501
     return browser.execute_script(script, name)
 
 

@@ -219,7 +219,9 @@ def test_a_part_is_drawn_where_it_is_and_what_was_hidden_stays_hidden(server, gi
 
 
 def test_collision_shapes_are_seen_if_somebody_wants_them(page, server):
-    """They stand on the links that are shown by what they look like; a robot that is shown by its shapes has no switch for them."""
+    """They stand on the links that are shown by what they look like; a robot that is shown by its shapes
+    has no switch for them.
+    """
     nodes = [node for node, _ in page._picture.switches._nodes["shape"]]
     robot = robot_of()
     assert len(nodes) == len(robot.shapes)

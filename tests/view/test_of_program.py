@@ -190,7 +190,9 @@ def test_collisions_are_shown_beside_errors_of_planning():
 
 
 def test_a_gap_in_the_plan_is_no_motion():
-    """Behind what can't be planned the robot stands elsewhere; on the way there, which isn't planned, it meets nothing."""
+    """Behind what can't be planned the robot stands elsewhere; on the way there, which isn't planned, it
+    meets nothing.
+    """
     text = CRASH.replace("P0030 MOVEL -200 0 -260", "P0030 MOVEL 9000 0 -260").replace(
         "P0050 MOVEL -200 0 150 0 0 0 [5] {PART}", "P0050 MOVEJ READY\nP0060 MOVEJ 170 0 0 0 0 0 [20] (deg,s)"
     )
@@ -215,8 +217,12 @@ def test_a_broken_zone_is_shown_beside_errors_of_planning(tmp_path):
 
 def test_a_finding_in_a_module_stands_at_the_module_s_motion():
     stage = stage_of(
-        "ROBOT INDUSTRIAL6\nUSE PICKPLACE\nOUTPUT GRIP M1\nFRAME {BOX} 300 900 1000 0 0 0 (mm,deg) {B}\n"
-        "P0010 MOVEJ 5 0 0 0 -30 0 [MIN] (deg,s)\nP0020 CALL PICKPLACE.PICK {TCP} {BOX} 100 (mm) GRIP 0.02 (s)\n"
+        "ROBOT INDUSTRIAL6\n"
+        "USE PICKPLACE\n"
+        "OUTPUT GRIP M1\n"
+        "FRAME {BOX} 300 900 1000 0 0 0 (mm,deg) {B}\n"
+        "P0010 MOVEJ 5 0 0 0 -30 0 [MIN] (deg,s)\n"
+        "P0020 CALL PICKPLACE.PICK {TCP} {BOX} 100 (mm) GRIP 0.02 (s)\n"
     )
     marks = [one for one in stage.marks if one.code == "Y0601"]
     assert len(marks) == 2

@@ -139,6 +139,9 @@ class _Maker(NameMaker):
                 yield from self._arguments()
             case "frames":
                 yield from self.frames()
+                if all(one.kind == "frame" for one in self.cursor.values):
+                    for first, summary in word.first:
+                        yield self.make(first, "word", summary, "", first)
             case "values":
                 yield from self.known(Register, "register")
                 yield from self.known(Input, "input")

@@ -147,7 +147,9 @@ class Names:
         return next((one for one in named if one.kind == "parameter" and one.inside == sub), None)
 
     def meant_by(self, use: Use) -> Symbol | None:
-        """Return the symbol of this file that another file uses as `MODULE.NAME`, or as a parameter's name."""
+        """Return the symbol of this file that another file uses as `MODULE.NAME`, or as a parameter's
+        name.
+        """
         if use.sub:
             return self.parameter(use.sub, use.name, use.is_frame)
         return self.declared(use.name, use.is_frame)

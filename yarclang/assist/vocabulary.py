@@ -54,7 +54,8 @@ OPTIONS: Mapping[str, Entry] = MappingProxyType(
         "BLEND": Entry("flows into the next motion within so many length units of this one's end", "BLEND 5"),
         "ACC": Entry("uses so much of the acceleration and jerk limits", "ACC 30%"),
         "TOL": Entry(
-            "how far the moving frame may be from its path, in length units, and be turned: by a degree for each millimetre",
+            "how far the moving frame may be from its path, in length units, and be turned: by a degree "
+            "for each millimetre",
             "TOL 0.05",
         ),
         "UNTIL": Entry("ends the motion on its way as soon as an input is ON (or OFF)", "UNTIL TOUCH"),

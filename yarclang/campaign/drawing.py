@@ -208,6 +208,7 @@ def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
         # If the program ends with a timetable, the last drawn motion before it is followed by a WAIT.
         flows = step != (steps[-3] if program.said[steps[-1]].kind == "timed" else steps[-1])
         beside = {"ACC": one.acc < 1.0, "BLEND": one.blend is not None and flows}
+        beside |= {"_AVOID": one.avoids, "KEEP": bool(one.rules)}
         if one.kind == "timed":
             yield step, ("motions", kind)
             continue

@@ -13,6 +13,7 @@ import numpy as np
 from yarclang.campaign.chains import drawn_chain
 from yarclang.campaign.drawing import Drawn, drawn, features
 from yarclang.campaign.pieces import Piece
+from yarclang.campaign.rules import drawn_ruled
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.independent.arm import Arm
@@ -33,6 +34,9 @@ MOST = 6
 
 CHAINS = 20
 """One of `CHAINS` programs is a chain of short pieces."""
+
+RULED = 10
+"""One of so many programs keeps to rules, and may leave straight ways."""
 
 CERTIFICATE = "11"
 """Family of the findings of the certificate. The compiler must never write a text that has one."""
@@ -108,7 +112,11 @@ def judged_program(seed: int, task: Task, robot: Robot | None = None) -> Program
     # The robots alternate from seed to seed. Chains are counted in rounds of all robots, so that each robot
     # gets chains.
     is_chain = seed // len(task.robots) % CHAINS == CHAINS - 1
-    program = drawn_chain(arm, random) if is_chain else drawn(arm, random, MOST)
+    is_ruled = seed // len(task.robots) % RULED == RULED - 2 and len(arm.lower) >= 6
+    if is_ruled:
+        program = drawn_ruled(arm, random)
+    else:
+        program = drawn_chain(arm, random) if is_chain else drawn(arm, random, MOST)
     refused, faults, worst, duration = _judged(program, seed, robot, arm, task.cell)
     said = tuple(names for _, names in features(program))
     return Program(seed, name, program.text, refused, faults, worst, duration, said)

@@ -60,9 +60,13 @@ def as_text(whole: Piece, task: Task) -> Iterator[str]:
     """Yield the lines of the report."""
     around = f", in {task.cell}" if task.cell is not None else ""
     last = whole.first + whole.count - 1
-    yield f"{whole.count:,} programs of seeds {whole.first:,} to {last:,}, for {', '.join(task.robots)}{around}"
+    yield (
+        f"{whole.count:,} programs of seeds {whole.first:,} to {last:,}, for {', '.join(task.robots)}{around}"
+    )
     motions = whole.motions.get("motions", 0)
-    yield f"  {whole.compiled:,} compile: {motions:,} motions, which take {_duration(whole.microseconds / 1e6)}"
+    yield (
+        f"  {whole.compiled:,} compile: {motions:,} motions, which take {_duration(whole.microseconds / 1e6)}"
+    )
     if refused := sum(whole.refused.values()):
         codes = ", ".join(f"{code} {number:,}" for code, number in _by_number(whole.refused))
         yield f"  {refused:,} are refused: {codes}"

@@ -99,7 +99,8 @@ class State:
                 if number == len(lines) - 1 and number > 1:
                     break  # written by half: pages may reach the disk in any order
                 raise StateError(
-                    f"{self._path}, line {number}, isn't as a campaign wrote it: delete the file, or name another one by --state"
+                    f"{self._path}, line {number}, isn't as a campaign wrote it: delete the file, or name "
+                    "another one by --state"
                 )
             if number == 1:
                 self._compare(content, head)
@@ -139,8 +140,8 @@ class State:
         for name, value in head.items():
             if found.get(name) != value:
                 raise StateError(
-                    f"{self._path} belongs to another campaign: its {name} is {_short(found.get(name))}, here it is {_short(value)}; "
-                    "name another file by --state"
+                    f"{self._path} belongs to another campaign: its {name} is {_short(found.get(name))}, "
+                    f"here it is {_short(value)}; name another file by --state"
                 )
 
     def _append(self, file: BinaryIO, content: dict[str, Any]) -> None:

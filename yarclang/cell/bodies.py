@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import CellFrame, Mount, Obstacle
-from yarclang.cell.schema import BodyTable, CellTable, RackTable, SensorTable, ZoneTable
+from yarclang.cell.schema import BodyTable, CellTable, KeepTable, RackTable, SensorTable, ZoneTable
 from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.shapes import Shape
@@ -66,7 +66,7 @@ def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacl
 
 
 def belong(
-    table: BodyTable | ZoneTable | SensorTable,
+    table: BodyTable | ZoneTable | SensorTable | KeepTable,
     path: Path,
     what: str,
     needed: Sequence[str],
@@ -102,6 +102,10 @@ def _a(what: str) -> str:
         "beam": "a light beam",
         "proximity": "a proximity sensor",
         "vacuum": "a vacuum sensor",
+        "upright": "the rule upright",
+        "above": "the rule above",
+        "facing": "the rule facing",
+        "seen": "the rule seen",
     }
     return spoken.get(what, f"a {what}")
 

@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from yarclang.cell.model import Array, Cell, CellOutput, Grip, Removal
+from yarclang.cell.model import Array, Cell, CellOutput, Grip, Removal, Zone
 from yarclang.diagnostics import Diagnostic, Result, in_order
 from yarclang.frozen import frozen
 from yarclang.robot.kinds import known_signal
@@ -84,6 +84,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     from yarclang.cell.frames import resolve_frames
     from yarclang.cell.measures import Measures
     from yarclang.cell.parts import read_part
+    from yarclang.cell.rules import read_rules
     from yarclang.cell.schema import CellTable, spelled_out
     from yarclang.cell.sensors import read_sensor
     from yarclang.cell.starts import read_start
@@ -125,6 +126,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     ]
     starts = [read_start(one, ("starts", at), measures, names.robot) for at, one in enumerate(table.starts)]
     allowances = read_allowances(table, around)
+    rules = read_rules(table, around)
     findings = in_order(file.findings)
     if names.robot is None:
         return Result(None, findings)
@@ -136,9 +138,9 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         MappingProxyType(inputs),
         MappingProxyType(outputs),
         tuple(one for one in obstacles if one is not None),
-        tuple(one for one in zones if one is not None),
+        (*(one for one in zones if one is not None), *(zone for zone, _ in rules.values())),
         MappingProxyType(_places(file, table, is_locked=is_locked)),
-        MappingProxyType(_zone_places(file, table)),
+        MappingProxyType(_zone_places(file, table) | _rule_places(file, rules)),
         tuple(one for one in parts if one is not None),
         tuple(one for one in sensors if one is not None),
         starts=tuple(one for one in starts if one is not None),
@@ -259,10 +261,15 @@ def _places(file: TomlFile, table: CellTable, *, is_locked: bool) -> Mapping[tup
     return places
 
 
-def _zone_places(file: TomlFile, table: CellTable) -> Mapping[str, Span]:
+def _zone_places(file: TomlFile, table: CellTable) -> dict[str, Span]:
     """Return the places of the names of zones."""
     return {
         zone.name.upper(): file.places.of_value(("zones", at, "name"))
         for at, zone in enumerate(table.zones)
         if zone.name is not None
     }
+
+
+def _rule_places(file: TomlFile, rules: Mapping[str, tuple[Zone, int]]) -> dict[str, Span]:
+    """Return the places of the rules of `[[keep]]`, by the names of their zones."""
+    return {name: file.places.of_key(("keep", at)) for name, (_, at) in rules.items()}

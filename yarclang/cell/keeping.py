@@ -1,9 +1,9 @@
-"""The rules that motions keep on their whole path (KEEP), and the region of orientations near a direction."""
+"""The rules that motions keep on their whole path (KEEP), and the regions of flange poses that result."""
 
 from __future__ import annotations
 
 from dataclasses import field
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,77 +13,12 @@ from yarclang.units import DEG, MM
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
-KeepKind = Literal["UPRIGHT", "ABOVE"]
+KeepKind = Literal["UPRIGHT", "ABOVE", "FACING", "SEEN"]
 
 LEAST_TILT, MOST_TILT = np.radians(0.1), np.radians(175.0)
-"""Smallest and largest angle of UPRIGHT [rad]. With a smaller angle, no executed motion could be proved."""
-
-
-@frozen
-class Keep:
-    """A rule for a frame that the robot carries. Motions keep it on their whole path.
-
-    UPRIGHT: the z axis of the frame stays within an angle of the z axis of a fixed frame. ABOVE: the origin
-    of the frame stays at least a distance above the plane through the x and y axes of a fixed frame.
-
-    Attributes:
-        kind: the rule.
-        frame: name of the carried frame, without braces.
-        of: name of the fixed frame.
-        own: UPRIGHT: the carried z axis in {FLANGE}; ABOVE: the carried origin in {FLANGE} [m].
-        up: the z axis of the fixed frame in {B}.
-        level: ABOVE: distance of the plane from the origin of {B}, along `up` [m]; otherwise 0.
-        limit: UPRIGHT: largest angle [rad]; ABOVE: smallest distance [m].
-        among: names of the fixed frame and of the frames in which it is given in turn.
-    """
-
-    kind: KeepKind
-    frame: str
-    of: str
-    own: Vector
-    up: Vector
-    level: float
-    limit: float
-    among: tuple[str, ...] = field(default=(), compare=False)
-
-    @property
-    def amount(self) -> str:
-        """The limit with its unit, as a program writes it."""
-        if self.kind == "UPRIGHT":
-            return f"{self.limit / DEG:.10g} (deg)"
-        return f"{self.limit / MM:.10g} (mm)"
-
-    @property
-    def words(self) -> str:
-        """The rule as a program writes it: {CUP} UPRIGHT 10 (deg) {B}."""
-        return f"{{{self.frame}}} {self.kind} {self.amount} {{{self.of}}}"
-
-    @property
-    def told(self) -> str:
-        """The rule with all its numbers, as the map of a controller text states it."""
-        numbers = (*self.own, *self.up, self.level, self.limit)
-        return f"{self.words} " + " ".join(f"{one + 0.0:.12g}" for one in numbers)
-
-
-def keep(kind: KeepKind, names: tuple[str, str], carried: Array, standing: Array, limit: float) -> Keep:
-    """Return a rule.
-
-    Args:
-        kind: kind of the rule.
-        names: names of the carried frame and of the fixed frame.
-        carried: flange_from_frame (4, 4) [m].
-        standing: base_from_frame (4, 4) [m].
-        limit: see `Keep`.
-    """
-    is_tilt = kind == "UPRIGHT"
-    own = carried[:3, 2] if is_tilt else carried[:3, 3]
-    level = 0.0 if is_tilt else float(standing[:3, 2] @ standing[:3, 3])
-    return Keep(kind, *names, _vector(own), _vector(standing[:3, 2]), level, limit)
-
-
-def _vector(values: Array) -> Vector:
-    x, y, z = (float(one) for one in values)
-    return x, y, z
+"""Smallest and largest angle of a rule [rad]. With less, no executed motion could be proved."""
+LEAST_SIGHT = 0.001
+"""Least distance between the apex of a cone and the point in it [m]: nearer, the direction is undefined."""
 
 
 @frozen
@@ -99,3 +34,190 @@ class Tilt:
     own: Vector
     up: Vector
     limit: float
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All numbers, in the order in which the map of a controller text states them."""
+        return *self.own, *self.up, 0.0, self.limit
+
+
+@frozen
+class Height:
+    """The poses of the flange at which a point is above a plane.
+
+    Attributes:
+        own: the point in {FLANGE} [m].
+        up: the normal of the plane in {B}, of length 1.
+        level: distance of the plane from the origin of {B}, along `up` [m].
+        limit: least distance of the point from the plane [m].
+    """
+
+    own: Vector
+    up: Vector
+    level: float
+    limit: float
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All numbers, in the order in which the map of a controller text states them."""
+        return *self.own, *self.up, self.level, self.limit
+
+
+@frozen
+class Sight:
+    """The poses of the flange at which a point is in a cone, at a distance within a range from its apex.
+
+    Either the cone is carried, and the point stands still, or the other way round.
+
+    Attributes:
+        own: the carried one of the two, the apex or the point, in {FLANGE} [m].
+        spot: the other one, which stands still, in {B} [m].
+        axis: the axis of the cone, of length 1: in {FLANGE} if the cone is carried, otherwise in {B}.
+        is_carried: True if the cone is carried.
+        limit: largest angle between the axis and the direction from the apex to the point [rad].
+        near: least distance of the point from the apex [m], at least `LEAST_SIGHT`.
+        far: largest distance [m]; may be infinite.
+    """
+
+    own: Vector
+    spot: Vector
+    axis: Vector
+    is_carried: bool
+    limit: float
+    near: float
+    far: float
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All numbers, in the order in which the map of a controller text states them."""
+        return *self.own, *self.spot, *self.axis, self.limit, self.near, self.far
+
+
+Pointed = Tilt | Sight
+"""Regions of directions: they have no place in the cell."""
+
+
+class Link(Protocol):
+    """A frame with its pose in the next frame towards {B} or {FLANGE}, as `yarclang.hir.FrameLink`."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def parent(self) -> Link | None: ...  # noqa: D102
+
+
+@frozen
+class Keep:
+    """A rule for a frame that the robot carries, which motions keep along their whole way.
+
+    UPRIGHT: the z axis of the frame stays within an angle of the z axis of a frame that stands still. ABOVE:
+    the origin of the frame stays at least a distance above the plane through the x and y axes of a frame that
+    stands still. FACING: the origin of a frame that stands still stays in the cone around the z axis of the
+    frame. SEEN: the origin of the frame stays in the cone around the z axis of a frame that stands still.
+
+    Attributes:
+        kind: the rule.
+        frame: name of the carried frame, without braces.
+        of: name of the frame that stands still.
+        region: the poses of the flange at which the rule is kept.
+        carried: the declarations of the carried frame, from which the judge computes `region` again.
+        standing: those of the frame that stands still.
+        of_cell: True if the rule is that of a cell.toml, for all motions: its frames are those of cell or
+            robot.
+    """
+
+    kind: KeepKind
+    frame: str
+    of: str
+    region: Tilt | Height | Sight
+    carried: Link | None = field(default=None, compare=False)
+    standing: Link | None = field(default=None, compare=False)
+    of_cell: bool = field(default=False, compare=False)
+
+    @property
+    def limit(self) -> float:
+        """The largest angle [rad]; of ABOVE, the least distance [m]."""
+        return self.region.limit
+
+    @property
+    def among(self) -> tuple[str, ...]:
+        """The names of the frame that stands still and of those in which it is given."""
+        found, link = [self.of], None if self.standing is None else self.standing.parent
+        while link is not None:
+            found.append(link.name)
+            link = link.parent
+        return tuple(found)
+
+    def is_within(self, other: Keep) -> bool:
+        """Return True if every place that keeps to another rule keeps to this one as well, as far as the
+        limits of two rules for the same frames show it.
+        """
+        mine, its = self.region, other.region
+        if self.kind != other.kind or not np.allclose(
+            mine.numbers[:6], its.numbers[:6], rtol=0.0, atol=1e-12
+        ):
+            return False
+        if isinstance(mine, Height) and isinstance(its, Height):
+            return mine.level + mine.limit <= its.level + its.limit
+        if isinstance(mine, Sight) and isinstance(its, Sight):
+            is_same = np.allclose(mine.axis, its.axis, rtol=0.0, atol=1e-12)
+            return is_same and its.limit <= mine.limit and mine.near <= its.near and its.far <= mine.far
+        return its.limit <= mine.limit
+
+    @property
+    def amount(self) -> str:
+        """The limit with its unit, as a program writes it: 20 200 600 (deg,mm)."""
+        region = self.region
+        if isinstance(region, Height):
+            return f"{region.limit / MM:.10g} (mm)"
+        angle = f"{region.limit / DEG:.10g}"
+        if isinstance(region, Tilt) or (region.near == LEAST_SIGHT and np.isinf(region.far)):
+            return f"{angle} (deg)"
+        far = "" if np.isinf(region.far) else f" {region.far / MM:.10g}"
+        return f"{angle} {region.near / MM:.10g}{far} (deg,mm)"
+
+    @property
+    def words(self) -> str:
+        """The rule as a program writes it: {CUP} UPRIGHT 10 (deg) {B}."""
+        return f"{{{self.frame}}} {self.kind} {self.amount} {{{self.of}}}"
+
+    @property
+    def told(self) -> str:
+        """The rule with all its numbers, as the map of a controller text states it."""
+        return f"{self.words} " + " ".join(f"{one + 0.0:.12g}" for one in self.region.numbers)
+
+
+def region_of(
+    kind: KeepKind,
+    carried: Array,
+    standing: Array,
+    limit: float,
+    near: float = LEAST_SIGHT,
+    far: float = np.inf,
+) -> Tilt | Height | Sight:
+    """Return the region of a rule.
+
+    Args:
+        kind: of the rule.
+        carried: flange_from_frame (4, 4) [m].
+        standing: base_from_frame (4, 4) [m].
+        limit: largest angle [rad]; of ABOVE, least distance [m].
+        near: FACING and SEEN: least distance [m].
+        far: FACING and SEEN: largest distance [m].
+    """
+    own, spot = _vector(carried[:3, 3]), _vector(standing[:3, 3])
+    axis, up = _vector(carried[:3, 2]), _vector(standing[:3, 2])
+    match kind:
+        case "UPRIGHT":
+            return Tilt(axis, up, limit)
+        case "ABOVE":
+            return Height(own, up, float(standing[:3, 2] @ standing[:3, 3]), limit)
+        case "FACING":
+            return Sight(own, spot, axis, True, limit, near, far)
+        case "SEEN":
+            return Sight(own, spot, up, False, limit, near, far)
+
+
+def _vector(values: Array) -> Vector:
+    x, y, z = (float(one) for one in values)
+    return x, y, z

@@ -51,7 +51,10 @@ class Measures:
             return units[kind].factor
         if not self.doubtful:
             names = " or ".join(units_of(kind)[:2])
-            remedy = f'Name one ({names}) in units at the top of the file, as in units = "mm,deg", or in this table.'
+            remedy = (
+                f'Name one ({names}) in units at the top of the file, as in units = "mm,deg", or in this '
+                "table."
+            )
             subject = MissingUnit(kind, table_of(path))
             self.file.say("Y0304", path, f"{spoken(path)} needs a unit of {kind}.", remedy, subject)
         return None
@@ -113,7 +116,10 @@ class Measures:
             unit = UNITS.get(name.strip().lower())
             if unit is None:
                 subject = unknown(name.strip(), UNITS)
-                remedy = f'{subject.question.capitalize()} Write units as in units = "mm,deg"; there are {", ".join(UNITS)}.'
+                remedy = (
+                    f'{subject.question.capitalize()} Write units as in units = "mm,deg"; there are '
+                    f"{', '.join(UNITS)}."
+                )
                 self.file.say("Y0305", path, f'"{name.strip()[:40]}" is no unit.', remedy.strip(), subject)
                 return None
             if unit.kind in found:

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.cell.keeping import Keep, Tilt
+from yarclang.cell.keeping import Height, Keep, Pointed, Sight, Tilt
 from yarclang.frozen import frozen
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
 from yarclang.source import SourceFile, Span
@@ -375,7 +375,9 @@ class StartZone:
     window: JointWindow
 
 
-Region = ShapeRegion | HalfSpace | JointWindow | Tilt
+Region = ShapeRegion | HalfSpace | JointWindow | Tilt | Sight
+Unplaced = JointWindow | Pointed
+"""Regions that aren't places in the cell."""
 
 
 @frozen(eq=False)
@@ -392,8 +394,8 @@ class Zone:
 
     Everything watched keeps `margin` [m] from the border of an allowed or forbidden zone; slow and posture
     zones begin `margin` before their border. If the region is a joint window and the rule is `allowed` or
-    `forbidden`, only the joints are watched. If the region is a `Tilt`, the rule is `allowed`, and the
-    orientation of the flange is watched. `keep` is the rule of the program from which the zone was created.
+    `forbidden`, only the joints are watched. If the region is a `Tilt` or a `Sight`, the rule is `allowed`,
+    and the pose of the flange is watched. `keep` is the rule from which the zone was created.
     """
 
     name: str
@@ -407,13 +409,13 @@ class Zone:
 
     @staticmethod
     def of(keep: Keep) -> Zone:
-        """Return the zone that corresponds to a rule."""
-        name = f"KEEP {keep.words}"
-        if keep.kind == "UPRIGHT":
-            return Zone(name, "allowed", Tilt(keep.own, keep.up, keep.limit), watch=(), keep=keep)
-        normal = np.array(keep.up)
+        """Return the zone of a rule."""
+        name, region = f"KEEP {keep.words}", keep.region
+        if not isinstance(region, Height):
+            return Zone(name, "allowed", region, watch=(), keep=keep)
+        normal = np.array(region.up)
         normal.flags.writeable = False
-        return Zone(name, "allowed", HalfSpace(normal, keep.level + keep.limit), watch=(), keep=keep)
+        return Zone(name, "allowed", HalfSpace(normal, region.level + region.limit), watch=(), keep=keep)
 
 
 @frozen(eq=False)
@@ -450,6 +452,11 @@ class Cell:
     starts: tuple[StartZone, ...] = ()
     allowances: tuple[CellAllowance, ...] = ()
     allowed: frozenset[tuple[str, str]] = frozenset()
+
+    @property
+    def rules(self) -> tuple[Keep, ...]:
+        """The rules to which all motions keep."""
+        return tuple(zone.keep for zone in self.zones if zone.keep is not None)
 
     @property
     def grips(self) -> Mapping[str, Grip]:

@@ -21,7 +21,10 @@ def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None
     if body is None:
         return None
     if body.mount.on_flange and table.count > 1:
-        message = f"{body.name} hangs on {table.frame}, which the robot carries: there is one of it, not {table.count}."
+        message = (
+            f"{body.name} hangs on {table.frame}, which the robot carries: there is one of it, not "
+            f"{table.count}."
+        )
         around.measures.file.say("Y1308", (*path, "count"), message, "Remove count, or name a frame under B.")
         return None
     frame = (table.frame or "").upper()

@@ -156,6 +156,19 @@ class AllowTable(Table):
     leaves: str | None = None
 
 
+class KeepTable(Table):
+    """`[[keep]]`: a rule to which all motions keep; the keys depend on the rule."""
+
+    required = ("frame", "rule")
+    frame: str | None = None
+    rule: Literal["upright", "above", "facing", "seen"] | None = None
+    of: str | None = None
+    angle: Positive | None = None
+    distance: Number | None = None
+    range: list[Number] | None = None
+    units: str | None = None
+
+
 class CellTable(Document):
     """The whole file."""
 
@@ -171,8 +184,10 @@ class CellTable(Document):
     sensors: list[SensorTable] = Field(default=[])
     starts: list[StartTable] = Field(default=[])
     allow: list[AllowTable] = Field(default=[])
+    keep: list[KeepTable] = Field(default=[])
     wanted: ClassVar = {
         "allow": "tables, each under [[allow]]",
+        "keep": "tables, each under [[keep]]",
         "obstacles": "tables, each under [[obstacles]]",
         "parts": "tables, each under [[parts]]",
         "sensors": "tables, each under [[sensors]]",
@@ -188,6 +203,7 @@ class CellTable(Document):
         "outputs": OutputTable,
         "obstacles": ObstacleTable,
         "zones": ZoneTable,
+        "keep": KeepTable,
         "parts": PartTable,
         "tools": RackTable,
         "sensors": SensorTable,
@@ -195,7 +211,9 @@ class CellTable(Document):
         "allow": AllowTable,
     }
     examples: ClassVar = {
-        "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',
+        "parent": (
+            'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.'
+        ),
         "values": "values = [...], one a joint.",
         "variable": 'for example variable = "M11".',
         "name": 'for example name = "TABLE": findings name it.',

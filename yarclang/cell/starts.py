@@ -37,7 +37,10 @@ def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot |
         if not np.isfinite([low, high]).all()
     ]
     if open_:
-        message = f"The start zone {table.name[:40]} leaves {', '.join(open_)} open: it would hold wherever these joints stand."
+        message = (
+            f"The start zone {table.name[:40]} leaves {', '.join(open_)} open: it would hold wherever these "
+            "joints stand."
+        )
         remedy = f"Name all {robot.size} joints, each with its least and its largest value."
         measures.file.say("Y1308", (*path, "joints"), message, remedy)
         return None

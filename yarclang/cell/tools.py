@@ -32,7 +32,10 @@ def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | No
     file = around.measures.file
     for key in ("grips", "grips_at", "removes", "removes_at", "tool"):
         if getattr(table, key) is not None:
-            message = f"The output {path[-1]} has locks_at and {key}: the lock of a tool changer holds tools, and no parts."
+            message = (
+                f"The output {path[-1]} has locks_at and {key}: the lock of a tool changer holds tools, and "
+                "no parts."
+            )
             file.say("Y1305", (*path, key), message, "Remove one of them.", at_key=True)
             return None
     assert table.locks_at is not None  # what makes it a lock
@@ -43,7 +46,10 @@ def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | No
             return None
         reach = table.reach * factor
     if not 0.0 < reach <= MOST_REACH:
-        message = f"The lock {path[-1]} reaches {reach * 1e3:.4g} mm: more than 0 and at most {MOST_REACH * 1e3:g} mm is allowed."
+        message = (
+            f"The lock {path[-1]} reaches {reach * 1e3:.4g} mm: more than 0 and at most "
+            f"{MOST_REACH * 1e3:g} mm is allowed."
+        )
         file.say(
             "Y1308", (*path, "reach"), message, "Tools are docked, not caught: teach their places better."
         )
@@ -106,7 +112,10 @@ def read_tools(
         )
     on = [at for at, one in enumerate(table.tools) if one.on]
     for at in on[1:]:
-        message = f"{table.tools[at].name} and {table.tools[on[0]].name} are both on the flange when a program starts."
+        message = (
+            f"{table.tools[at].name} and {table.tools[on[0]].name} are both on the flange when a program "
+            "starts."
+        )
         file.say("Y1378", ("tools", at, "on"), message, "Leave on = true at one of them.")
     lock = outputs[locks[0]] if locks else None
     return [_read_tool(one, ("tools", at), lock, outputs, around) for at, one in enumerate(table.tools)]

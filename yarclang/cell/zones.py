@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from yarclang.cell.bodies import Surroundings, Units, belong, mounted, simple_shape
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import PARTS, Array, HalfSpace, JointWindow, Mount, Region, ShapeRegion, Zone
 from yarclang.cell.schema import ZoneTable
@@ -87,7 +87,7 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
     """Return the fault and the remedy of a zone that is so thin that a motion could cross it unnoticed;
     None for other zones.
     """
-    if zone.rule == "allowed" or isinstance(zone.region, HalfSpace | Tilt):
+    if zone.rule == "allowed" or isinstance(zone.region, HalfSpace | Pointed):
         return None
     if isinstance(zone.region, JointWindow):
         if float((zone.region.upper - zone.region.lower).min()) >= NARROWEST:
@@ -113,7 +113,10 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
-        message = f"{table_name(path)} is a joint window for a posture: one of the two says where the joints must be."
+        message = (
+            f"{table_name(path)} is a joint window for a posture: one of the two says where the joints must "
+            "be."
+        )
         remedy = (
             'Give it the shape of a place, such as "box"; joint positions to stay in are rule = "allowed".'
         )

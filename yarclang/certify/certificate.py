@@ -270,18 +270,27 @@ class KeptRule:
 
     Attributes:
         rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
-        limit: UPRIGHT: largest angle [rad]; ABOVE: least distance [m].
-        largest: UPRIGHT: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
+        limit: largest angle [rad]; ABOVE: least distance [m].
+        largest: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
+        nearest: FACING and SEEN: lower bound of the distance [m]; otherwise None.
+        farthest: FACING and SEEN: upper bound of the distance [m]; otherwise None.
     """
 
     rule: str
     limit: float
     largest: float | None
+    nearest: float | None = None
+    farthest: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the angle in deg."""
-        angle = {} if self.largest is None else {"largest_deg": _number(most(self.largest, DEG))}
-        return {"rule": self.rule, **angle}
+        """Return plain data, with the angle in deg and distances in mm."""
+        told: dict[str, Any] = {"rule": self.rule}
+        if self.largest is not None:
+            told["largest_deg"] = _number(most(self.largest, DEG))
+        if self.nearest is not None and self.farthest is not None:
+            told["nearest_mm"] = _number(least(self.nearest, MM))
+            told["farthest_mm"] = _number(most(self.farthest, MM))
+        return told
 
 
 @frozen
@@ -550,8 +559,11 @@ class Certificate:
         may = [len(command.may_touch) for command in self.commands if command.may_touch]
         if may:
             told += f"; {sum(may)} pair{'s' * (sum(may) > 1)} of bodies may touch, unchecked"
-        if tilts := [one.largest for each in self.commands for one in each.kept if one.largest is not None]:
+        kept = [(one.nearest is None, one.largest) for each in self.commands for one in each.kept]
+        if tilts := [most_ for is_tilt, most_ in kept if is_tilt and most_ is not None]:
             told += f"; what is kept upright tilts by at most {up_to(most(max(tilts), DEG), 3)} deg"
+        if angles := [most_ for is_tilt, most_ in kept if not is_tilt and most_ is not None]:
+            told += f"; what is kept in a cone is at most {up_to(most(max(angles), DEG), 3)} deg off its axis"
         return f"{path}; {loads} of the limits{told}"
 
 

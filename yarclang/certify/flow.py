@@ -88,7 +88,10 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 def _watched(watches: tuple[Watch, ...]) -> str:
     """Return in words the inputs that hold a motion, and the branches that they start."""
     told = (
-        f"{one.name} ({one.variable}) for {one.value:g}{f' and leaves by {one.then} ({one.way})' if one.then else ''}"
+        (
+            f"{one.name} ({one.variable}) for "
+            f"{one.value:g}{f' and leaves by {one.then} ({one.way})' if one.then else ''}"
+        )
         for one in watches
     )
     return ", ".join(told) or "nothing"

@@ -131,7 +131,8 @@ class Judge:
             self.find(
                 "Y1154",
                 f"the text starts with {robot.joint_names[joint]} at {q[joint] / unit:.9g}, the program at "
-                f"{self.program.start[joint] / unit:.9g} {robot.axis_unit_names[joint]} (line {content.start.line})",
+                f"{self.program.start[joint] / unit:.9g} {robot.axis_unit_names[joint]} (line "
+                f"{content.start.line})",
                 self._first,
             )
         return q
@@ -233,7 +234,8 @@ class Judge:
             unit = self.robot.axis_unit_names[joint]
             self.find(
                 "Y1157",
-                f"the text starts with {self.robot.joint_names[joint]} {past[joint]:.6g} {unit} past its limit",
+                f"the text starts with {self.robot.joint_names[joint]} {past[joint]:.6g} {unit} past its "
+                "limit",
                 None,
             )
 
@@ -268,7 +270,8 @@ class Judge:
         if abs(duration - programmed) > LATE * (1.0 + 1e-6):
             self.find(
                 "Y1156",
-                f"the motion takes {duration:.9g} s ({place.size} segments), its timetable {programmed:.9g} s; {LATE / MS:g} ms between are allowed",
+                f"the motion takes {duration:.9g} s ({place.size} segments), its timetable {programmed:.9g} "
+                f"s; {LATE / MS:g} ms between are allowed",
                 place.step,
             )
 
@@ -330,19 +333,22 @@ class Judge:
             if not speed.beyond <= 1.0 + KEPT:
                 self.find(
                     "Y1167",
-                    f"the moving frame goes up to {speed.beyond:.3%} of the speed that is allowed, {programmed}",
+                    f"the moving frame goes up to {speed.beyond:.3%} of the speed that is allowed, "
+                    f"{programmed}",
                     place.step,
                 )
             elif math.isnan(speed.least):
                 self.find(
                     "Y1167",
-                    f"the moving frame never goes at its speed: at most {speed.largest / unit:.6g} {name}, {programmed}",
+                    f"the moving frame never goes at its speed: at most {speed.largest / unit:.6g} {name}, "
+                    f"{programmed}",
                     place.step,
                 )
             elif speed.least < speed.programmed * (1.0 - KEPT):
                 self.find(
                     "Y1167",
-                    f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps, {programmed}",
+                    f"the moving frame slows down to {speed.least / unit:.6g} {name} between its ramps, "
+                    f"{programmed}",
                     place.step,
                 )
 

@@ -47,7 +47,8 @@ def with_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str,
     if share.max() > 1.0:
         most = int(np.argmax(share))
         notes.append(
-            f"in HOME {robot.joint_names[most]} needs {share[most]:.0%} of its effort to stand, so that motions are refused: the URDF's masses and efforts "
-            "aren't all that holds it; give effort in [joints.NAME], another HOME with --home, or checked = false in [dynamics]"
+            f"in HOME {robot.joint_names[most]} needs {share[most]:.0%} of its effort to stand, so that "
+            "motions are refused: the URDF's masses and efforts aren't all that holds it; give effort in "
+            "[joints.NAME], another HOME with --home, or checked = false in [dynamics]"
         )
     return made, robot, tuple(notes)

@@ -37,8 +37,8 @@ def patience_option(function: F) -> F:
     return click.option(
         "--patience",
         type=PositiveNumber("S", _LEAST_PATIENCE, _MOST_PATIENCE),
-        help="Longest silence of this computer and the link before the controller holds, s (default: 0.4, or what the "
-        "link needs). The robot of a dead computer moves on for so long.",
+        help="Longest silence of this computer and the link before the controller holds, s (default: 0.4, "
+        "or what the link needs). The robot of a dead computer moves on for so long.",
     )(function)
 
 
@@ -77,7 +77,10 @@ def motion_options(function: F) -> F:
             "set",
             multiple=True,
             type=_Setting(),
-            help="An input of the simulated robot and its value from the start: ON, OFF or a number. May be given several times.",
+            help=(
+                "An input of the simulated robot and its value from the start: ON, OFF or a number. May be "
+                "given several times."
+            ),
         ),
         click.option(
             "--rate",
@@ -111,7 +114,10 @@ def run_options(function: F) -> F:
             "--source",
             type=click.Path(dir_okay=False),
             metavar="FILE.yarc",
-            help="For a .pmc: the program to prove it against (default: the program beside it, if there is one).",
+            help=(
+                "For a .pmc: the program to prove it against (default: the program beside it, if there is "
+                "one)."
+            ),
         ),
         controller_option,
         file_argument("file", metavar="FILE.yarc|FILE.pmc"),

@@ -72,7 +72,7 @@ class LazyGroup(Door, click.Group):
         name, command, more = super().resolve_command(ctx, args)
         if name in self.on_unix and not hasattr(os, "fork") and not {"-h", "--help"} & {*more}:
             raise click.ClickException(
-                f"{ctx.command_path} {name} works with a robot, and needs Unix sockets and locks, which this system lacks: "
-                "use Linux. Programs can be checked, compiled, plotted and viewed here"
+                f"{ctx.command_path} {name} works with a robot, and needs Unix sockets and locks, which "
+                "this system lacks: use Linux. Programs can be checked, compiled, plotted and viewed here"
             )
         return name, command, more

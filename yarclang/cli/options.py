@@ -122,7 +122,10 @@ def planning_options(function: F) -> F:
         click.option(
             "--start",
             type=Numbers("Q1,Q2,..."),
-            help="Start position of the robot: deg, mm for prismatic joints (default: START, else the robot's home).",
+            help=(
+                "Start position of the robot: deg, mm for prismatic joints (default: START, else the "
+                "robot's home)."
+            ),
         ),
         robot_option,
     ):
@@ -177,7 +180,10 @@ def jobs_option(function: F) -> F:
         "--jobs",
         type=click.IntRange(min=1),
         metavar="N",
-        help="Largest number of processes for several files or long programs (default: one per core). The result doesn't depend on it.",
+        help=(
+            "Largest number of processes for several files or long programs (default: one per core). The "
+            "result doesn't depend on it."
+        ),
     )(function)
 
 
@@ -198,7 +204,10 @@ def scheduler_option(function: F) -> F:
         "--scheduler",
         metavar="ADDRESS",
         default="",
-        help="Address of a dask scheduler whose workers do the work, such as tcp://HOST:8786. The result doesn't depend on it.",
+        help=(
+            "Address of a dask scheduler whose workers do the work, such as tcp://HOST:8786. The result "
+            "doesn't depend on it."
+        ),
     )(function)
 
 
@@ -218,5 +227,8 @@ def avoid_effort_option(function: F) -> F:
         type=click.IntRange(min=1, max=MOST_SEARCHES),
         metavar="N",
         default=1,
-        help=f"For motions with _AVOID: take the fastest of N paths round obstacles (default: 1, the first that is found; at most {MOST_SEARCHES}).",
+        help=(
+            "For motions with _AVOID: take the fastest of N paths round obstacles (default: 1, the first "
+            f"that is found; at most {MOST_SEARCHES})."
+        ),
     )(function)

@@ -93,7 +93,8 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
             return status
         if time.monotonic() > until:
             raise ControlError(
-                f"{run.name} has taken the order, but after {patience:g} s its state is still {status['state']}",
+                f"{run.name} has taken the order, but after {patience:g} s its state is still "
+                f"{status['state']}",
                 "see `yarc status`",
             )
         time.sleep(_POLL)

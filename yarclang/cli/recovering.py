@@ -130,12 +130,16 @@ def _told(way: Recovery, offer: OfferDescribed, program: ProgramDescribed, where
     """Return the text that is shown before the question."""
     how = how_it_goes(offer.motions[0].title)
     lines = [
-        f"recovery: to {_place(way, program)}, {offer.duration_s:.1f} s at {100.0 * way.share:g} % of the joints' limits, {how}, to {where}",
+        (
+            f"recovery: to {_place(way, program)}, {offer.duration_s:.1f} s at {100.0 * way.share:g} % of "
+            f"the joints' limits, {how}, to {where}"
+        ),
     ]
     if way.assumed:
         names = ", ".join(way.assumed[:8]) + (", ..." if len(way.assumed) > 8 else "")
         lines.append(
-            f"nobody has said where {names} {'is' if len(way.assumed) == 1 else 'are'}: taken to be where {program.name} has them at {way.title}"
+            f"nobody has said where {names} {'is' if len(way.assumed) == 1 else 'are'}: taken to be where "
+            f"{program.name} has them at {way.title}"
         )
     clearances = [one.clearance for one in offer.motions if one.clearance is not None]
     if clearances:

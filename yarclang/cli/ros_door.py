@@ -40,7 +40,8 @@ async def ros_door(robot: Robot, place: Place, options: dict[str, Any]) -> None:
                 hold_on_disconnect=options["hold_on_disconnect"],
             ) as ports:
                 click.echo(
-                    f"the ROS door of {robot.name} at {place}: motion link on port {ports[0]}, state link on port {ports[1]}"
+                    f"the ROS door of {robot.name} at {place}: motion link on port {ports[0]}, state link "
+                    f"on port {ports[1]}"
                 )
                 click.echo(f"controller_joint_names: [{', '.join(robot.joint_names)}]")
                 await ends.wait()

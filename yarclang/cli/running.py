@@ -83,6 +83,12 @@ def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
     return 1
 
 
+_SETS_INPUTS = (
+    "  inputs of a simulated robot stay OFF until something sets them: a sensor of the cell, --set INPUT=ON, "
+    "or --inputs SCRIPT.toml"
+)
+
+
 def _may_loop(program: ProgramDescribed, options: dict[str, Any]) -> bool:
     if not (options["loop"] or (options["times"] or 1) > 1) or not program.not_looped:
         return True
@@ -263,6 +269,12 @@ class _Run:
                 self._wrong(log.problem, log.help, ending)
             for line in ending.lines(ended, status):
                 self.screen.say(line)
+            if (
+                ended.code == "Y1604"
+                and self.place.own
+                and not (self.options["set"] or self.options["inputs"])
+            ):
+                self.screen.say(_SETS_INPUTS)
             return 1
         self.screen.close()  # the rest goes to standard output
         times = f" {ended.passes} times" if ended.passes > 1 else ""

@@ -57,6 +57,7 @@ def show_findings(diagnostics: Iterable[Diagnostic], *, whole: bool = False) -> 
         between = f", lines {min(lines)} to {max(lines)}" if lines else ""
         plural = "s" * (len(more) != 1)
         click.echo(
-            f"and {len(more):,} more {severity}{plural} {code}{where}{between}: yarc check --format json lists all",
+            f"and {len(more):,} more {severity}{plural} {code}{where}{between}: yarc check --format json "
+            "lists all",
             err=True,
         )

@@ -308,7 +308,9 @@ def _not_checked(certificate: Certificate) -> Iterator[str]:
         )
         yield f"Not checked: {first} and {second} on {places}, allowed by {giver}."
     if len(found) > MANY_PAIRS:
-        yield f"Not checked: {len(found) - MANY_PAIRS} more pairs of bodies that may touch (--json lists them)."
+        yield (
+            f"Not checked: {len(found) - MANY_PAIRS} more pairs of bodies that may touch (--json lists them)."
+        )
 
 
 def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column], list[str]]:

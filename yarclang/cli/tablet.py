@@ -39,8 +39,8 @@ def check_usage(options: dict[str, Any]) -> None:
         raise click.UsageError("--host is empty; all addresses are 0.0.0.0")
     if not options["tls"] and certificate is None and not is_loopback(options["host"]):
         raise click.UsageError(
-            f"{options['host']} is reached from other machines, and passwords would be sent there unencrypted: "
-            "give --tls self-signed, or --tls-cert and --tls-key"
+            f"{options['host']} is reached from other machines, and passwords would be sent there "
+            "unencrypted: give --tls self-signed, or --tls-cert and --tls-key"
         )
 
 

@@ -32,7 +32,10 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
     from importlib.util import find_spec
 
     if find_spec("xacro") is None:
-        remedy = "Install it: pip install 'yarclang[xacro]'; or run xacro yourself and name the URDF that it writes."
+        remedy = (
+            "Install it: pip install 'yarclang[xacro]'; or run xacro yourself and name the URDF that it "
+            "writes."
+        )
         return Diagnostic("Y1341", f"{path.name[:80]} is xacro, and xacro isn't installed.", help=remedy)
     # -P: import nothing from the current folder, which may be an untrusted archive
     arguments = [
@@ -54,7 +57,10 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
     if done.returncode:
         lines = [line for line in done.stderr.decode("utf-8", "replace").splitlines() if line.strip()]
         said = "".join(one if one.isprintable() else "?" for one in (lines or ["no word"])[-1])[:200]
-        remedy = "Correct the file, name the folders of its packages with --package-path, or give its arguments with --arg NAME=VALUE."
+        remedy = (
+            "Correct the file, name the folders of its packages with --package-path, or give its arguments "
+            "with --arg NAME=VALUE."
+        )
         return Diagnostic("Y1341", f"xacro can't read {path.name[:80]}: {said}", help=remedy)
     if len(done.stdout) > LARGEST:
         message = f"xacro makes more than {LARGEST:,} bytes of {path.name[:80]}."

@@ -63,7 +63,10 @@ _ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes severa
     metavar="TARGET",
     default="",
     callback=_known_target,
-    help="Target of the text; for a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
+    help=(
+        "Target of the text; for a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program "
+        "buffer to download."
+    ),
 )
 @click.option(
     "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
@@ -76,7 +79,9 @@ _ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes severa
 @click.option(
     "--full",
     is_flag=True,
-    help="Show every command in the table, with all columns, however long the program and narrow the terminal.",
+    help=(
+        "Show every command in the table, with all columns, however long the program and narrow the terminal."
+    ),
 )
 @click.option("--strict", is_flag=True, help="A warning counts as an error.")
 @fleet_options

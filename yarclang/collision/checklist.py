@@ -46,12 +46,15 @@ def body_items(robot: Robot) -> Iterator[Item]:
     touch = touching(scene, within(robot.chain, robot.limits, POSITIONS))
     always = _always(scene, robot, touch)
     if always:
-        found = f"{listed([' and '.join(pair) for pair in always])} touch in HOME, or in more than {OFTEN:.0%} of {POSITIONS} positions"
+        found = (
+            f"{listed([' and '.join(pair) for pair in always])} touch in HOME, or in more than {OFTEN:.0%} "
+            f"of {POSITIONS} positions"
+        )
         found += "; links that touch in HOME aren't checked against each other" if scene.at_home else ""
         pairs = ", ".join(f'["{one}", "{other}"]' for one, other in always)
         remedy = (
-            f"if they can't harm each other, write into robot.toml: [collision] allowed = [{pairs}]; else make "
-            "their shapes smaller, or choose another HOME"
+            f"if they can't harm each other, write into robot.toml: [collision] allowed = [{pairs}]; else "
+            "make their shapes smaller, or choose another HOME"
         )
         yield Item("touching links", "to do", found, remedy)
     else:

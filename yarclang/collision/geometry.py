@@ -159,7 +159,8 @@ def _checked(corners: Array) -> Array:
         raise UnreadableError("has corners that are no finite numbers")
     if (far := float(np.abs(corners).max())) > _FAR:
         raise UnreadableError(
-            f"has a corner {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed: check its unit and scale"
+            f"has a corner {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed: check its "
+            "unit and scale"
         )
     spread: Array = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     if len(spread) < 2 or spread[1] <= _FLAT:

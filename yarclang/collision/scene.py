@@ -202,8 +202,8 @@ def _least(
 def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     """Return the pairs that must not meet.
 
-    These are all pairs except bodies that never move relative to each other, neighbouring links, which meet in
-    the joint between them, and pairs that robot.toml allows.
+    These are all pairs except bodies that never move relative to each other, neighbouring links, which meet
+    in the joint between them, and pairs that robot.toml allows.
     """
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))

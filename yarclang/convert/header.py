@@ -113,7 +113,10 @@ def understand(
                 continue
         columns[meaning] = Column(number, meaning, chosen)
     if lost:
-        message = f"{'units' if len(lost) > 1 else 'the unit'} of {', '.join(lost)} {'are' if len(lost) > 1 else 'is'} missing"
+        message = (
+            f"{'units' if len(lost) > 1 else 'the unit'} of {', '.join(lost)} "
+            f"{'are' if len(lost) > 1 else 'is'} missing"
+        )
         help_ = "write units into the header, as in `x [mm]` or `j1 (deg)`, or give --units mm,deg,s"
         findings.add("Y1506", message, table.source.whole_line(table.header_line), help_)
         return None

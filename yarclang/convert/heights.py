@@ -70,7 +70,10 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
         return _refused(path, "Y0962", message, "check its unit (--units) and --spacing")
     made = below(heights / MM, spacing / MM, every, MOST_TRIANGLES)
     if isinstance(made, TooMany):
-        message = f"the height field {path.name} makes {made.triangles:,} triangles, and at most {MOST_TRIANGLES:,} are allowed"
+        message = (
+            f"the height field {path.name} makes {made.triangles:,} triangles, and at most "
+            f"{MOST_TRIANGLES:,} are allowed"
+        )
         more = every
         while more < 2 * max(found.shape) and made.triangles * every**2 > MOST_TRIANGLES * more**2:
             more += 1

@@ -107,13 +107,13 @@ class Here:
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
         """Send an order at once. See `Attached.send`."""
         try:
-            made = self.desk.answer_now(order)
+            reply = self.desk.answer_now(order)
         except Trouble as trouble:
             if refused is not None:
                 refused(trouble)
             return
-        if asyncio.iscoroutine(made):
-            task = asyncio.ensure_future(made)
+        if asyncio.iscoroutine(reply):
+            task = asyncio.ensure_future(reply)
             task.add_done_callback(lambda done: _ended(done, refused))
 
     async def listen(self, *, positions: bool = True, capacity: int = CAPACITY) -> Subscription:
@@ -171,18 +171,18 @@ class There:
         except OSError as error:
             reason = reason_of(error)
             raise Trouble(f"{path.stem} can't be reached: {reason}", "has it ended?", "Y1606") from None
-        made = cls(path, reader, writer)
+        client = cls(path, reader, writer)
         try:
             async with asyncio.timeout(_PATIENCE):
-                made.welcome = await made.ask(orders.Hello(name=name))
+                client.welcome = await client.ask(orders.Hello(name=name))
         except TimeoutError:
-            await made.leave()
+            await client.leave()
             what = f"{path.stem} doesn't answer within {_PATIENCE:g} s"
             raise Trouble(what, "look whether its process hangs", "Y1606") from None
         except Trouble:
-            await made.leave()
+            await client.leave()
             raise
-        return made
+        return client
 
     @property
     def silence(self) -> float:
@@ -225,7 +225,7 @@ class There:
 
     def _send(self, order: Order[Any]) -> asyncio.Future[Any]:
         if self.is_gone:
-            raise self._gone()
+            raise self._has_ended()
         number = next(self._numbers)
         future = self._loop.create_future()
         self._asked[number] = (order.answer, future)
@@ -242,7 +242,7 @@ class There:
         finally:
             for _, future in self._asked.values():
                 if not future.done():
-                    future.set_exception(self._gone())
+                    future.set_exception(self._has_ended())
             self._asked.clear()
             for one in tuple(self._listeners):
                 one.close()
@@ -267,7 +267,7 @@ class There:
         else:
             future.set_result(answer)
 
-    def _gone(self) -> Trouble:
+    def _has_ended(self) -> Trouble:
         return Trouble(
             f"{self.path.stem} has ended", "if it was killed, its robot comes to rest: look at it", "Y1606"
         )

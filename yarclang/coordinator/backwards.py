@@ -53,31 +53,31 @@ class Passed:
     flows: bool
 
 
-def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> tuple[Passed, ...]:
+def passed(plan: MotionPlan, stands: Array | None = None, progress: float = 0.0) -> tuple[Passed, ...]:
     """Return the motions of a plan that were carried out.
 
     Args:
         plan: the plan that was carried out.
         stands: (n,) position at which the robot was stopped on its path [rad or m]; None if it reached the
             end.
-        done: progress of the program at the stop [s].
+        progress: progress of the program at the stop [s].
     """
-    found: list[Passed] = []
+    passed_motions: list[Passed] = []
     begins, ends = plan.begins, plan.ends
     begin = plan.program.start
     for number, motion in enumerate(plan.motions):
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
         flows = motion.flows
-        if stands is not None and done <= ends[number]:
-            middle = plan.sample(np.array([(begins[number] + done) / 2.0]))[0][0]
-            found.append(Passed(step, motion.waypoints, begin, middle, stands, False, False))
-            return tuple(found)
+        if stands is not None and progress <= ends[number]:
+            middle = plan.sample(np.array([(begins[number] + progress) / 2.0]))[0][0]
+            passed_motions.append(Passed(step, motion.waypoints, begin, middle, stands, False, False))
+            return tuple(passed_motions)
         end = motion.waypoints[-1]
         middle = plan.sample(np.array([(begins[number] + ends[number]) / 2.0]))[0][0]
-        found.append(Passed(step, motion.waypoints, begin, middle, end, True, flows))
+        passed_motions.append(Passed(step, motion.waypoints, begin, middle, end, True, flows))
         begin = end
-    return tuple(found)
+    return tuple(passed_motions)
 
 
 def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
@@ -102,17 +102,17 @@ def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
         motions: motions that were carried out, in order. A search that was stopped on its own line can be
             taken back, because the robot returns along this line.
     """
-    known, is_away = 0, False
-    for number, one in enumerate(motions):
-        step = one.step
+    first_known, is_away = 0, False
+    for number, motion in enumerate(motions):
+        step = motion.step
         shifts = any(isinstance(goal, PoseGoal | PoseDelta) and goal.shifted for goal in step.goals)
         if shifts or is_away:
             # A relative motion from a shifted position ends at a shifted position.
             is_away = shifts or not isinstance(step.end, JointGoal | PoseGoal)
-            known = number + 1
-        if one.whole and isinstance(step, JointMove | LineMove) and step.search is not None:
-            known = number + 2
-    return list(motions[known:])
+            first_known = number + 1
+        if motion.whole and isinstance(step, JointMove | LineMove) and step.search is not None:
+            first_known = number + 2
+    return list(motions[first_known:])
 
 
 def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Program | Diagnostic:
@@ -138,29 +138,35 @@ def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Prog
     )
 
 
-def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:
-    step = one.step
+def _backwards(robot: Robot, passed_motion: Passed) -> Motion | Diagnostic:
+    step = passed_motion.step
     match step:
         case JointMove():
-            return replace(step, goal=JointGoal(one.start))
-        case AvoidMove() if len(one.waypoints) == 1:
-            return JointMove(step.origin, JointGoal(one.start), step.profile, step.timing, step.tolerance)
-        case AvoidMove() if one.whole:
-            back = tuple(JointGoal(q) for q in (*one.waypoints[-2::-1], one.start))
+            return replace(step, goal=JointGoal(passed_motion.start))
+        case AvoidMove() if len(passed_motion.waypoints) == 1:
+            return JointMove(
+                step.origin, JointGoal(passed_motion.start), step.profile, step.timing, step.tolerance
+            )
+        case AvoidMove() if passed_motion.whole:
+            back = tuple(JointGoal(q) for q in (*passed_motion.waypoints[-2::-1], passed_motion.start))
             return SplineMove(step.origin, back, step.profile, step.timing, step.tolerance)
         case LineMove(goal=goal):
-            return replace(step, goal=_pose(robot, one.start, goal.flange_from_moving))
+            return replace(step, goal=_pose(robot, passed_motion.start, goal.flange_from_moving))
         case ArcMove(goal=goal, via=via):
             moving = goal.flange_from_moving
-            through = via if one.whole else tool_poses(robot.chain, one.middle[None], moving)[0, :3, 3]
-            return replace(step, via=through, goal=_pose(robot, one.start, moving))
-        case SplineMove() if one.whole:
-            places = [JointGoal(q) for q in (*one.waypoints[-2::-1], one.start)]
+            through = (
+                via
+                if passed_motion.whole
+                else tool_poses(robot.chain, passed_motion.middle[None], moving)[0, :3, 3]
+            )
+            return replace(step, via=through, goal=_pose(robot, passed_motion.start, moving))
+        case SplineMove() if passed_motion.whole:
+            places = [JointGoal(q) for q in (*passed_motion.waypoints[-2::-1], passed_motion.start)]
             return replace(step, waypoints=tuple(places))
-        case TimedMove(table=table) if one.whole:
-            return replace(step, table=_turned(table, one.start))
-        case PoseSplineMove(waypoints=waypoints) if one.whole:
-            first = _pose(robot, one.start, waypoints[0].flange_from_moving)
+        case TimedMove(table=table) if passed_motion.whole:
+            return replace(step, table=_turned(table, passed_motion.start))
+        case PoseSplineMove(waypoints=waypoints) if passed_motion.whole:
+            first = _pose(robot, passed_motion.start, waypoints[0].flange_from_moving)
             return replace(step, waypoints=(*waypoints[-2::-1], first))
     kind = "a timetable" if isinstance(step, TimedMove) else "a spline"
     what = f"the robot was stopped within {step.origin.name}: what is left of {kind} isn't the same curve"

@@ -47,19 +47,21 @@ class Carrying:
         self._plan = plan
         self._beside = beside
 
-    async def way_to_start(self, loaded: Loaded, here: Array) -> Way:
+    async def way_to_start(self, loaded: Loaded, position: Array) -> Way:
         """Return the motion to the start of a program.
 
         Args:
             loaded: the program.
-            here: (n,) position of the robot [rad or m].
+            position: (n,) position of the robot [rad or m].
 
         Raises:
             Trouble: the parts aren't in the places that were assumed in the program's proof.
         """
         self.kept.check(loaded.around, loaded.assumed)
-        around = None if loaded.around is None else self.kept.now(replace(loaded.around, present=None), here)
-        way: Way = await self._plan(way_to_start, self._robot, loaded, here, around)
+        around = (
+            None if loaded.around is None else self.kept.now(replace(loaded.around, present=None), position)
+        )
+        way: Way = await self._plan(way_to_start, self._robot, loaded, position, around)
         return way
 
     async def renewed(self, loaded: Loaded, number: int) -> Loaded | Ended:
@@ -78,12 +80,12 @@ class Carrying:
         try:
             self.kept.check(given, assumed)
         except Trouble as trouble:
-            made: Result[Loaded] | None = None
+            renewed: Result[Loaded] | None = None
             if plan is not None and loaded.again is not None:
-                made = await self._plan(loaded.again, self.kept.now)
-            if made is not None and made.value is not None:
-                return made.value
-            errors = () if made is None else tuple(one for one in made.diagnostics if one.is_error)
+                renewed = await self._plan(loaded.again, self.kept.now)
+            if renewed is not None and renewed.value is not None:
+                return renewed.value
+            errors = () if renewed is None else tuple(one for one in renewed.diagnostics if one.is_error)
             what = errors[0].message if errors else trouble.what
             return Ended(
                 False,
@@ -94,27 +96,29 @@ class Carrying:
             )
         return loaded
 
-    async def perform(self, job: Job, program: Job | None = None, what: Performed | None = None) -> Ended:
+    async def perform(
+        self, job: Job, program: Job | None = None, performed: Performed | None = None
+    ) -> Ended:
         """Carry a job out. Call this only within the work of `Engine.move`.
 
         Args:
             job: job that is streamed.
             program: the whole program to which the job belongs.
-            what: steps that the job carries out; None: it moves no parts.
+            performed: steps that the job carries out; None: it moves no parts.
         """
-        cell = None if what is None else what.plan.program.cell
-        if what is None or cell is None or not cell.parts:
+        cell = None if performed is None else performed.plan.program.cell
+        if performed is None or cell is None or not cell.parts:
             ended = await self._engine.perform(job, program)
             self.kept.stands(ended.joints)
             return ended
         try:
             ended = await self._engine.perform(job, program)
         except BaseException:
-            self.kept.doubt(cell, f"{what.program.name} was ended by something unforeseen")
+            self.kept.doubt(cell, f"{performed.program.name} was ended by something unforeseen")
             raise
         outputs = {} if ended.well else await self._outputs(cell)
         # Comparing the bodies may take a while.
-        await self._beside(self.kept.performed, what, ended, outputs)
+        await self._beside(self.kept.performed, performed, ended, outputs)
         return ended
 
     async def perform_text(self, job: Job, program: Job, cell: Cell | None) -> Ended:
@@ -142,10 +146,10 @@ class Carrying:
 
     async def _outputs(self, cell: Cell) -> dict[str, float]:
         """Return the values of the outputs that move parts, except those that can't be read now."""
-        session, found = self._engine.session, dict[str, float]()
+        session, levels = self._engine.session, dict[str, float]()
         with contextlib.suppress(Trouble, Lost):
             for variable in (*cell.grips, *cell.removals):
-                (found[variable],) = await session.perform(
+                (levels[variable],) = await session.perform(
                     session.scripts.read(session.operation, (variable,))
                 )
-        return found
+        return levels

@@ -180,22 +180,22 @@ def _nearest(job: Job, proved: list[dict[str, Any]]) -> courses.NearestProved | 
     """Return the smallest clearance of all commands. A clearance for which the bodies are known has
     precedence over a bound for all bodies.
     """
-    found: list[tuple[bool, float, courses.NearestProved]] = []
-    for one, command in zip(proved, job.commands, strict=False):
-        for told in (one.get("clearance"), one.get("own_clearance")):
-            if told is None or told["at_least_mm"] is None:
+    nearest: list[tuple[bool, float, courses.NearestProved]] = []
+    for row, command in zip(proved, job.commands, strict=False):
+        for clearance in (row.get("clearance"), row.get("own_clearance")):
+            if clearance is None or clearance["at_least_mm"] is None:
                 continue
-            bodies, at = told["bodies"], told.get("at_s")
+            bodies, at = clearance["bodies"], clearance.get("at_s")
             near = courses.NearestProved(
-                distance_mm=told["at_least_mm"],
+                distance_mm=clearance["at_least_mm"],
                 first=bodies[0] if bodies else "",
                 second=bodies[1] if bodies else "",
                 title=command.title,
                 line=command.source_line,
                 at_s=None if at is None else round(job.clock + command.clock + at, 4),
             )
-            found.append((not bodies, near.distance_mm, near))
-    return min(found, key=lambda one: (one[1], one[0]))[2] if found else None
+            nearest.append((not bodies, near.distance_mm, near))
+    return min(nearest, key=lambda row: (row[1], row[0]))[2] if nearest else None
 
 
 def _peaks(proved: dict[str, Any]) -> replies.Peaks:

@@ -117,13 +117,13 @@ def _deeds(plan: MotionPlan) -> Iterator[str]:
             yield f"{verb} {', '.join(names)}"
 
 
-def _motion(one: OfferedMotion) -> replies.MotionOffered:
-    proved = one.proved
+def _motion(motion: OfferedMotion) -> replies.MotionOffered:
+    proved = motion.proved
     clearance, deviation = proved.clearance, proved.deviation
     return replies.MotionOffered(
-        title=one.title,
-        seconds=one.seconds,
-        branch=one.branch,
+        title=motion.title,
+        seconds=motion.seconds,
+        branch=motion.branch,
         peaks=_peaks(proved),
         path=None
         if proved.kind == "joint"
@@ -233,26 +233,26 @@ def signals_described(
     )
 
 
-def place_described(where: Where | None) -> replies.SourcePlace | None:
+def place_described(place: Where | None) -> replies.SourcePlace | None:
     """Return the place of a command in its source file as a message."""
-    if where is None:
+    if place is None:
         return None
     return replies.SourcePlace(
-        file=where.file,
-        line=where.line,
-        column=where.column,
-        end_column=where.end_column,
-        text=where.text,
-        note=where.note,
+        file=place.file,
+        line=place.line,
+        column=place.column,
+        end_column=place.end_column,
+        text=place.text,
+        note=place.note,
     )
 
 
-def parts_described(made: Result[Known]) -> replies.Parts:
+def parts_described(loaded: Result[Known]) -> replies.Parts:
     """Return the places of a cell's parts as a message."""
-    found, known = finding_messages(made.diagnostics), made.value
-    if known is None:
-        return replies.Parts(parts=(), moved=False, doubt=None, findings=found)
-    names = {one.variable: name for name, one in known.cell.outputs.items() if one.grip is not None}
+    findings, known_places = finding_messages(loaded.diagnostics), loaded.value
+    if known_places is None:
+        return replies.Parts(parts=(), moved=False, doubt=None, findings=findings)
+    names = {one.variable: name for name, one in known_places.cell.outputs.items() if one.grip is not None}
     return replies.Parts(
         parts=tuple(
             replies.PartPlace(
@@ -261,11 +261,11 @@ def parts_described(made: Result[Known]) -> replies.Parts:
                 sure=one.is_sure,
                 pose=tuple(map(tuple, one.transform.tolist())),
             )
-            for one in known.present.parts.items
+            for one in known_places.present.parts.items
         ),
-        moved=known.present != Present(first_parts(known.cell)),
-        doubt=known.doubt or None,
-        findings=found,
+        moved=known_places.present != Present(first_parts(known_places.cell)),
+        doubt=known_places.doubt or None,
+        findings=findings,
     )
 
 

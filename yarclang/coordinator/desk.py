@@ -84,8 +84,8 @@ class Desk:
             orders.Stop: lambda _: self._ordered(client.motion.stop),
             orders.Abort: lambda _: self._ordered(client.motion.abort),
             orders.Override: lambda order: self._ordered(lambda: client.motion.override(order.percent)),
-            orders.Own: lambda order: _done(lambda: self._own(order)),
-            orders.Give: lambda order: _done(lambda: client.session.give(order.to)),
+            orders.Own: lambda order: _done_reply(lambda: self._own(order)),
+            orders.Give: lambda order: _done_reply(lambda: client.session.give(order.to)),
             orders.Release: lambda _: self._release(),
             orders.Clear: lambda _: self._clear(),
             orders.Look: lambda _: self._look(),
@@ -115,7 +115,7 @@ class Desk:
             orders.OfferBack: lambda _: self._offered(client.motion.offer_back()),
             orders.OfferRecovery: self._recovered,
             orders.Go: self._go,
-            orders.Keep: lambda _: _done(self._held.keep),
+            orders.Keep: lambda _: _done_reply(self._held.keep),
             orders.Load: self._load,
             orders.AskWay: self._way,
             orders.AskCourse: lambda order: coordinator.plan(
@@ -123,8 +123,8 @@ class Desk:
             ),
             orders.Run: self._run,
             orders.Save: self._save,
-            orders.Steer: lambda order: _done(lambda: self._steered.set(order)),
-            orders.Leave: lambda _: _done(self._steered.stop),
+            orders.Steer: lambda order: _done_reply(lambda: self._steered.set(order)),
+            orders.Leave: lambda _: _done_reply(self._steered.stop),
             **dict.fromkeys(wants.KINDS, self._steered.take),
         }
 
@@ -252,13 +252,13 @@ class Desk:
         coordinator, signals = self._coordinator, self.client.signals
         around = coordinator.around
         await coordinator.look_around(waits=False)
-        seen = around.look() if around.is_current else await coordinator.plan(around.look)
-        values = await signals.values((*seen.inputs.values(), *seen.outputs.values()))
+        surroundings = around.look() if around.is_current else await coordinator.plan(around.look)
+        values = await signals.values((*surroundings.inputs.values(), *surroundings.outputs.values()))
         return replies.Surroundings(
             robot=str(coordinator.robot.folder),
-            cell=seen.cell,
-            inputs=signals_described(seen.inputs, values),
-            outputs=signals_described(seen.outputs, values),
+            cell=surroundings.cell,
+            inputs=signals_described(surroundings.inputs, values),
+            outputs=signals_described(surroundings.outputs, values),
             fixed=signals.fixed,
         )
 
@@ -294,12 +294,12 @@ class Desk:
     # motions
 
     async def _offered(self, making: Any) -> replies.Offered:
-        made: Result[Offer] = await making
-        found = finding_messages(made.diagnostics)
-        if made.value is None:
+        offer: Result[Offer] = await making
+        found = finding_messages(offer.diagnostics)
+        if offer.value is None:
             return replies.Offered(offer=None, findings=found)
-        _keep(self._offers, made.value.number, made.value)
-        return replies.Offered(offer=offer_described(made.value, self.client.robot), findings=found)
+        _keep(self._offers, offer.value.number, offer.value)
+        return replies.Offered(offer=offer_described(offer.value, self.client.robot), findings=found)
 
     async def _recovered(self, order: orders.OfferRecovery) -> replies.Recovery:
         loaded = self._loaded(order.program)
@@ -320,9 +320,9 @@ class Desk:
 
     async def _load(self, order: orders.Load) -> replies.Loaded:
         generation = await self._coordinator.look_around()
-        tolerance, known = order.tolerance, self._coordinator.cell
-        if order.cell and known and not is_same_file(Path(order.cell), Path(known)):
-            message = f"the robot keeps to the cell {known}, the command line names {order.cell}"
+        tolerance, cell = order.tolerance, self._coordinator.cell
+        if order.cell and cell and not is_same_file(Path(order.cell), Path(cell)):
+            message = f"the robot keeps to the cell {cell}, the command line names {order.cell}"
             conflict = Diagnostic(
                 "Y1373", message, help="leave --cell out, or serve the robot with this cell"
             )
@@ -338,7 +338,7 @@ class Desk:
                 tolerance=None
                 if tolerance is None
                 else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
-                cell=order.cell or known,
+                cell=order.cell or cell,
             ),
             order.source,
             order.approach,
@@ -413,7 +413,7 @@ def status_of(coordinator: Coordinator) -> replies.Status:
     """Return the coordinator's status as a message."""
     robot, progress, position = coordinator.robot, coordinator.progress, coordinator.position
     places = [None] * robot.size if position is None else (position / robot.axis_units).round(6).tolist()
-    known = progress if coordinator.under_way else None
+    shown_progress = progress if coordinator.under_way else None
     log = coordinator.engine.run_log
     return replies.Status(
         program=coordinator.under_way or coordinator.name,
@@ -421,10 +421,12 @@ def status_of(coordinator: Coordinator) -> replies.Status:
         controller=coordinator.address,
         state=coordinator.state,
         why=coordinator.why,
-        command=replies.Command(title=known.command, line=known.line) if known and known.command else None,
-        done=round(known.done_s, 3) if known else 0.0,
-        left=round(known.left_s + coordinator.behind / max(coordinator.override / 100.0, 0.01), 3)
-        if known
+        command=replies.Command(title=shown_progress.command, line=shown_progress.line)
+        if shown_progress and shown_progress.command
+        else None,
+        done=round(shown_progress.done_s, 3) if shown_progress else 0.0,
+        left=round(shown_progress.left_s + coordinator.behind / max(coordinator.override / 100.0, 0.01), 3)
+        if shown_progress
         else 0.0,
         override=round(coordinator.override, 6),
         joints=tuple(
@@ -460,16 +462,16 @@ def welcome(coordinator: Coordinator, client: Client) -> replies.Welcome:
     )
 
 
-def _done(do: Callable[[], object]) -> replies.Done:
+def _done_reply(do: Callable[[], object]) -> replies.Done:
     do()
     return replies.Done()
 
 
-def _value(made: Result[float]) -> replies.Value:
-    return replies.Value(value=made.value, findings=finding_messages(made.diagnostics))
+def _value(result: Result[float]) -> replies.Value:
+    return replies.Value(value=result.value, findings=finding_messages(result.diagnostics))
 
 
-def _keep(kept: OrderedDict[int, T], number: int, one: T) -> None:
-    kept[number] = one
-    while len(kept) > _KEPT:
-        kept.popitem(last=False)
+def _keep(entries: OrderedDict[int, T], number: int, entry: T) -> None:
+    entries[number] = entry
+    while len(entries) > _KEPT:
+        entries.popitem(last=False)

@@ -48,16 +48,16 @@ def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
     path.
     """
     plan, program, concerned = loaded.plan, loaded.program, ended.concerns
-    found: Resting | None = None
+    place: Resting | None = None
     executed = ended.command in {command.title for command in program.commands}
     if plan is not None and ended.joints is not None and executed:
-        found = resting_place(plan, program, ended.joints, ended.done)
+        place = resting_place(plan, program, ended.joints, ended.done)
     if concerned is None:
-        return ended, found
-    if found is not None and concerned.index == ended.command_index:
-        there = found.command
+        return ended, place
+    if place is not None and concerned.index == ended.command_index:
+        there = place.command
         concerned = Concerned(there.index, there.name, there.source_line)
-    return replace(ended, concerns=concerned, where=where_of(loaded.origins(), concerned)), found
+    return replace(ended, concerns=concerned, where=where_of(loaded.origins(), concerned)), place
 
 
 def run_described(
@@ -113,13 +113,13 @@ def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
     """Return the command with which to continue if the robot can get to its beginning; otherwise None. If
     parts are carried, a motion may end in a place that can only be left by the program's own motion.
     """
-    plan, here = loaded.plan, ended.joints
-    if place is None or plan is None or here is None:
+    plan, joints = loaded.plan, ended.joints
+    if place is None or plan is None or joints is None:
         return place
     begins = beginning(plan, place) if place else (0, 0)
     if place and not isinstance(begins, Diagnostic) and not can_begin_at(plan, place):
         return None  # inside a branch of a WHEN
-    return place if isinstance(begins, Diagnostic) or can_go_on(plan, begins[0], here) else None
+    return place if isinstance(begins, Diagnostic) or can_go_on(plan, begins[0], joints) else None
 
 
 def where_of(origins: Origins, concerned: Concerned) -> Where:

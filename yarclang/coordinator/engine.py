@@ -199,10 +199,10 @@ class Engine:
             await self.session.perform(self.scripts.services.end_search(operation))
         return await self.look()
 
-    def _judge(self, found: Inspection) -> None:
+    def _judge(self, inspection: Inspection) -> None:
         """Enter a fault if the inspection has found something wrong."""
-        if found.errors:
-            trouble = NotReady(found)
+        if inspection.errors:
+            trouble = NotReady(inspection)
             self.operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
 
     async def retry(self) -> None:
@@ -397,13 +397,13 @@ class Engine:
                     with prompt_while_moving() if work.moves else contextlib.nullcontext():
                         await self._carry_out(work)
                 else:
-                    await self.session.perform(self.scripts.idle(self.operation, self.robot, self._wanted))
+                    await self.session.perform(self.scripts.idle(self.operation, self.robot, self._has_work))
             except Lost as lost:
                 await self._reconnect(f"the connection was lost: {lost}", str(lost))
             except Exception as error:
                 self._on_bug(error, await self._rescue())
 
-    def _wanted(self) -> bool:
+    def _has_work(self) -> bool:
         return bool(self._work) or self._closing
 
     async def _carry_out(self, work: _Work) -> None:
@@ -433,16 +433,16 @@ class Engine:
         if error is not None and not work.done.done():
             work.done.set_exception(error)
 
-    async def _reconnect(self, why: str, lost: str) -> None:
+    async def _reconnect(self, reason: str, lost: str) -> None:
         """Reconnect until there is a connection or the engine is closed.
 
         Args:
-            why: reason for the state, for reports.
+            reason: reason for the state, for reports.
             lost: reason why the connection was lost.
         """
         operation = self.operation
         self.lost = lost
-        operation.go(Event.LOST, why, _LOST, _RETRIED)
+        operation.go(Event.LOST, reason, _LOST, _RETRIED)
         while not self._closing:
             while self._work:
                 self._end(
@@ -450,7 +450,7 @@ class Engine:
                 )
             self._again.clear()
             try:
-                found = await self._reach()
+                inspection = await self._reach()
             except Trouble as trouble:
                 self.lost = trouble.what
                 if operation.state is State.STOP:  # there was a connection for a moment
@@ -460,7 +460,7 @@ class Engine:
                         await self._again.wait()
                 continue
             self.lost = ""
-            self._judge(found)
+            self._judge(inspection)
             return
 
     async def _rescue(self) -> str:
@@ -482,7 +482,7 @@ class Engine:
             scripts=session.scripts,
         )
         session.close()
-        where = "couldn't be brought to rest: look at it"
+        stand = "couldn't be brought to rest: look at it"
         with contextlib.suppress(Exception):
             async with asyncio.timeout(_RESCUE):
                 await rescuer.perform(self.scripts.connect(rescuer.operation))
@@ -492,10 +492,10 @@ class Engine:
                 )
                 operation.searches = False
                 stands = described(self.robot, joints) if joints is not None else ""
-                where = f"stands at {stands}" if stands else "isn't homed any more"
+                stand = f"stands at {stands}" if stands else "isn't homed any more"
         rescuer.close()
         operation.go(Event.FAULT, "a bug of yarclang has ended the motion", _BUG, "report it")
-        return f"{self.robot.name} {where}"
+        return f"{self.robot.name} {stand}"
 
     def _log(self, job: Job, program: Job) -> None:
         """Open the log before the first motion.

@@ -34,15 +34,15 @@ commands.
 """
 
 
-def stands_there(robot: Robot, here: Array, there: Array) -> bool:
+def stands_there(robot: Robot, position: Array, other: Array) -> bool:
     """Return True if two joint positions differ by at most one count per motor.
 
     Args:
         robot: the robot.
-        here: (n,) one position [rad or m].
-        there: (n,) the other position [rad or m].
+        position: (n,) one position [rad or m].
+        other: (n,) the other position [rad or m].
     """
-    return bool((np.abs(to_counts(robot, here) - to_counts(robot, there)) <= _COUNT).all())
+    return bool((np.abs(to_counts(robot, position) - to_counts(robot, other)) <= _COUNT).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,18 +150,18 @@ class History:
             folder: folder of the program, to which names of files are made relative; None: `home`.
         """
         robot = self._robot
-        there = (home if folder is None else folder).absolute()
-        text = [f"ROBOT {_robot_name(robot, there)}"]
+        target_folder = (home if folder is None else folder).absolute()
+        text = [f"ROBOT {_robot_name(robot, target_folder)}"]
         whole = [one for one in self._entries if one.whole]
         if whole:
             text.append(f"START {_values(robot, whole[0].start)} {_units(robot, '')}")
-        text += (seen_from(one, home.absolute(), there) for one in lines.declarations)
+        text += (seen_from(one, home.absolute(), target_folder) for one in lines.declarations)
         stands = whole[0].start if whole else robot.home
         for one in whole:
             if not stands_there(robot, one.start, stands):
                 values = _values(robot, one.start)
                 text.append(f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to where the robot was moved")
-            text += (seen_from(command, home.absolute(), there) for command in one.commands)
+            text += (seen_from(command, home.absolute(), target_folder) for command in one.commands)
             stands = one.end
         # Number the commands in the order of the file, because typed lines may have the same index.
         module = parse(SourceFile("<session>", "\n".join(text) + "\n")).value

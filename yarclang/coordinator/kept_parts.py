@@ -122,17 +122,17 @@ class KeptParts:
         check_sure(known)
         return presently(cell, replace(self._at(known, start), goes_on=True))
 
-    def _at(self, known: Known, start: Array) -> Present:
+    def _at(self, places: Known, start: Array) -> Present:
         """Return the parts for a program that begins at `start`. Parts that the robot is just leaving count
         only if it still stands there.
         """
-        stands = known.stands
-        if known.present.leaving and (stands is None or not self._is_there(start, stands)):
-            return replace(known.present, leaving=())
-        return known.present
+        stands = places.stands
+        if places.present.leaving and (stands is None or not self._is_there(start, stands)):
+            return replace(places.present, leaving=())
+        return places.present
 
-    def _is_there(self, one: Array, other: Array) -> bool:
-        return bool((abs(to_counts(self._robot, one) - to_counts(self._robot, other)) <= _COUNTS).all())
+    def _is_there(self, item: Array, other: Array) -> bool:
+        return bool((abs(to_counts(self._robot, item) - to_counts(self._robot, other)) <= _COUNTS).all())
 
     def check(self, cell: Cell | None, assumed: Parts | None) -> None:
         """Check that the parts of a cell are in the places that a proof has assumed.
@@ -140,12 +140,12 @@ class KeptParts:
         Raises:
             Trouble: the parts are elsewhere, or their places are unknown.
         """
-        known = None if cell is None or assumed is None else self.known(cell)
-        if known is None or assumed is None:
+        places = None if cell is None or assumed is None else self.known(cell)
+        if places is None or assumed is None:
             return
-        check_sure(known)
-        if not are_same(known.present.parts, assumed):
-            moved = _moved(known.present.parts, assumed)
+        check_sure(places)
+        if not are_same(places.present.parts, assumed):
+            moved = _moved(places.present.parts, assumed)
             raise Trouble(
                 f"{moved} isn't where it was when this was proved",
                 "load it again, or correct where the parts are (.parts)",
@@ -154,24 +154,24 @@ class KeptParts:
 
     # changing
 
-    def say(self, known: Known) -> None:
+    def say(self, places: Known) -> None:
         """Set the places of parts to those that a user declares."""
-        present = beside(self._robot, known.cell, known.present, known.stands)
-        if present == Present(first_parts(known.cell)):
-            self._known.pop(file_of_cell(known.cell), None)  # nothing was declared or done
+        present = beside(self._robot, places.cell, places.present, places.stands)
+        if present == Present(first_parts(places.cell)):
+            self._known.pop(file_of_cell(places.cell), None)  # nothing was declared or done
         else:
-            self._known[file_of_cell(known.cell)] = replace(known, present=present, doubt="")
+            self._known[file_of_cell(places.cell)] = replace(places, present=present, doubt="")
 
-    def doubt(self, cell: Cell | None, why: str) -> None:
+    def doubt(self, cell: Cell | None, reason: str) -> None:
         """Record that the places of a cell's parts are no longer known."""
         if cell is not None and cell.parts:
             known = self.known(cell) or Known(cell, Present(first_parts(cell)))
-            self._known[file_of_cell(cell)] = replace(known, doubt=why)
+            self._known[file_of_cell(cell)] = replace(known, doubt=reason)
 
-    def doubt_all(self, why: str) -> None:
+    def doubt_all(self, reason: str) -> None:
         """Record that the places of all parts that were carried or put somewhere are no longer known."""
         for file, known in tuple(self._known.items()):
-            self._known[file] = replace(known, doubt=why)
+            self._known[file] = replace(known, doubt=reason)
 
     def stands(self, q: Array | None) -> None:
         """Record the position of the robot (n,) [rad or m] after a motion that moves no parts."""
@@ -192,48 +192,48 @@ class KeptParts:
         if cell is None or not cell.parts:
             return
         known = self.known(cell) or Known(cell, Present(first_parts(cell)))
-        self._known[file_of_cell(cell)] = self._given(known, {variable: value}, q)
+        self._known[file_of_cell(cell)] = self._after_outputs(known, {variable: value}, q)
 
-    def performed(self, what: Performed, ended: Ended, outputs: Mapping[str, float]) -> None:
+    def performed(self, performed: Performed, ended: Ended, outputs: Mapping[str, float]) -> None:
         """Record an action that was carried out completely or in part.
 
         Args:
-            what: steps of the action.
+            performed: steps of the action.
             ended: outcome.
             outputs: present values of the outputs of grippers and machines, without those that couldn't be
                 read.
         """
-        plan, given = what.plan, what.plan.program.cell
+        plan, given = performed.plan, performed.plan.program.cell
         assert given is not None, "nothing is followed in a program without a cell"
         cell = replace(given, present=None)
-        known = self.known(cell)
-        if known is None:
-            known = Known(cell, Present(what.assumed or first_parts(cell)))
-        start = _start(plan, what.begin)
-        cell = presently(cell, replace(self._at(known, start), goes_on=False))
-        handling = handling_of(self._robot, cell, plan.program.steps[what.begin : what.end])
-        done = carried_out(plan, what.begin, what.end, what.program, ended)
-        safe = dict(what.program.outputs)
-        q = what.program.end if ended.well and what.end == len(plan.program.steps) else ended.joints
+        places = self.known(cell)
+        if places is None:
+            places = Known(cell, Present(performed.assumed or first_parts(cell)))
+        start = _start(plan, performed.begin)
+        cell = presently(cell, replace(self._at(places, start), goes_on=False))
+        handling = handling_of(self._robot, cell, plan.program.steps[performed.begin : performed.end])
+        done = carried_out(plan, performed.begin, performed.end, performed.program, ended)
+        safe = dict(performed.program.outputs)
+        q = performed.program.end if ended.well and performed.end == len(plan.program.steps) else ended.joints
         present = self._followed(
-            handling, what, done, start, q, {k: v for k, v in outputs.items() if k not in safe}
+            handling, performed, done, start, q, {k: v for k, v in outputs.items() if k not in safe}
         )
-        learned = Known(known.cell, present, q, known.doubt)
+        learned = Known(places.cell, present, q, places.doubt)
         if safe and q is None and any(one in (*cell.grips, *cell.removals) for one in safe):
             learned = replace(
                 learned,
-                doubt=f"{what.program.name} was ended, and its outputs were made safe at a place that "
+                doubt=f"{performed.program.name} was ended, and its outputs were made safe at a place that "
                 f"isn't known",
             )
         elif safe and q is not None:
-            learned = self._given(learned, safe, q)
+            learned = self._after_outputs(learned, safe, q)
         self._known[file_of_cell(cell)] = learned
 
     def _followed(
         self,
         handling: Handling,
-        what: Performed,
-        done: CarriedOut,
+        performed: Performed,
+        carried_out: CarriedOut,
         start: Array,
         q: Array | None,
         outputs: Mapping[str, float],
@@ -243,18 +243,22 @@ class KeptParts:
 
         Args:
             handling: grippers and parts of the cell, and the steps that use them.
-            what: the part of the plan that was carried out.
-            done: steps that were carried out, and those that may have been.
+            performed: the part of the plan that was carried out.
+            carried_out: steps that were carried out, and those that may have been.
             start: (n,) position of the robot before [rad or m].
             q: (n,) present position of the robot [rad or m]; None: unknown.
             outputs: present values of outputs, by their variables.
         """
         cell, steps = handling.cell, handling.steps
-        ends = {step - what.begin: at for step, at in ends_of(what.plan).items()}
+        ends = {step - performed.begin: at for step, at in ends_of(performed.plan).items()}
         moving = () if cell is None else (*cell.grips, *cell.removals)
-        surely = {at - what.begin for at in done.surely}
-        perhaps = [at - what.begin for at in done.perhaps if _output(steps[at - what.begin]) in moving]
-        found: list[Present] = []
+        surely = {at - performed.begin for at in carried_out.surely}
+        perhaps = [
+            at - performed.begin
+            for at in carried_out.perhaps
+            if _output(steps[at - performed.begin]) in moving
+        ]
+        possible: list[Present] = []
         for count in range(len(perhaps) + 1):
             # The motions between these SETs were also carried out.
             more = range(max(surely, default=-1) + 1, perhaps[count - 1] + 1 if count else 0)
@@ -263,20 +267,20 @@ class KeptParts:
                 continue
             left_out = {at for at, one in enumerate(steps) if at not in chosen or isinstance(one, Turn)}
             walked = followed(handling, start, ends, left_out)
-            found.append(present_after(handling, walked, q))
-        if not found:  # somebody else has set an output: assume the program's values
-            return self._followed(handling, what, done, start, q, {})
-        leaving = tuple(dict.fromkeys(one for each in found for one in each.leaving))
-        return Present(reduce(either, (one.parts for one in found)), leaving)
+            possible.append(present_after(handling, walked, q))
+        if not possible:  # somebody else has set an output: assume the program's values
+            return self._followed(handling, performed, carried_out, start, q, {})
+        leaving = tuple(dict.fromkeys(one for each in possible for one in each.leaving))
+        return Present(reduce(either, (one.parts for one in possible)), leaving)
 
-    def _given(self, known: Known, outputs: Mapping[str, float], q: Array) -> Known:
+    def _after_outputs(self, places: Known, outputs: Mapping[str, float], q: Array) -> Known:
         """Return the places of parts after outputs were set to given values while the robot stands at `q`
         (n,) [rad or m].
         """
-        handling = handling_of(self._robot, presently(known.cell, known.present), ())
-        present = known.present
+        handling = handling_of(self._robot, presently(places.cell, places.present), ())
+        present = places.present
         for variable, value in outputs.items():
-            grip, removal = known.cell.grips.get(variable), known.cell.removals.get(variable)
+            grip, removal = places.cell.grips.get(variable), places.cell.removals.get(variable)
             if grip is not None:
                 grasp = handling.at_pose(present.parts, 0, variable, value, flange_pose(self._robot, q))
                 if grasp is not None:
@@ -284,14 +288,14 @@ class KeptParts:
                     present = Present(grasp.after, (*present.leaving, *more))
             if removal is not None and value == removal.value:
                 present = replace(present, parts=remove(present.parts, removal))
-        return replace(known, present=beside(self._robot, known.cell, present, q), stands=q)
+        return replace(places, present=beside(self._robot, places.cell, present, q), stands=q)
 
 
-def _moved(one: Parts, other: Parts) -> str:
+def _moved(parts: Parts, other: Parts) -> str:
     """Return the names of parts whose places differ in two states; "a gripper" if only a gripper's state
     differs.
     """
-    pairs = ((one, other), (other, one))
+    pairs = ((parts, other), (other, parts))
     names = [
         item.name
         for here, there in pairs
@@ -312,7 +316,8 @@ def _start(plan: MotionPlan, begin: int) -> Array:
         return plan.program.start
     # The robot moves only in motions, so it is at the start of the next one.
     following = next((motion for motion in plan.motions if motion.step >= begin), None)
-    return plan.motions[-1].waypoints[-1] if following is None else following.curve.points[0]
+    position: Array = plan.motions[-1].waypoints[-1] if following is None else following.curve.points[0]
+    return position
 
 
 def _output(step: Step) -> str | None:
@@ -329,15 +334,15 @@ def _agrees(steps: Sequence[Step], chosen: Collection[int], outputs: Mapping[str
     return all(outputs.get(variable, value) == value for variable, value in values.items())
 
 
-def check_sure(known: Known) -> None:
+def check_sure(places: Known) -> None:
     """Check that the places of parts are known.
 
     Raises:
         Trouble: the places aren't known.
     """
-    if known.doubt:
+    if places.doubt:
         raise Trouble(
-            f"nobody knows where the parts of the cell are: {known.doubt}",
+            f"nobody knows where the parts of the cell are: {places.doubt}",
             "say where they are: .parts",
             ELSEWHERE,
         )

@@ -66,18 +66,22 @@ class KeptRegisters:
         Raises:
             Trouble: the database can't be read.
         """
-        kept = [one for one in registers if one.kept]
-        if not kept:
+        kept_registers = [one for one in registers if one.kept]
+        if not kept_registers:
             return {}, []
         held = {one.register: one.value for one in listed(self.controller, self.program)}
-        found = {one.name: held[one.name] for one in kept if one.name in held}
-        beyond = {one.name: one for one in kept if not one.low <= found.get(one.name, one.low) <= one.high}
-        told = [
-            f"{name} was kept as {found[name]}, and is {one.low} to {one.high} now: it begins with "
+        stored = {one.name: held[one.name] for one in kept_registers if one.name in held}
+        beyond = {
+            one.name: one
+            for one in kept_registers
+            if not one.low <= stored.get(one.name, one.low) <= one.high
+        }
+        sentences = [
+            f"{name} was kept as {stored[name]}, and is {one.low} to {one.high} now: it begins with "
             f"{one.first}"
             for name, one in beyond.items()
         ]
-        return {name: value for name, value in found.items() if name not in beyond}, told
+        return {name: value for name, value in stored.items() if name not in beyond}, sentences
 
     def keep(self, name: str, value: int) -> None:
         """Store a value. When this returns, the value is on the disk.

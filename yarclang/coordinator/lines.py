@@ -67,12 +67,12 @@ def numbered(module: Module, before: int, first: int) -> Module:
     """
     numbers = {True: first, False: _STEP}
     statements: list[Statement] = []
-    for one in module.statements:
-        if one.index is None and one.name.name not in DECLARATIONS:
-            own = one.line > before
-            one = replace(one, index=Word(f"P{numbers[own]:04d}", one.name.place))  # noqa: PLW2901
+    for placed in module.statements:
+        if placed.index is None and placed.name.name not in DECLARATIONS:
+            own = placed.line > before
+            placed = replace(placed, index=Word(f"P{numbers[own]:04d}", placed.name.place))  # noqa: PLW2901
             numbers[own] += _STEP
-        statements.append(one)
+        statements.append(placed)
     return replace(module, statements=tuple(statements))
 
 
@@ -139,22 +139,22 @@ class Typed:
     source: SourceFile
     before: int
 
-    def placed(self, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
+    def placed(self, findings: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
         """Return findings with places relative to the text. Findings about a line of the session keep
         their places.
         """
         typed = SourceFile(TYPED, "\n".join(self.source.lines[self.before :]) + "\n")
-        return tuple(self._placed(one, typed) for one in found)
+        return tuple(self._placed(one, typed) for one in findings)
 
-    def _placed(self, one: Diagnostic, typed: SourceFile) -> Diagnostic:
-        span, fix = one.span, one.fix
-        if one.source != self.source or span is None or span.line <= self.before:
-            return one
+    def _placed(self, finding: Diagnostic, typed: SourceFile) -> Diagnostic:
+        span, fix = finding.span, finding.fix
+        if finding.source != self.source or span is None or span.line <= self.before:
+            return finding
         if fix is not None:
             edits = tuple(Edit(self._moved(edit.span), edit.text) for edit in fix.edits)
             within = all(edit.span.line > 0 for edit in edits)
             fix = Fix(fix.title, edits) if within else None  # fixes of the session's lines can't be applied
-        return replace(one, source=typed, span=self._moved(span), fix=fix)
+        return replace(finding, source=typed, span=self._moved(span), fix=fix)
 
     def _moved(self, span: Span) -> Span:
         return span._replace(line=span.line - self.before, end_line=span.end_line - self.before)

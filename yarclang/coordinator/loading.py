@@ -75,7 +75,7 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
     """
     if robot is not None:
         source = replace(source, options=replace(source.options, robot=str(robot.folder)))
-    given = source
+    original = source
     if source.first is None and not source.is_compiled:
         source = replace(source, options=replace(source.options, present=source.present))
     if source.is_compiled:
@@ -88,7 +88,7 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
         return Result(None, (found,))
     loaded = None if has_errors(result.diagnostics) else result.value
     if loaded is not None and loaded.plan is not None and loaded.assumed is not None:
-        loaded = replace(loaded, again=_again(given, loaded.plan, robot, stands))
+        loaded = replace(loaded, again=_again(original, loaded.plan, robot, stands))
     return Result(loaded, in_order(result.diagnostics))
 
 

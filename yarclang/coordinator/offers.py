@@ -179,18 +179,18 @@ class Planner:
 
     def _read(self) -> None:
         project = self._project
-        told: tuple[Diagnostic, ...] = ()
+        diagnostics: tuple[Diagnostic, ...] = ()
         if not self._keeps:
             self._settings = stamp_of(self._places())
             found = find_project(self.folder)
-            project, told = found.value or Project(self.folder), found.diagnostics
+            project, diagnostics = found.value or Project(self.folder), found.diagnostics
         load_cell = cell_loader(self.folder, self.robot)
         given = load_cell.given(project, self._named)
-        told = (*told, *given.diagnostics)
+        diagnostics = (*diagnostics, *given.diagnostics)
         around = given.value
-        self._keeps = around is not None and not has_errors(told)
-        if has_errors(told):  # the surroundings are unknown: refuse every text with these findings
-            around = GivenCell(FILE_NAME, Result(None, told), FILE_NAME, f"repair {FILE_NAME}")
+        self._keeps = around is not None and not has_errors(diagnostics)
+        if has_errors(diagnostics):  # the surroundings are unknown: refuse every text with these findings
+            around = GivenCell(FILE_NAME, Result(None, diagnostics), FILE_NAME, f"repair {FILE_NAME}")
         self._project, self._cells = project, load_cell
         self._request = replace(self._request, load=loader(self.folder), load_cell=load_cell, cell=around)
 
@@ -224,14 +224,14 @@ class Planner:
         parts = _new_parts(module, typed.before)
         if not parts.commands and not parts.declarations and not parsed.diagnostics:
             return Result(None, ())
-        found = (*parsed.diagnostics, *self._of_robot(module))
+        findings = (*parsed.diagnostics, *self._of_robot(module))
         compiled: Compiled | None = None
         # Indices are needed to identify commands in loops, and commands that call a module.
         indexed = numbered(module, typed.before, lines.next_number)
-        if not has_errors(found):
+        if not has_errors(findings):
             made = self._staged(indexed, start, parts)
-            compiled, found = made.value, (*found, *made.diagnostics)
-        told = settled(found, typed.source, self._project, Opened(indexed, self._request))
+            compiled, findings = made.value, (*findings, *made.diagnostics)
+        told = settled(findings, typed.source, self._project, Opened(indexed, self._request))
         own = tuple(one for one in told if one.is_error or one.span is None or one.span.line > typed.before)
         placed = typed.placed(own)
         if has_errors(told) or (parts.commands and compiled is None):
@@ -239,7 +239,7 @@ class Planner:
         return Result(self._made(number, text, parts, start, placed, compiled, revision), placed)
 
     def offered(
-        self, number: int, text: str, start: Array, made: Result[Compiled], revision: int
+        self, number: int, text: str, start: Array, compiled: Result[Compiled], revision: int
     ) -> Result[Offer]:
         """Return the offer of a program that wasn't typed, such as a motion back.
 
@@ -247,14 +247,15 @@ class Planner:
             number: number of the offer.
             text: text of the offer, for messages.
             start: (n,) position of the robot [rad or m].
-            made: the compiled program.
+            compiled: the compiled program.
             revision: revision of the session's lines with which it was planned.
         """
-        if made.value is None or has_errors(made.diagnostics):
-            return Result(None, made.diagnostics)
+        if compiled.value is None or has_errors(compiled.diagnostics):
+            return Result(None, compiled.diagnostics)
         parts = Parts((), ())
         return Result(
-            self._made(number, text, parts, start, made.diagnostics, made.value, revision), made.diagnostics
+            self._made(number, text, parts, start, compiled.diagnostics, compiled.value, revision),
+            compiled.diagnostics,
         )
 
     def _made(
@@ -263,7 +264,7 @@ class Planner:
         text: str,
         parts: Parts,
         start: Array,
-        found: tuple[Diagnostic, ...],
+        findings: tuple[Diagnostic, ...],
         compiled: Compiled | None,
         revision: int,
     ) -> Offer:
@@ -272,13 +273,13 @@ class Planner:
         if compiled is not None:
             motions = _motions(compiled)
             job = job_of_compiled(compiled, NAME, text)
-        return Offer(number, text, parts, start, motions, found, compiled, job, revision)
+        return Offer(number, text, parts, start, motions, findings, compiled, job, revision)
 
     def _of_robot(self, module: Module) -> tuple[Diagnostic, ...]:
         """Check that a ROBOT line names this robot, and that there is no START line, which is only for
         files.
         """
-        found: list[Diagnostic] = []
+        findings: list[Diagnostic] = []
         declared = declared_robot(module)
         if declared is not None and declared[0].upper() != self.robot.name.upper():
             from yarclang.robot.description import load_robot
@@ -286,15 +287,15 @@ class Planner:
             other = load_robot(declared[0]).value
             if other is None or other.fingerprint != self.robot.fingerprint:
                 message = f"the session moves {self.robot.name}, not {declared[0]}"
-                found.append(
+                findings.append(
                     Diagnostic("Y1392", message, module.source, declared[1], "leave the ROBOT line out")
                 )
         for one in module.statements:
             if one.index is None and one.name.name == "START":
                 message = "START is for files: in a session each command starts where the robot stands"
                 help_ = "move there: MOVEJ with these values"
-                found.append(Diagnostic("Y1615", message, module.source, one.whole_span, help_))
-        return tuple(found)
+                findings.append(Diagnostic("Y1615", message, module.source, one.whole_span, help_))
+        return tuple(findings)
 
     def _staged(self, module: Module, start: Array, parts: Parts) -> Result[Compiled]:
         """Run all stages of the compiler, and the lint rules."""
@@ -305,19 +306,19 @@ class Planner:
         products: list[object] = [module, program]
         if not parts.commands:
             # Y0104, a file without a command, is normal for the declarations of a session.
-            found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
-            return Result(None, found)
+            findings = tuple(one for one in checked.diagnostics if one.code != "Y0104")
+            return Result(None, findings)
         planned = plan_checked(checked, request)
-        found, compiled = planned.diagnostics, None
+        findings, compiled = planned.diagnostics, None
         if planned.value is not None:
             made = certified(planned.value, request)
-            found, compiled = (*found, *made.diagnostics), made.value
+            findings, compiled = (*findings, *made.diagnostics), made.value
             products.append(planned.value)
             if compiled is not None:
                 products.append(compiled.certificate)
         around = Surroundings(module, self.robot, program.steps, self._project.teach)
         off = {code for code, level in self._project.levels.items() if level == "off"}
-        return Result(compiled, (*found, *lint(products, around, found, off)))
+        return Result(compiled, (*findings, *lint(products, around, findings, off)))
 
 
 def _new_parts(module: Module, before: int) -> Parts:

@@ -8,8 +8,8 @@ from yarclang.runtime.actions import Trouble
 class NotOwner(Trouble):
     """Raised if a client that doesn't own the robot tries to move it."""
 
-    def __init__(self, what: str, remedy: str) -> None:
-        super().__init__(what, remedy, code="Y1611")
+    def __init__(self, action: str, remedy: str) -> None:
+        super().__init__(action, remedy, code="Y1611")
 
 
 class Ownership:
@@ -42,7 +42,7 @@ class Ownership:
         self.owner, self.shared = name, shared
         return True
 
-    def check(self, name: str, what: str) -> None:
+    def check(self, name: str, action: str) -> None:
         """Check that a client may give an order that only the owner may give.
 
         Raises:
@@ -52,9 +52,9 @@ class Ownership:
             return
         who = f"{self.owner} owns the robot" if self.owner else "nobody owns the robot"
         remedy = f"wait until {self.owner} releases it" if self.owner else "own it first"
-        raise NotOwner(f"{what} is for the robot's owner: {who}, {name} watches", remedy)
+        raise NotOwner(f"{action} is for the robot's owner: {who}, {name} watches", remedy)
 
-    def check_pace(self, name: str, what: str) -> None:
+    def check_pace(self, name: str, action: str) -> None:
         """Check that a client may resume and change the override: the owner, and all others if the owner
         shares the robot.
 
@@ -62,21 +62,21 @@ class Ownership:
             NotOwner: the client isn't allowed to.
         """
         if not (self.owner and self.shared):
-            self.check(name, what)
+            self.check(name, action)
 
-    def give(self, name: str, to: str, known: tuple[str, ...]) -> None:
+    def give(self, name: str, to: str, clients: tuple[str, ...]) -> None:
         """Hand the robot over.
 
         Args:
             name: current owner.
             to: new owner; empty for nobody.
-            known: names of all clients.
+            clients: names of all clients.
 
         Raises:
             NotOwner: `name` doesn't own the robot, or there is no client `to`.
         """
         self.check(name, "to give the robot over")
-        if to and to not in known:
-            others = ", ".join(one for one in known if one != name) or "nobody else"
+        if to and to not in clients:
+            others = ", ".join(one for one in clients if one != name) or "nobody else"
             raise NotOwner(f"there is no client {to!r} to own the robot", f"there is {others}")
         self.owner, self.shared = to, False

@@ -130,48 +130,48 @@ def load_program(
     """
     request = opened.request
     compiled = compiled or compile_module(opened.module, request)
-    found = compiled.diagnostics
-    if compiled.value is None or has_errors(found):
-        return Result(None, found)
+    diagnostics = compiled.diagnostics
+    if compiled.value is None or has_errors(diagnostics):
+        return Result(None, diagnostics)
     plan = compiled.value.plan
     source = plan.program.source.text
     program = job_of_compiled(compiled.value, name, source)
     begins = beginning(plan, first) if first is not None else (0, 0)
     if isinstance(begins, Diagnostic):
-        return Result(None, (*found, begins))
+        return Result(None, (*diagnostics, begins))
     number, step = begins
     # The findings about parts were already reported for the whole program.
     shorter = first is not None and step > 0
     whole = (0, len(plan.motions))
-    wanted = [(number, len(plan.motions))] if shorter else []
+    missing_steps = [(number, len(plan.motions))] if shorter else []
     steps = chains(plan, number) if by_steps else []
-    spans = tuple(steps) or (wanted[0] if wanted else whole, whole)
-    wanted += steps
+    spans = tuple(steps) or (missing_steps[0] if missing_steps else whole, whole)
+    missing_steps += steps
     parts: list[Job] = []
     assumed, since = _assumed(plan, number, step, present)
-    for begin, end in wanted:
+    for begin, end in missing_steps:
         leads = first is not None and begin == number
-        made = part(
+        compiled_part = part(
             plan, request, begin, end, with_lead=first is None, since=since, step=step if leads else None
         )
-        if made.value is None or has_errors(made.diagnostics):
-            return Result(None, (*found, *made.diagnostics))
+        if compiled_part.value is None or has_errors(compiled_part.diagnostics):
+            return Result(None, (*diagnostics, *compiled_part.diagnostics))
         there = program.commands[begin]
         stands = stands_for(plan, begin, step) if leads else 0.0
         offset, clock = there.begins - stands, there.clock - stands
-        parts.append(job_of_compiled(made.value, name, source, offset, clock))
+        parts.append(job_of_compiled(compiled_part.value, name, source, offset, clock))
     rest = parts.pop(0) if shorter else program
     origins = Origins(plan.program)
     loaded = Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins, spans=spans)
-    asked = Request(request.robot, tm=request.tm, tolerance=request.tolerance)
+    request_as_asked = Request(request.robot, tm=request.tm, tolerance=request.tolerance)
     loaded = replace(
         loaded,
         assumed=assumed,
         first_step=step if first is not None else None,
-        behind=behind_search(plan, asked),
-        leave=ways_out(plan, asked),
+        behind=behind_search(plan, request_as_asked),
+        leave=ways_out(plan, request_as_asked),
     )
-    return Result(loaded, found)
+    return Result(loaded, diagnostics)
 
 
 def behind_search(plan: MotionPlan, request: Request) -> Behind:
@@ -179,10 +179,10 @@ def behind_search(plan: MotionPlan, request: Request) -> Behind:
     of an OFFSET.
     """
 
-    def planned(number: int, here: Array, values: tuple[int, ...] | None) -> Replanned | str:
+    def planned(number: int, position: Array, values: tuple[int, ...] | None) -> Replanned | str:
         if values is None:
-            return replanned(plan, number, here, request)
-        return shifted(plan, number, here, values, request)
+            return replanned(plan, number, position, request)
+        return shifted(plan, number, position, values, request)
 
     return planned
 

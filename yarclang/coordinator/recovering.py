@@ -28,13 +28,13 @@ cell's file.
 """
 
 
-def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result[Recovery]:
+def find_recovery(robot: Robot, loaded: Loaded, position: Array, now: Now) -> Result[Recovery]:
     """Find the place of a program to which the robot can go.
 
     Args:
         robot: the robot.
         loaded: the program. If it begins at a named command, only this place is tried.
-        here: position of the robot (n,) [rad or m].
+        position: position of the robot (n,) [rad or m].
         now: returns a cell with its parts at their present places.
 
     Returns:
@@ -49,15 +49,15 @@ def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result
     def around_at(place: Place) -> tuple[Cell | None, bool]:
         if around is None or not around.parts:
             return around, True
-        known = now(around, here)
+        known = now(around, position)
         if known is not None:
             return known, True
         return around_place(around, first if place is start else parts_at(plan, place, first)), False
 
     def is_there(there: Array) -> bool:
-        return bool((np.abs(here - there) <= loaded.program.slack).all())
+        return bool((np.abs(position - there) <= loaded.program.slack).all())
 
-    return recovery(robot, start, here, plan, around_at, is_there=is_there, nearest=not is_named)
+    return recovery(robot, start, position, plan, around_at, is_there=is_there, nearest=not is_named)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,39 +79,39 @@ async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
     Raises:
         Trouble: the robot is moving, there is no connection, or the places of parts are unknown.
     """
-    robot, kept = coordinator.robot, coordinator.carrying.kept
-    if loaded.around is not None and (known := kept.known(loaded.around)) is not None:
+    robot, kept_parts = coordinator.robot, coordinator.carrying.kept
+    if loaded.around is not None and (known := kept_parts.known(loaded.around)) is not None:
         check_sure(known)
-    here = await coordinator.stands()
+    position = await coordinator.stands()
     await coordinator.look_around()
     revision, number = coordinator.lines.revision, next(coordinator.numbers)
 
     def work() -> Recovered:
-        made = find_recovery(robot, loaded, here, kept.now)
-        found = made.value
-        if found is None or found.made is None:
-            return Recovered(found, None, made.diagnostics)
-        text = f"recover {loaded.name}: to {found.place.title}"
+        result = find_recovery(robot, loaded, position, kept_parts.now)
+        recovery = result.value
+        if recovery is None or recovery.made is None:
+            return Recovered(recovery, None, result.diagnostics)
+        text = f"recover {loaded.name}: to {recovery.place.title}"
         offered = coordinator.planner.offered(
-            number, text, here, Result(found.made, made.diagnostics), revision
+            number, text, position, Result(recovery.made, result.diagnostics), revision
         )
         assert offered.value is not None  # it was certified without an error
-        return Recovered(found, replace(offered.value, proved_in=found.cell), offered.diagnostics)
+        return Recovered(recovery, replace(offered.value, proved_in=recovery.cell), offered.diagnostics)
 
     answer: Recovered = await coordinator.plan(work)
     return answer
 
 
-def recovery_described(made: Recovered, robot: Robot) -> replies.Recovery:
+def recovery_described(recovered: Recovered, robot: Robot) -> replies.Recovery:
     """Return the motion to a program as a message."""
-    found = made.found
+    recovery = recovered.found
     return replies.Recovery(
-        place=None if found is None else found.place.index,
-        title="" if found is None else found.place.title,
-        line=0 if found is None else found.place.line,
-        offer=None if made.offer is None else offer_described(made.offer, robot),
+        place=None if recovery is None else recovery.place.index,
+        title="" if recovery is None else recovery.place.title,
+        line=0 if recovery is None else recovery.place.line,
+        offer=None if recovered.offer is None else offer_described(recovered.offer, robot),
         share=robot.controller.rapid_share,
-        assumed=() if found is None else found.assumed,
-        refused=finding_messages(() if found is None else found.refused),
-        findings=finding_messages(made.findings),
+        assumed=() if recovery is None else recovery.assumed,
+        refused=finding_messages(() if recovery is None else recovery.refused),
+        findings=finding_messages(recovered.findings),
     )

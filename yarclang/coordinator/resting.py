@@ -39,42 +39,44 @@ class Resting:
     done: float
 
 
-def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) -> Resting | None:
+def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float) -> Resting | None:
     """Find a robot on its path, at or after the place of the last report.
 
     Args:
         plan: plan of the program.
         program: job of the whole program.
         joints: (n,) position of the robot [rad or m].
-        done: progress of the program at the last report [s].
+        progress: progress of the program at the last report [s].
 
     Returns:
         The place; None if the robot isn't on the part of the path that it can have reached.
     """
-    command = program.command_at(done)
+    command = program.command_at(progress)
     if command is None or len(program.commands) != len(plan.motions):
         return None
     number = program.commands.index(command)
-    since = float(plan.begins[number]) + min(max(done - command.begins, 0.0), command.ends - command.begins)
+    since = float(plan.begins[number]) + min(
+        max(progress - command.begins, 0.0), command.ends - command.begins
+    )
     segment = max((motion.curve.segment for motion in plan.motions), default=program.segment)
     first = max(0.0, since - _EARLIER * segment)
     stands = sum(seconds for _, seconds in program.dwells)
     last = min(plan.duration, since + (program.capacity + _EARLIER) * segment + stands)
     times = np.linspace(first, last, max(3, int((last - first) / _STEP)))
     off = np.pad(_off(plan, times, joints), 1, constant_values=np.inf)
-    found: list[tuple[float, float]] = []
+    places: list[tuple[float, float]] = []
     for near in np.flatnonzero((off[1:-1] <= off[:-2]) & (off[1:-1] <= off[2:])):
         time, step = float(times[near]), float(times[1] - times[0])
         for _ in range(_ROUNDS):
             tried = np.clip(np.linspace(time - step, time + step, _FINER), first, last)
             distances = _off(plan, tried, joints)
             time, step = float(tried[np.argmin(distances)]), 2.0 * step / _FINER
-        found.append((float(distances.min()), time))
-    best = min(found)[0]
+        places.append((float(distances.min()), time))
+    best = min(places)[0]
     if best > _ON_PATH:
         return None
     # The path may pass the same place several times. The first of these times counts.
-    time = min(one for distance, one in found if distance < best + _AS_NEAR)
+    time = min(one for distance, one in places if distance < best + _AS_NEAR)
     at = min(int(np.searchsorted(plan.begins, time, side="right")), len(plan.motions)) - 1
     there = program.commands[at]
     return Resting(there, there.begins + time - float(plan.begins[at]))

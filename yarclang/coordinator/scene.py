@@ -53,12 +53,14 @@ class Scenes:
         kept: places of the cell's parts.
     """
 
-    def __init__(self, robot: Robot, engine: Engine, lines: Lines, around: Around, kept: KeptParts) -> None:
+    def __init__(
+        self, robot: Robot, engine: Engine, lines: Lines, around: Around, kept_parts: KeptParts
+    ) -> None:
         self._robot = robot
         self._engine = engine
         self._lines = lines
         self._around = around
-        self._kept = kept
+        self._kept = kept_parts
         self._loader: tuple[Path, CellLoader] | None = None
         self._switched: list[Switched] = []
         self._told = self._state()
@@ -141,17 +143,17 @@ def model_described(robot: Robot) -> replies.Model:
         Trouble: the robot's files can't be read any more, or have changed since the robot was read.
     """
     _check_files(robot)
-    made = described(robot)
-    if made.value is None:
-        raise _unread(made.diagnostics[0])
-    found, limits, units = made.value, robot.limits, robot.axis_units
+    result = described(robot)
+    if result.value is None:
+        raise _unread(result.diagnostics[0])
+    description, limits, units = result.value, robot.limits, robot.axis_units
     return replies.Model(
         name=robot.name,
         controller=title_of(robot.controller.kind),
-        urdf=found.urdf,
-        base=found.base,
-        flange=found.flange,
-        tool=found.tool,
+        urdf=description.urdf,
+        base=description.base,
+        flange=description.flange,
+        tool=description.tool,
         joints=tuple(
             replies.ModelJoint(
                 name=name,
@@ -163,7 +165,7 @@ def model_described(robot: Robot) -> replies.Model:
             )
             for at, name in enumerate(robot.joint_names)
         ),
-        findings=finding_messages(made.diagnostics),
+        findings=finding_messages(result.diagnostics),
     )
 
 
@@ -187,7 +189,7 @@ def scene_described(
         raise _unread(found)
     _, base, flange = found
     items: list[replies.SceneItem] = []
-    said, left = [*notes], 0
+    notes_said, number_left = [*notes], 0
     bodies: tuple[Obstacle | Zone, ...] = (
         *cell.obstacles,
         *cell.zones,
@@ -196,36 +198,44 @@ def scene_described(
     for one in bodies:
         made = _described(one, base, flange)
         if isinstance(made, str):
-            said.append(made)
+            notes_said.append(made)
         elif len(items) < MOST_ITEMS:
             items.append(made)
         else:
-            left += 1
-    if left:
-        said.insert(0, f"{left} more bodies, zones and parts are left out: at most {MOST_ITEMS} are sent")
+            number_left += 1
+    if number_left:
+        notes_said.insert(
+            0, f"{number_left} more bodies, zones and parts are left out: at most {MOST_ITEMS} are sent"
+        )
     return _versioned(
         replies.Scene(
             version="",
             cell=str(Path(cell.source.name).absolute()),
             items=tuple(items),
-            notes=tuple(said[:_MOST_NOTES]),
+            notes=tuple(notes_said[:_MOST_NOTES]),
             doubt=doubt or None,
         )
     )
 
 
-def _described(one: Obstacle | Zone, base: str, flange: str) -> replies.SceneItem | str:
+def _described(obstacle: Obstacle | Zone, base: str, flange: str) -> replies.SceneItem | str:
     """Return a body, zone or part as a message, or the reason why it can't be shown."""
-    match one:
+    match obstacle:
         case Obstacle():
-            kind: Literal["body", "part"] = "part" if one.is_part else "body"
-            return _item(one.name, kind, one.shape, one.mount, (base, flange), sure=one.is_sure)
-    match one.region:
+            kind: Literal["body", "part"] = "part" if obstacle.is_part else "body"
+            return _item(
+                obstacle.name, kind, obstacle.shape, obstacle.mount, (base, flange), sure=obstacle.is_sure
+            )
+    match obstacle.region:
         case ShapeRegion(base_from_shape=pose, shape=shape):
-            return _item(one.name, "zone", shape, Mount(pose, False), (base, flange), one)
+            return _item(obstacle.name, "zone", shape, Mount(pose, False), (base, flange), obstacle)
         case HalfSpace() as region:
-            return _item(one.name, "zone", None, Mount(region.base_from_plane, False), (base, flange), one)
-    return f"the zone {one.name} is a window of the joints, which has no place to be shown"
+            return _item(
+                obstacle.name, "zone", None, Mount(region.base_from_plane, False), (base, flange), obstacle
+            )
+    if obstacle.keep is not None:
+        return f"the rule {obstacle.name} is about directions, which have no place to be shown"
+    return f"the zone {obstacle.name} is a window of the joints, which has no place to be shown"
 
 
 def _item(
@@ -238,9 +248,9 @@ def _item(
     *,
     sure: bool = True,
 ) -> replies.SceneItem | str:
-    told = _shape(shape)
-    if isinstance(told, str):
-        return f"{name} isn't shown: {told}"
+    described_shape = _shape(shape)
+    if isinstance(described_shape, str):
+        return f"{name} isn't shown: {described_shape}"
     return replies.SceneItem(
         name=name,
         kind=kind,
@@ -250,7 +260,7 @@ def _item(
         carried=mount.on_flange,
         frame=links[mount.on_flange],
         pose=tuple(map(tuple, (np.round(mount.transform, _DIGITS) + 0.0).tolist())),
-        shape=told,
+        shape=described_shape,
     )
 
 
@@ -289,8 +299,8 @@ def _check_files(robot: Robot) -> None:
         raise Trouble(what, "end its process and serve it again", "Y1302")
 
 
-def _unread(found: Diagnostic) -> Trouble:
-    return Trouble(f"the robot's files can't be read: {found.message}", found.help or "", found.code)
+def _unread(finding: Diagnostic) -> Trouble:
+    return Trouble(f"the robot's files can't be read: {finding.message}", finding.help or "", finding.code)
 
 
 def _versioned(scene: replies.Scene) -> replies.Scene:

@@ -25,9 +25,9 @@ T = TypeVar("T")
 ENABLING, DISABLING, SENDING, SAVING = "enabling", "disabling", "sending settings", "saving settings"
 
 
-def wrong_in(found: Inspection) -> tuple[str, ...]:
+def wrong_in(inspection: Inspection) -> tuple[str, ...]:
     """Return the failed checks, in words."""
-    return tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors)
+    return tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in inspection.errors)
 
 
 class Servicing(Part):
@@ -63,29 +63,29 @@ class Servicing(Part):
         """
         return await self._served(DISABLING, "to disable the motors", self._services.disable)
 
-    async def _served(self, name: str, what: str, script: Callable[..., Script[str]]) -> replies.Serviced:
+    async def _served(self, name: str, wrong: str, script: Callable[..., Script[str]]) -> replies.Serviced:
         coordinator = self._coordinator
-        coordinator.check_owner(self._name, what)
+        coordinator.check_owner(self._name, wrong)
         engine, stops = coordinator.engine, coordinator.stops
         operation, robot = engine.operation, coordinator.robot
 
         async def work() -> tuple[str, Inspection]:
             if coordinator.stops != stops:
                 raise Trouble("stopped before it began; nothing was done", "", "")
-            told = await engine.session.perform(script(operation, robot))
+            outcome = await engine.session.perform(script(operation, robot))
             operation.orders.clear()
-            return told, await engine.look()
+            return outcome, await engine.look()
 
-        told, found = await self._carried_out(name, work, lambda made: made[0])
-        return replies.Serviced(what=told, wrong=wrong_in(found))
+        outcome, found = await self._carried_out(name, work, lambda made: made[0])
+        return replies.Serviced(what=outcome, wrong=wrong_in(found))
 
-    async def _carried_out(self, name: str, work: Callable[[], Awaitable[T]], what: Callable[[T], str]) -> T:
+    async def _carried_out(self, name: str, work: Callable[[], Awaitable[T]], wrong: Callable[[T], str]) -> T:
         """Carry work out, and inform all clients of its beginning and its outcome.
 
         Args:
             name: name of the work, for messages.
             work: the work.
-            what: returns what is wrong with a result; empty if nothing is.
+            wrong: returns what is wrong with a result; empty if nothing is.
         """
         coordinator = self._coordinator
 
@@ -94,8 +94,8 @@ class Servicing(Part):
             coordinator.announce(began)
             ended = Ended(False, "it was ended by something unforeseen")
             try:
-                made = await work()
-                ended = Ended(not what(made), what(made))
+                result = await work()
+                ended = Ended(not wrong(result), wrong(result))
             except Trouble as trouble:
                 ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
                 raise
@@ -104,7 +104,7 @@ class Servicing(Part):
                 raise
             finally:
                 coordinator.announce(finished(coordinator.time, name, ended, coordinator.robot))
-            return made
+            return result
 
         return await coordinator.engine.move(name, told, serves=True)
 
@@ -117,7 +117,7 @@ class Servicing(Part):
             Trouble: the robot is moving, or there is no connection.
         """
         engine, robot = self._coordinator.engine, self._coordinator.robot
-        found = await engine.ask(lambda: self._services.searches(engine.operation, robot))
+        searches = await engine.ask(lambda: self._services.searches(engine.operation, robot))
         return replies.HomeSearches(
             searches=tuple(
                 replies.MotorSearch(
@@ -129,7 +129,7 @@ class Servicing(Part):
                     refused=one.refused,
                     homed=motor.homed,
                 )
-                for one, motor in zip(found, engine.operation.motors, strict=True)
+                for one, motor in zip(searches, engine.operation.motors, strict=True)
             )
         )
 
@@ -184,27 +184,27 @@ class Servicing(Part):
         text = await coordinator.plan(proved_settings, coordinator.robot)
         found = await coordinator.engine.look_again()
         things = []
-        for one in found.checked:
-            name, _, about = one.subject.partition(", ")
+        for checked in found.checked:
+            name, _, about = checked.subject.partition(", ")
             things.append(
                 replies.Comparison(
                     name=name,
                     about=about,
-                    found=one.found,
-                    wanted=one.wanted,
-                    verdict=one.verdict,
-                    help=one.remedy,
+                    found=checked.found,
+                    wanted=checked.wanted,
+                    verdict=checked.verdict,
+                    help=checked.remedy,
                 )
             )
         return replies.SettingsCompared(
             things=tuple(things), lines=len(self._lines(text)), sha256=_digest(text)
         )
 
-    async def send(self, known: str) -> replies.SettingsSent:
+    async def send(self, compared_sha: str) -> replies.SettingsSent:
         """Send the settings.
 
         Args:
-            known: SHA-256 of the text that the user has compared.
+            compared_sha: SHA-256 of the text that the user has compared.
 
         Raises:
             NotOwner: this client only watches.
@@ -216,7 +216,7 @@ class Servicing(Part):
         engine, stops = coordinator.engine, coordinator.stops
         operation, robot = engine.operation, coordinator.robot
         text = await coordinator.plan(proved_settings, robot)
-        if _digest(text) != known:
+        if _digest(text) != compared_sha:
             raise Trouble("the settings aren't those that were compared", "compare them again", "Y1613")
         lines = self._lines(text)
 

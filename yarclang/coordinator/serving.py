@@ -214,27 +214,27 @@ class Visitor:
             return too_long(self._most)
         return Denied(error="half a line isn't carried out") if line and not line.endswith(b"\n") else line
 
-    def _take(self, asked: Asked) -> None:
-        what = asked.what
-        if isinstance(what, Denied):
-            self._note(what.error)
-            self._say(what, asked.id)
+    def _take(self, request: Asked) -> None:
+        order = request.what
+        if isinstance(order, Denied):
+            self._note(order.error)
+            self._say(order, request.id)
             return
         try:
-            made = self._begun(what)
+            reply = self._begun(order)
         except Trouble as trouble:
-            self._say(denied(trouble), asked.id)
+            self._say(denied(trouble), request.id)
             return
-        if not asyncio.iscoroutine(made):
-            self._say(made, asked.id)
+        if not asyncio.iscoroutine(reply):
+            self._say(reply, request.id)
             return
         if len(self._carried_out) >= _MOST_WAITING:
-            made.close()
-            self._say(Denied(error="too many orders wait for their ends"), asked.id)
+            reply.close()
+            self._say(Denied(error="too many orders wait for their ends"), request.id)
             return
-        task = asyncio.ensure_future(made)
+        task = asyncio.ensure_future(reply)
         self._carried_out.add(task)
-        task.add_done_callback(lambda done: self._done(done, asked.id))
+        task.add_done_callback(lambda done: self._done(done, request.id))
 
     def _begun(self, order: Order[Any]) -> Any:
         """Begin to carry an order out. Return its reply, or an awaitable for the reply."""

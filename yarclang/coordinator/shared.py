@@ -209,21 +209,21 @@ class SharedRobot:
         self._ownership.give(name, to, self.clients)
         self._tell(events.OwnerChanged(time_s=self.time, owner=to or None))
 
-    def check_owner(self, name: str, what: str) -> None:
+    def check_owner(self, name: str, action: str) -> None:
         """Check that a client may give an order that only the owner may give.
 
         Raises:
             NotOwner: the client doesn't own the robot.
         """
-        self._ownership.check(name, what)
+        self._ownership.check(name, action)
 
-    def check_pace(self, name: str, what: str) -> None:
+    def check_pace(self, name: str, action: str) -> None:
         """Check that a client may resume, and change the override.
 
         Raises:
             NotOwner: the client isn't allowed to.
         """
-        self._ownership.check_pace(name, what)
+        self._ownership.check_pace(name, action)
 
     # state
 
@@ -494,7 +494,7 @@ class SharedRobot:
         self.tell_override()
         self.tell_scene()
 
-    def _bug(self, error: BaseException, where: str) -> None:
-        rests = f"; {where}" if where else ""
+    def _bug(self, error: BaseException, place: str) -> None:
+        rests = f"; {place}" if place else ""
         text = f"a bug of yarclang has ended what was under way: {error!r}{rests}; report it"
         self.tell(text, warning=True, code="Y2001")

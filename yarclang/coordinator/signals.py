@@ -49,16 +49,16 @@ def hear_inputs(
         later: calls a function with an argument in the session's event loop.
     """
 
-    def tell(one: Set) -> None:
+    def tell(event: Set) -> None:
         names = {variable: name for name, variable in surroundings.known.inputs.items()}
         changed = InputChanged(
-            session.now(), names.get(one.variable, one.variable), one.variable, one.value, one.cause
+            session.now(), names.get(event.variable, event.variable), event.variable, event.value, event.cause
         )
         session.operation.notices.append(changed)
 
-    def heard(one: Set) -> None:
+    def heard(event: Set) -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended
-            later(tell, one)
+            later(tell, event)
 
     surroundings.listen(heard)
 
@@ -74,13 +74,13 @@ def receive_values(
         later: calls a function with an argument in the session's event loop.
     """
 
-    def take(given: Given) -> None:
+    def take(values_given: Given) -> None:
         with contextlib.suppress(Trouble):  # the refusal is logged, and cameras don't read it
-            values.take(given.values, given.number, given.camera)
+            values.take(values_given.values, values_given.number, values_given.camera)
 
-    def received(given: Given) -> None:
+    def received(values_given: Given) -> None:
         with contextlib.suppress(RuntimeError):  # the loop has ended
-            later(take, given)
+            later(take, values_given)
 
     surroundings.receive(received)
 

@@ -110,36 +110,40 @@ class Undertaking:
                 self.loaded = renewed
         return ended
 
-    async def _leave(self, held: Ended) -> Ended:
+    async def _leave(self, outcome: Ended) -> Ended:
         """Carry out the motions back and out after an input has held a motion. All of them are proved before
         the first one begins.
 
         Args:
-            held: outcome of the part whose motion was held.
+            outcome: outcome of the part whose motion was held.
         """
-        loaded, way, here = self.loaded, held.leaves, held.joints
+        loaded, way, joints = self.loaded, outcome.leaves, outcome.joints
         operation = self._session.operation
         plan = loaded.plan or loaded.text_plan
-        there = None if plan is None or here is None else resting_place(plan, loaded.program, here, held.done)
-        made: tuple[Job, ...] | str = (
+        resting = (
+            None
+            if plan is None or joints is None
+            else resting_place(plan, loaded.program, joints, outcome.done)
+        )
+        jobs: tuple[Job, ...] | str = (
             f"only the program says where {way} leads, and the text was run without it"
         )
-        if plan is not None and here is not None and loaded.leave is not None:
-            made = "it isn't known where on its path the robot stands"
-            if there is not None:
-                at = loaded.program.commands.index(there.command)
-                time = float(plan.begins[at]) + there.done - there.command.begins
-                made = await self._coordinator.plan(loaded.leave, way, at, time, here)
-        if isinstance(made, str):
-            what = f"the robot can't leave by {way}: {made}"
+        if plan is not None and joints is not None and loaded.leave is not None:
+            jobs = "it isn't known where on its path the robot stands"
+            if resting is not None:
+                at = loaded.program.commands.index(resting.command)
+                time = float(plan.begins[at]) + resting.done - resting.command.begins
+                jobs = await self._coordinator.plan(loaded.leave, way, at, time, joints)
+        if isinstance(jobs, str):
+            problem = f"the robot can't leave by {way}: {jobs}"
             remedy = "the robot stands on its path; move it from there by hand, or go on with --from"
-            operation.go(Event.FAULT, what, "Y1638", remedy)
-            return replace(held, what=what, remedy=remedy, code="Y1638", leaves="")
+            operation.go(Event.FAULT, problem, "Y1638", remedy)
+            return replace(outcome, what=problem, remedy=remedy, code="Y1638", leaves="")
         operation.remark(f"the way back and {way} are planned and proved from where the robot stands")
         self._done.clear()  # none of these motions ends where the robot will be
-        for number, job in enumerate(made, 1):
-            coordinator, name = self._coordinator, way if number == len(made) else BACK_ON_PATH
-            coordinator.behind = sum(one.lasting.most for one in made[number:])
+        for number, job in enumerate(jobs, 1):
+            coordinator, name = self._coordinator, way if number == len(jobs) else BACK_ON_PATH
+            coordinator.behind = sum(one.lasting.most for one in jobs[number:])
             coordinator.announce(
                 PartBegan(
                     time_s=coordinator.time,
@@ -148,20 +152,20 @@ class Undertaking:
                     offset_s=0.0,
                     duration_s=job.lasting.most,
                     number=number,
-                    of=len(made),
+                    of=len(jobs),
                     leads_out=True,
                 )
             )
             ended = await coordinator.carrying.perform(job, loaded.program)
             if not ended.well:
-                what = f"on the way {'of' if number == len(made) else 'back, before'} {way}: {ended.what}"
-                return replace(ended, what=what, command="", command_index="", done=0.0, concerns=None)
+                problem = f"on the way {'of' if number == len(jobs) else 'back, before'} {way}: {ended.what}"
+                return replace(ended, what=problem, command="", command_index="", done=0.0, concerns=None)
         return Ended(
             False,
             f"the program was left by {way}, and has ended there",
             "look why; then run it again from its start",
             ended.joints,
-            registers=held.registers,
+            registers=outcome.registers,
         )
 
     def remember(self, history: History) -> None:
@@ -177,20 +181,20 @@ class Undertaking:
             Trouble: the values can't be read.
         """
         loaded, coordinator, session = self.loaded, self._coordinator, self._session
-        where = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
+        owner = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
         source = loaded.plan.program.source.name if loaded.plan is not None else loaded.name
         if source == "<stdin>":
             session.keeper = session.teacher = None
-            if names := ", ".join(one.name for one in loaded.program.registers if one.kept):
+            if names := ", ".join(register.name for register in loaded.program.registers if register.kept):
                 told = f"a program from standard input keeps no registers: {names} begins anew"
                 session.operation.remark(told, warning=True)
             return
-        kept = KeptRegisters(f"{coordinator.robot.name} {where}", program_of(source))
-        self._registers, strange = kept.first(loaded.program.registers)
-        for one in strange:
-            session.operation.remark(one, warning=True)
-        session.keeper = kept.keep
-        session.teacher = partial(teach, coordinator.robot, kept.controller, kept.program)
+        registers = KeptRegisters(f"{coordinator.robot.name} {owner}", program_of(source))
+        self._registers, strange = registers.first(loaded.program.registers)
+        for register in strange:
+            session.operation.remark(register, warning=True)
+        session.keeper = registers.keep
+        session.teacher = partial(teach, coordinator.robot, registers.controller, registers.program)
 
     def _replan(self, wanted: Replan) -> Replanned | str | None:
         """Plan the rest of the program from the end of a search, or plan the lines of an OFFSET. None: there

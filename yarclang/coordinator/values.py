@@ -52,15 +52,15 @@ class Values:
         """
         operation = self._session.operation
         try:
-            found = checked_values(operation.wants, number, values)
+            accepted = checked_values(operation.wants, number, values)
         except Trouble as trouble:
             self.refused(client, trouble.what)
             raise
         operation.want(None)  # a later sender answers another question
-        self._session.order(Fill(found, client))
-        return dict(found)
+        self._session.order(Fill(accepted, client))
+        return dict(accepted)
 
-    def refused(self, client: str, why: str) -> None:
+    def refused(self, client: str, reason: str) -> None:
         """Log that values from a client were refused."""
         if not self._under_way():
             return
@@ -73,7 +73,7 @@ class Values:
             return
         more = f" ({self._untold} others before weren't logged)" if self._untold else ""
         self._untold = 0
-        self._session.operation.remark(f"values of {client} are refused: {why}{more}", warning=True)
+        self._session.operation.remark(f"values of {client} are refused: {reason}{more}", warning=True)
         self._session.wake()
 
 

@@ -17,8 +17,9 @@ FINDINGS = (
         "not-a-number",
         "error",
         "this is not a number",
-        "A number is an optional sign, digits with an optional decimal point, and an optional exponent; blanks stand between numbers. "
-        "`30-5` may be meant as two values, `0,5` as 0.5: neither is guessed.",
+        "A number is an optional sign, digits with an optional decimal point, and an optional exponent, "
+        "with blanks between numbers. `30-5` may mean two values, and `0,5` may mean 0.5: neither is "
+        "guessed.",
         "P0010 MOVEJ 0 0 0 0 30-5 0 [5] (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 -5 [5] (deg,s)",
     ),
@@ -36,7 +37,8 @@ FINDINGS = (
         "quaternion-norm",
         "error",
         "the quaternion's norm isn't 1",
-        "qx qy qz qw of an orientation have the norm 1. A norm that is off by more than 0.001 means that a value is missing, mistyped or in the wrong order.",
+        "qx qy qz qw of an orientation have the norm 1. A norm that is off by more than 0.001 means that a "
+        "value is missing, mistyped or in the wrong order.",
         "P0010 MOVEJ_QUAT {TCP} 0 1174.4 1176 0 0 0 2 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_QUAT {TCP} 0 1174.4 1176 0 0 0 1 [5] (mm,deg,s) {B}",
     ),
@@ -54,7 +56,8 @@ FINDINGS = (
         "missing-time",
         "error",
         "the motion time is missing",
-        "The speed of the arm is never guessed: `[20]` is the duration of the whole motion, `[MIN]` the shortest that the limits allow.",
+        "The speed of the arm is never guessed: `[20]` is the duration of the whole motion, `[MIN]` the "
+        "shortest that the limits allow.",
         "P0010 MOVEJ 0 0 0 0 30 0 (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [MIN] (deg,s)",
         needs="default",
@@ -64,7 +67,8 @@ FINDINGS = (
         "bad-time",
         "error",
         "this is no motion time",
-        "A motion time is a positive number with a unit of time, MIN, a share of the limits ([50%]), or a speed: [V 250] for Cartesian motions, [V<=250] for all motions.",
+        "A motion time is a positive number with a unit of time, MIN, a share of the limits ([50%]), or a "
+        "speed: [V 250] for Cartesian motions, [V<=250] for all motions.",
         "P0010 MOVEJ 0 0 0 0 30 0 [-5] (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,s)",
     ),
@@ -82,10 +86,12 @@ FINDINGS = (
         "half-turn",
         "error",
         "a turn by half a revolution has no short way",
-        "A straight motion turns about one axis, the short way. At half a turn both ways are equally long, and beyond it the other "
-        "way is the short one: a via pose says which is meant.",
+        "A straight motion turns about one axis, the short way. At half a turn both ways are equally "
+        "long, and beyond half a turn the other way is the short one. A via pose shows which way is "
+        "meant.",
         "P0010 DMOVE {TCP} 0 0 0 0 180 0 [5] (mm,deg,s) {B}",
-        "P0010 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}\nP0020 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}",
+        "P0010 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}\n"
+        "P0020 DMOVE {TCP} 0 0 0 0 90 0 [5] (mm,deg,s) {B}",
     ),
     Finding(
         "Y0410",
@@ -101,7 +107,9 @@ FINDINGS = (
         "wrong-argument",
         "error",
         "an argument of a CALL, or a default, doesn't fit the SUB's parameter",
-        "A SUB's parameters are frames, numbers (with the unit that follows them), joint positions, inputs and outputs. Arguments stand in their order, or have their names (T=2); only a parameter with a default may have none. A default must fit as an argument does.",
+        "A SUB's parameters are frames, numbers (with the unit that follows them), joint positions, inputs "
+        "and outputs. Arguments stand in their order, or have their names (T=2); only a parameter with a "
+        "default may have none. A default must fit as an argument does.",
         "SUB TURN A (deg)\n  P0010 DMOVEJ $A 0 0 0 0 0 [2] (deg,s)\nEND\nP0020 CALL TURN 20 (mm)",
         "SUB TURN A (deg)\n  P0010 DMOVEJ $A 0 0 0 0 0 [2] (deg,s)\nEND\nP0020 CALL TURN 20 (deg)",
         needs="name",
@@ -112,7 +120,8 @@ FINDINGS = (
         "bad-option",
         "error",
         "an option has the wrong argument, or doesn't belong to this command",
-        "ACC takes a percentage, TOL a distance, NEAR the name of a joint position; each stands once.",
+        "ACC takes a percentage, TOL a distance, NEAR the name of a joint position. Each option is given "
+        "once.",
         "P0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg) ACC 30",
         "P0010 MOVEJ 10 0 0 0 0 0 [MIN] (deg) ACC 30%",
     ),
@@ -121,7 +130,8 @@ FINDINGS = (
         "bad-variable",
         "error",
         "the controller's variable can't be used",
-        "Inputs and outputs are variables M, P or Q of the controller, 0 to 8191. Some are reserved for yarclang: those of the guard and the feedback, and the motors' positions.",
+        "Inputs and outputs are variables M, P or Q of the controller, 0 to 8191. Some are reserved for "
+        "yarclang: those of the guard and the feedback, and the motors' positions.",
         "INPUT DOOR X11\nP0010 WAIT DOOR ON [5] (s)",
         "INPUT DOOR M11\nP0010 WAIT DOOR ON [5] (s)",
     ),
@@ -139,7 +149,8 @@ FINDINGS = (
         "two-names-for-a-variable",
         "warning",
         "one variable of the controller is declared in two ways",
-        "Setting one name changes the other as well, and the variable can have only one safe value. A digit may be mistyped.",
+        "Setting one name changes the other as well, and the variable can have only one safe value. A "
+        "digit may be mistyped.",
         "OUTPUT GRIP M1\nOUTPUT LAMP M1\nP0010 SET LAMP ON",
         "OUTPUT GRIP M1\nOUTPUT LAMP M2\nP0010 SET LAMP ON",
     ),
@@ -148,7 +159,8 @@ FINDINGS = (
         "input-and-output",
         "error",
         "one variable of the controller is an input and an output",
-        "A variable is set either by the program or from outside. A program that waits for its own output waits for nothing.",
+        "A variable is set either by the program or from outside. A program that waits for its own output "
+        "waits for nothing.",
         "INPUT CLOSED M1\nOUTPUT GRIP M1\nP0010 SET GRIP ON",
         "INPUT CLOSED M11\nOUTPUT GRIP M1\nP0010 SET GRIP ON",
     ),
@@ -157,17 +169,20 @@ FINDINGS = (
         "no-circle",
         "error",
         "start, via and end give no circle",
-        "MOVEC goes through three points. Points that coincide or lie on a line have no circle through them. A full circle is two arcs.",
+        "MOVEC goes through three points. Points that coincide or lie on a line have no circle through "
+        "them. A full circle is two arcs.",
         "P0010 MOVEC {TCP} 0 1174.4 1026; 0 1174.4 926 0 0 0 [4] (mm,deg,s) {B}",
-        "P0010 MOVEJ 0 -10 -40 0 -30 0 [5] (deg,s)\nP0020 MOVEC {TCP} 50 1174.4 1126; 0 1174.4 1076 0 0 0 [MIN] (mm,deg,s) {B}",
+        "P0010 MOVEJ 0 -10 -40 0 -30 0 [5] (deg,s)\n"
+        "P0020 MOVEC {TCP} 50 1174.4 1126; 0 1174.4 1076 0 0 0 [MIN] (mm,deg,s) {B}",
     ),
     Finding(
         "Y0421",
         "bad-timetable",
         "error",
         "the times of a timetable's way-points are wrong",
-        "Each way-point of MOVEJ_TIMED has its time in square brackets, counted from the start of the motion, and times increase. VEL, and after it ACC, stand at all way-points or at none; "
-        "the motion ends at rest.",
+        "Each way-point of MOVEJ_TIMED has its time in square brackets, counted from the start of the "
+        "motion, and times increase. VEL, and after it ACC, stand at all way-points or at none; the motion "
+        "ends at rest.",
         "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [1] (deg,s)",
         "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [4] (deg,s)",
     ),
@@ -176,8 +191,9 @@ FINDINGS = (
         "not-at-run-time",
         "error",
         "an expression can't be computed while the program runs",
-        "Registers and inputs are numbers without units, and registers are integers. There are + - * %, FLOOR(a / b), comparisons, AND, OR and NOT: each "
-        "result is an integer, or true or false, on every controller. WHEN takes a condition that depends on a register or an input, SET a number.",
+        "Registers and inputs are numbers without units, and registers are integers. There are + - * %, "
+        "FLOOR(a / b), comparisons, AND, OR and NOT: each result is an integer, or true or false, on every "
+        "controller. WHEN takes a condition that depends on a register or an input, SET a number.",
         "REGISTER N 0..9\nP0010 SET N = N / 2",
         "REGISTER N 0..9\nP0010 SET N = FLOOR(N / 2)",
     ),
@@ -186,8 +202,8 @@ FINDINGS = (
         "bad-register",
         "error",
         "a register's range is invalid, or a value is outside of it",
-        "A register is an integer in a range that the program names, so that a count that leaves the range ends the run with a reason. It begins with the "
-        "lowest value, or with the value after the range.",
+        "A register is an integer in a range that the program names, so that a count that leaves the range "
+        "ends the run with a reason. It begins with the lowest value, or with the value after the range.",
         "REGISTER N 9..0",
         "REGISTER N 0..9\nP0010 SET N = N + 1",
     ),
@@ -196,7 +212,8 @@ FINDINGS = (
         "bad-case",
         "error",
         "an OF of a CASE is invalid or can never be chosen",
-        "OF is followed by integers and ranges of integers. Each value belongs to one OF, and must be within the register's range: otherwise its lines never run.",
+        "OF is followed by integers and ranges of integers. Each value belongs to one OF, and must be "
+        "within the register's range: otherwise its lines never run.",
         "REGISTER N 0..2\nCASE N\n  OF 0 1\n    P0010 WAIT [1] (s)\n  OF 1..2\n    P0020 WAIT [2] (s)\nEND",
         "REGISTER N 0..2\nCASE N\n  OF 0\n    P0010 WAIT [1] (s)\n  OF 1..2\n    P0020 WAIT [2] (s)\nEND",
     ),
@@ -205,8 +222,9 @@ FINDINGS = (
         "case-without-way",
         "error",
         "a CASE has no way for some values",
-        "A robot that does nothing because a number was forgotten is a fault that is hard to find. Either each value of the register has an OF, or ELSE handles "
-        "the others. An input may read any number, so its CASE always has an ELSE.",
+        "A robot that does nothing because a number was forgotten is a fault that is hard to find. Either "
+        "each value of the register has an OF, or ELSE handles the others. An input may read any number, "
+        "so its CASE always has an ELSE.",
         "INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\nEND",
         'INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\n  ELSE\n    P0020 HOLD "no such job"\nEND',
     ),
@@ -215,7 +233,8 @@ FINDINGS = (
         "too-many-decimals",
         "error",
         "the value of an input, output or register has more decimals than a text",
-        "A controller's text has nine decimals. A rounded WAIT or condition would compare with a number that isn't the program's.",
+        "A controller's text has nine decimals. A rounded WAIT or condition would compare with a number "
+        "that isn't the program's.",
         "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.1234567894 [5] (s)",
         "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.123456789 [5] (s)",
     ),
@@ -224,7 +243,8 @@ FINDINGS = (
         "wait-for-nothing",
         "error",
         "nothing in the condition of a WAIT can change while it waits",
-        "Registers change in the program's own lines, and none of these runs during a WAIT: it would end at once or never. A register that other programs fill (REGISTER ... OUTSIDE) may stand alone.",
+        "Registers change in the program's own lines, and none of these runs during a WAIT: it would end "
+        "at once or never. A register that other programs fill (REGISTER ... OUTSIDE) may stand alone.",
         "REGISTER N 0..5\nP0010 WAIT N = 3 [5] (s)",
         "REGISTER N 0..5\nINPUT FULL M11\nP0010 WAIT N = 3 OR FULL = ON [5] (s)",
     ),
@@ -233,7 +253,8 @@ FINDINGS = (
         "no-register-in-braces",
         "error",
         "the name in braces in a SAY isn't a register",
-        "Braces in the text of a SAY are replaced by the value of a register. Any other name would be shown to the operator unchanged.",
+        "Braces in the text of a SAY are replaced by the value of a register. Any other name would be "
+        "shown to the operator unchanged.",
         'REGISTER N 0..5\nP0010 SAY "box {M}"',
         'REGISTER N 0..5\nP0010 SAY "box {N}"',
     ),
@@ -242,7 +263,8 @@ FINDINGS = (
         "leaves-nothing",
         "error",
         "an EXIT or a RETURN stands where there is nothing to leave",
-        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB and all loops in it. Without a loop or a SUB around it the line has no meaning.",
+        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB and "
+        "all loops in the SUB. Without a loop or a SUB around it, the line has no meaning.",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 EXIT",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 STOP",
     ),
@@ -251,7 +273,8 @@ FINDINGS = (
         "else-of-no-wait",
         "error",
         "a WAIT with an ELSE has no condition or no time limit",
-        "The lines of the ELSE run if the condition doesn't hold when the time is over. A WAIT without a condition, or without a time limit, never reaches them.",
+        "The lines of the ELSE run if the condition doesn't hold when the time is over. A WAIT without a "
+        "condition, or without a time limit, never reaches them.",
         'INPUT DOOR M11\nP0010 WAIT DOOR ON ELSE\n  P0020 ABORT "the door is open"\nEND',
         'INPUT DOOR M11\nP0010 WAIT DOOR ON [5] (s) ELSE\n  P0020 ABORT "the door is open"\nEND',
     ),
@@ -260,7 +283,8 @@ FINDINGS = (
         "beyond-table",
         "error",
         "a table has no number with this index",
-        "Indices count from 0: a table of three numbers has the indices 0, 1 and 2. A missing number isn't replaced by another one, since the robot would go there.",
+        "Indices count from 0: a table of three numbers has the indices 0, 1 and 2. A missing number isn't "
+        "replaced by another one, since the robot would go there.",
         "TABLE HEIGHTS 10 20 30\nLET TOP = HEIGHTS[3]\nP0010 STOP",
         "TABLE HEIGHTS 10 20 30\nLET TOP = HEIGHTS[2]\nP0010 STOP",
     ),
@@ -269,7 +293,8 @@ FINDINGS = (
         "bad-index",
         "error",
         "a table is read with the wrong number or kind of indices",
-        "A table of one row or one column has one index; any other table has two: the row, and the place in the row. An index is an integer without a unit.",
+        "A table of one row or one column has one index; any other table has two: the row, and the place "
+        "in the row. An index is an integer without a unit.",
         "TABLE SPOTS 0 0; 60 40 (mm)\nLET X = SPOTS[1]\nP0010 STOP",
         "TABLE SPOTS 0 0; 60 40 (mm)\nLET X = SPOTS[1, 0]\nP0010 STOP",
     ),
@@ -278,7 +303,7 @@ FINDINGS = (
         "uneven-table",
         "error",
         "the rows of a table aren't equally long",
-        "A missing number would shift all numbers after it. All rows have as many numbers as the first one.",
+        "A missing number would shift all numbers after it. All rows have as many numbers as the first row.",
         "TABLE SPOTS 0 0; 60\nLET X = SPOTS[0, 0]\nP0010 STOP",
         "TABLE SPOTS 0 0; 60 40\nLET X = SPOTS[0, 0]\nP0010 STOP",
     ),
@@ -287,8 +312,9 @@ FINDINGS = (
         "group-out-of-range",
         "error",
         "a group of bits is invalid, or too small for the number",
-        "A group is 2 to 16 variables of one letter that follow each other, the lowest bit first. Its value is an integer from 0 to the largest that its bits can hold; "
-        "a larger number would lose its upper bits, and mean another number to the receiver.",
+        "A group is 2 to 16 variables of one letter that follow each other, the lowest bit first. Its "
+        "value is an integer from 0 to the largest that its bits can hold; a larger number would lose its "
+        "upper bits, and mean another number to the receiver.",
         "OUTPUT GO M80..M82\nP0010 SET GO 9",
         "OUTPUT GO M80..M83\nP0010 SET GO 9",
     ),
@@ -297,8 +323,8 @@ FINDINGS = (
         "group-for-a-bit",
         "error",
         "a group of bits is used as a single bit",
-        "WAIT looks at one input, and PULSE gives a pulse on one output. A number of several bits is for SET, WHEN and CASE; "
-        "the sender signals that the number is valid by a bit of its own, a strobe.",
+        "WAIT looks at one input, and PULSE gives a pulse on one output. A number of several bits is for "
+        "SET, WHEN and CASE; the sender signals that the number is valid by a bit of its own, a strobe.",
         "INPUT JOB M70..M72\nP0010 WAIT JOB 5 [5] (s)",
         "INPUT JOB M70..M72\nINPUT STROBE M73\nP0010 WAIT STROBE ON [5] (s)",
     ),
@@ -307,49 +333,143 @@ FINDINGS = (
         "unshiftable-frame",
         "error",
         "a frame can't be shifted like that",
-        "OFFSET shifts a frame that stands in the cell by registers: X, Y and Z in 0.01 mm, RZ in 0.01 degrees about its z axis. The range of each register is the box in which the frame may be. 0 belongs to it, "
-        "since the place without a shift is what the program is proved with before it runs.",
-        "REGISTER DX 5..2000 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
+        "OFFSET shifts a frame that stands in the cell by registers: X, Y and Z in 0.01 mm, RZ in 0.01 "
+        "degrees about its z axis. The range of each register is the box in which the frame may be. 0 "
+        "belongs to it, since the place without a shift is what the program is proved with before it runs.",
+        "REGISTER DX 5..2000 OUTSIDE\n"
+        "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "OFFSET {PART} X DX\n"
+        "P0010 MOVEL 0 0 0 0 0 0 {PART}\n"
+        "P0020 MOVEJ 0 0 0 0 30 0\n"
+        "END",
+        "REGISTER DX -2000..2000 0 OUTSIDE\n"
+        "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "OFFSET {PART} X DX\n"
+        "P0010 MOVEL 0 0 0 0 0 0 {PART}\n"
+        "P0020 MOVEJ 0 0 0 0 30 0\n"
+        "END",
     ),
     Finding(
         "Y0477",
         "unplannable-in-offset",
         "error",
         "the lines of an OFFSET can't be planned as a whole when the program runs",
-        "The lines of an OFFSET are planned and proved as a whole where its frame is, before the robot moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor another OFFSET. "
-        "They end where the lines after them are proved to begin: at a MOVEL or MOVEJ to a place that isn't shifted.",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nEND\nP0020 MOVEJ 0 0 0 0 30 0",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
+        "The lines of an OFFSET are planned and proved as a whole at the shifted frame, before the robot "
+        "moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor "
+        "another OFFSET. They end at the place from which the lines after END are proved: at a MOVEL or "
+        "MOVEJ to a place that isn't shifted.",
+        "REGISTER DX -2000..2000 0 OUTSIDE\n"
+        "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "OFFSET {PART} X DX\n"
+        "P0010 MOVEL 0 0 0 0 0 0 {PART}\n"
+        "END\n"
+        "P0020 MOVEJ 0 0 0 0 30 0",
+        "REGISTER DX -2000..2000 0 OUTSIDE\n"
+        "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "OFFSET {PART} X DX\n"
+        "P0010 MOVEL 0 0 0 0 0 0 {PART}\n"
+        "P0020 MOVEJ 0 0 0 0 30 0\n"
+        "END",
     ),
     Finding(
         "Y0478",
         "no-way-out",
         "error",
         "the SUB that an ON calls isn't a way on which the robot can leave",
-        "A way out is planned and proved as a whole while the robot stands, and ends the program. So it has motions, SET of outputs and DWELL; "
-        "what waits, asks, decides or searches stands in a program of its own. In a cell with parts it isn't known which of them the robot carries when it leaves: write HOLD there.",
-        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 STOP\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
-        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ HOME [3] (s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
+        "A way out is planned and proved as a whole while the robot stands, and ends the program. So its "
+        "SUB has only motions, SET of outputs and DWELL; put lines that wait, ask, decide or search into "
+        "a program of their own. In a cell with parts it isn't known which parts the robot carries when "
+        "it leaves: write HOLD there.",
+        "INPUT CURTAIN M11\n"
+        "SUB AWAY\n"
+        "  P0010 STOP\n"
+        "END\n"
+        "ON CURTAIN OFF CALL AWAY\n"
+        "P0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
+        "INPUT CURTAIN M11\n"
+        "SUB AWAY\n"
+        "  P0010 MOVEJ HOME [3] (s)\n"
+        "END\n"
+        "ON CURTAIN OFF CALL AWAY\n"
+        "P0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
     ),
     Finding(
         "Y0479",
         "no-way-out-from-here",
         "error",
         "the way of an ON can't be planned from each place at which it may begin",
-        "After ON ... CALL has held a motion, the robot goes back to where that motion has begun, and leaves from there. So the way is planned from where each motion begins; the message says from where it fails, and why.",
-        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 DMOVEJ 100 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
-        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ 90 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
+        "After ON ... CALL has held a motion, the robot goes back to the start of that motion, and "
+        "leaves from there. So the way is planned from the start of each motion. The message names the "
+        "motion from which this fails, and the reason.",
+        "INPUT CURTAIN M11\n"
+        "SUB AWAY\n"
+        "  P0010 DMOVEJ 100 0 0 0 0 0 [5] (deg,s)\n"
+        "END\n"
+        "ON CURTAIN OFF CALL AWAY\n"
+        "P0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\n"
+        "P0030 MOVEJ HOME [6] (s)",
+        "INPUT CURTAIN M11\n"
+        "SUB AWAY\n"
+        "  P0010 MOVEJ 90 0 0 0 0 0 [5] (deg,s)\n"
+        "END\n"
+        "ON CURTAIN OFF CALL AWAY\n"
+        "P0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\n"
+        "P0030 MOVEJ HOME [6] (s)",
     ),
     Finding(
         "Y0480",
         "unknown-rule",
         "error",
         "KEEP doesn't know this rule, or its angle can't be kept",
-        "KEEP takes UPRIGHT with an angle, by which the z axis of a carried frame may turn away from that of a frame that stands still, or ABOVE with a distance from the plane of that frame. "
-        "An angle is at least 0.1 deg, since no executed motion is exact, and at most 175 deg.",
+        "KEEP takes UPRIGHT with an angle, by which the z axis of a carried frame may turn away from that "
+        "of a frame that stands still, ABOVE with a distance from the plane of that frame, or FACING and "
+        "SEEN with the angle of a cone. An angle is at least 0.1 deg, since no executed motion is exact, "
+        "and at most 175 deg.",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} LEVEL 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nKEEP {TCP} UPRIGHT 100 (deg)\n  P0010 MOVEJ 10 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0482",
+        "impossible-distance",
+        "error",
+        "a range of distances of KEEP can't be kept",
+        "FACING and SEEN may have two distances after the angle, the least and the largest one. At the "
+        "apex of a cone nothing has a direction, so that the least distance is 1 mm or more; and the "
+        "largest one is at least 1 mm more, since no executed motion is exact.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "KEEP {TCP} SEEN 170 3000 200 (deg,mm)\n"
+        "  P0010 MOVEJ 10 0 0 0 30 0\n"
+        "END",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "KEEP {TCP} SEEN 170 200 3000 (deg,mm)\n"
+        "  P0010 MOVEJ 10 0 0 0 30 0\n"
+        "END",
+    ),
+    Finding(
+        "Y0483",
+        "needless-rule",
+        "warning",
+        "a KEEP asks for nothing that the KEEP around it doesn't",
+        "All rules around a motion hold. A KEEP for the same frames with a wider limit, inside of one with "
+        "a narrower limit, changes nothing, and its motions may still not use what it seems to allow.",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "KEEP {TCP} UPRIGHT 100 (deg)\n"
+        "  P0010 MOVEJ 10 0 0 0 30 0\n"
+        "  KEEP {TCP} UPRIGHT 120 (deg)\n"
+        "    P0020 MOVEJ 0 0 0 0 0 0\n"
+        "  END\n"
+        "END",
+        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+        "KEEP {TCP} UPRIGHT 100 (deg)\n"
+        "  P0010 MOVEJ 10 0 0 0 30 0\n"
+        "END\n"
+        "KEEP {TCP} UPRIGHT 120 (deg)\n"
+        "  P0020 MOVEJ 0 0 0 0 0 0\n"
+        "END",
     ),
     Finding(
         "Y0481",
@@ -365,18 +485,26 @@ FINDINGS = (
         "unknown-place-behind-search",
         "error",
         "a line after a search begins at an unknown place",
-        "A motion with UNTIL ends at a place that is known only when the program runs. SET, WAIT, HOLD and SAY may follow it; the next motion must be a MOVEL or MOVEJ to an absolute target, which is planned and proved when the place is known. "
-        "Relative motions, splines, blends, loops and branches may stand after that motion.",
-        "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 DMOVEJ 5 0 0 0 0 0 [2] (deg,s)",
-        "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 MOVEJ 15 0 0 0 30 0 [2] (deg,s)",
+        "A motion with UNTIL ends at a place that is known only when the program runs. SET, WAIT, HOLD and "
+        "SAY may follow it; the next motion must be a MOVEL or MOVEJ to an absolute target, which is "
+        "planned and proved when the place is known. Relative motions, splines, blends, loops and branches "
+        "may stand after that motion.",
+        "INPUT TOUCH M12\n"
+        "P0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\n"
+        "P0020 DMOVEJ 5 0 0 0 0 0 [2] (deg,s)",
+        "INPUT TOUCH M12\n"
+        "P0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\n"
+        "P0020 MOVEJ 15 0 0 0 30 0 [2] (deg,s)",
     ),
     Finding(
         "Y0472",
         "analogue-value",
         "error",
         "an analogue signal can't have this value, or can't be used here",
-        "An analogue signal is a group of bits that counts steps: `INPUT PRESSURE M80..M91 STEP 0.01`. It is compared with numbers that are known when the program is compiled, so that every decision at run time compares "
-        "integers. = and a SET need a value that is an integer number of steps; < and > take any.",
+        "An analogue signal is a group of bits that counts steps: `INPUT PRESSURE M80..M91 STEP 0.01`. It "
+        "is compared with numbers that are known when the program is compiled, so that every decision at "
+        "run time compares integers. = and a SET need a value that is an integer number of steps; < and > "
+        "take any.",
         "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2.2",
         "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2",
     ),
@@ -385,7 +513,8 @@ FINDINGS = (
         "unknown-parameter",
         "error",
         "an argument has a name that is no parameter of the SUB",
-        "ROWS=4 gives the parameter ROWS of the SUB that is called. The names are those in the head of the SUB, a frame's without braces.",
+        "ROWS=4 gives the parameter ROWS of the SUB that is called. The names are those in the head of the "
+        "SUB, a frame's without braces.",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 TT=3",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 T=3",
         needs="name",
@@ -396,7 +525,8 @@ FINDINGS = (
         "parameter-twice",
         "error",
         "a parameter is given twice in a CALL",
-        "An argument without a name belongs to the parameter at its place, and one with a name to the parameter that is named; each parameter has one value.",
+        "An argument without a name belongs to the parameter at its position; an argument with a name "
+        "belongs to the parameter of that name. Each parameter has one value.",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 A=30",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 T=3",
     ),
@@ -405,7 +535,8 @@ FINDINGS = (
         "unnamed-after-named",
         "error",
         "an argument without a name follows one with a name",
-        "Arguments without names are counted from the left. After a name nobody would see which parameter such an argument belongs to.",
+        "Arguments without names are counted from the left. After a name nobody would see which parameter "
+        "such an argument belongs to.",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN T=3 20",
         "SUB TURN A (deg) T=2 (s)\n  P0010 MOVEJ $A 0 0 0 -30 0 [$T] (deg,s)\nEND\nP0020 CALL TURN 20 T=3",
     ),

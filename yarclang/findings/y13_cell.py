@@ -10,7 +10,8 @@ FINDINGS = (
         "two-orientations",
         "error",
         "an entry has two orientations",
-        "Roll pitch yaw and a quaternion are two forms of one orientation; if both are given, one of them would be ignored.",
+        "Roll pitch yaw and a quaternion are two forms of one orientation. If both were accepted, one of "
+        "them would be ignored.",
         "rpy = [0, 0, 90]\nquat = [0, 0, 0.7071, 0.7071]",
         "rpy = [0, 0, 90]",
     ),
@@ -19,8 +20,14 @@ FINDINGS = (
         "moving-zone",
         "error",
         "a zone hangs on a frame that the robot carries",
-        "A zone is a region of the cell, and stands still. A body that the robot carries is an obstacle under FLANGE.",
-        '[[zones]]\nname = "BENCH"\nrule = "forbidden"\nshape = "box"\nframe = "FLANGE"\nsize = [600, 400, 300]',
+        "A zone is a region of the cell, and stands still. A body that the robot carries is an obstacle "
+        "under FLANGE.",
+        "[[zones]]\n"
+        'name = "BENCH"\n'
+        'rule = "forbidden"\n'
+        'shape = "box"\n'
+        'frame = "FLANGE"\n'
+        "size = [600, 400, 300]",
         '[[zones]]\nname = "BENCH"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [600, 400, 300]',
     ),
     Finding(
@@ -28,7 +35,8 @@ FINDINGS = (
         "no-such-joint",
         "error",
         "the robot has no such joint",
-        "A joint window names joints of the program's robot. Without the joint, the window would have no effect.",
+        "A joint window names joints of the program's robot. Without the joint, the window would have no "
+        "effect.",
         "joints = { A1 = [-90, 90] }",
         "joints = { J1 = [-90, 90] }",
     ),
@@ -37,8 +45,9 @@ FINDINGS = (
         "two-cells",
         "error",
         "different cells are named for one robot",
-        "A robot stands in one cell: with two, it would avoid the obstacles of only one of them. A CELL line, --cell and `cell` in yarc.toml "
-        "each name the cell; if several do, it must be the same file. A module that names a cell works in programs with the same file.",
+        "A robot stands in one cell: with two cells, it would avoid the obstacles of only one of them. A "
+        "CELL line, --cell and `cell` in yarc.toml each name the cell; if several are given, all must "
+        "name the same file. A module that names a cell works in programs with the same cell.",
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
     ),
@@ -47,8 +56,9 @@ FINDINGS = (
         "wrong-place-of-gripper",
         "error",
         "a gripper isn't carried by the robot, or a machine that removes parts is",
-        "An output with `grips` closes and opens a gripper, which takes parts along: its frame hangs on {FLANGE}. An output with `removes` starts a machine that takes parts away: its frame "
-        "is fixed in the cell.",
+        "An output with `grips` closes and opens a gripper, which takes parts along: its frame hangs on "
+        "{FLANGE}. An output with `removes` starts a machine that takes parts away: its frame is fixed in "
+        "the cell.",
         '[outputs.GRIP]\nvariable = "M1"\ngrips = "FEEDER"      # whose parent is B',
         '[outputs.GRIP]\nvariable = "M1"\ngrips = "GRIPPER"     # whose parent is FLANGE',
     ),
@@ -57,27 +67,48 @@ FINDINGS = (
         "sensor-of-nothing",
         "error",
         "a sensor names an input or a gripper that the cell doesn't have",
-        "A sensor drives one of the cell's inputs. A vacuum sensor watches the gripper of one of its outputs.",
+        "A sensor drives one of the cell's inputs. A vacuum sensor watches the gripper of one of its "
+        "outputs.",
         '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_REDY"\nkind = "vacuum"\ngripper = "GRIP"',
-        '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_READY"\nkind = "vacuum"\ngripper = "GRIP"',
+        "[inputs]\n"
+        'PART_READY = "M11"\n'
+        "\n"
+        "[[sensors]]\n"
+        'input = "PART_READY"\n'
+        'kind = "vacuum"\n'
+        'gripper = "GRIP"',
     ),
     Finding(
         "Y1376",
         "zone-too-thin",
         "error",
         "a zone is so thin that a motion could cross it unseen",
-        "The proof has a tolerance of 0.01 mm at a zone's border, so that a point could cross a very thin zone unnoticed. A forbidden, "
-        "slow or posture zone must be at least 0.1 mm thick, with its margins on both sides, and a window of joints at least 0.0001 rad or m wide.",
-        '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 0.01, 2000]',
-        '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 10, 2000]',
+        "The proof has a tolerance of 0.01 mm at a zone's border, so that a point could cross a very thin "
+        "zone unnoticed. A forbidden, slow or posture zone must be at least 0.1 mm thick, with its margins "
+        "on both sides, and a window of joints at least 0.0001 rad or m wide.",
+        "[[zones]]\n"
+        'name = "CURTAIN"\n'
+        'rule = "forbidden"\n'
+        'shape = "box"\n'
+        'frame = "B"\n'
+        "size = [2000, 0.01, 2000]",
+        "[[zones]]\n"
+        'name = "CURTAIN"\n'
+        'rule = "forbidden"\n'
+        'shape = "box"\n'
+        'frame = "B"\n'
+        "size = [2000, 10, 2000]",
     ),
     Finding(
         "Y1378",
         "tool-changer",
         "error",
         "tools of a cell and its tool changer don't fit together",
-        "A tool under [[tools]] is one of robot.toml that isn't mounted there and has bodies: the cell says where it stands, and the program when it is on the flange. One output locks the changer (`locks_at`); it has no safe value that would "
-        "drop the tool at each stop. One tool at most is on the flange when a program starts (`on = true`). `tool` of an output with a gripper names one of these tools, and `frames` frames on the flange.",
+        "A tool under [[tools]] is a tool of robot.toml that isn't mounted there and has bodies. The "
+        "cell gives its place, and the program puts it on the flange. One output locks the changer "
+        "(`locks_at`); it has no safe value that would drop the tool at each stop. At most one tool is "
+        "on the flange when a program starts (`on = true`). `tool` of an output with a gripper names one "
+        "of these tools, and `frames` names frames on the flange.",
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"\nsafe = "OFF"',
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"',
     ),
@@ -86,7 +117,8 @@ FINDINGS = (
         "allow-of-no-body",
         "error",
         "[[allow]] names a body that isn't there",
-        "An entry under [[allow]] has the names of two bodies: links and mounted tools of the robot that have shapes, obstacles and parts of the file. A body that isn't there would allow nothing.",
+        "An entry under [[allow]] has the names of two bodies: links and mounted tools of the robot that "
+        "have shapes, obstacles and parts of the file. A body that isn't there would allow nothing.",
         '[[allow]]\nbodies = ["GRIPER", "BOX"]\nleads_to = "STACK"',
         '[[allow]]\nbodies = ["GRIPPER", "BOX"]\nleads_to = "STACK"',
     ),
@@ -95,8 +127,9 @@ FINDINGS = (
         "allow-nowhere",
         "error",
         "[[allow]] doesn't say on which motions",
-        "An entry under [[allow]] holds for the motions that lead to a frame of the file (leads_to), for those that leave it (leaves), or for both. It can't hold everywhere: bodies that "
-        "never matter to each other are a matter of shapes.",
+        "An entry under [[allow]] holds for the motions that lead to a frame of the file (leads_to), for "
+        "those that leave it (leaves), or for both. It can't hold everywhere: bodies that never matter to "
+        "each other are a matter of shapes.",
         '[[allow]]\nbodies = ["GRIPPER", "BOX"]',
         '[[allow]]\nbodies = ["GRIPPER", "BOX"]\nleads_to = "STACK"\nleaves = "STACK"',
     ),

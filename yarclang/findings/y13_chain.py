@@ -70,8 +70,8 @@ FINDINGS: tuple[Finding, ...] = (
         "stray-joint",
         "error",
         "a moving joint isn't in the chain",
-        "No motor of this robot moves it, so its position isn't known, and the collision check would "
-        "be wrong.",
+        "No motor of this robot moves this joint, so its position isn't known, and the collision check "
+        "would be wrong.",
         'flange = "tool0"',
         'flange = "tool0"\nignored_joints = ["finger"]',
     ),
@@ -80,8 +80,8 @@ FINDINGS: tuple[Finding, ...] = (
         "narrower-in-urdf",
         "warning",
         "the URDF's limit is narrower than robot.toml's",
-        "The limits of robot.toml count. If those of the URDF are the arm's real ones, it would run into "
-        "its end stops.",
+        "The limits of robot.toml count. If the limits of the URDF are the real ones, the arm would run "
+        "into its end stops.",
     ),
     Finding(
         "Y1356",
@@ -116,14 +116,16 @@ FINDINGS: tuple[Finding, ...] = (
         "no-collision-shape",
         "warning",
         "a moving link has no collision shape",
-        "The collision check ignores the link, which may pass through everything. `yarc robot new` and `yarc robot check` report this; commands that work on programs don't repeat it.",
+        "The collision check ignores the link, which may pass through any body. `yarc robot new` and "
+        "`yarc robot check` report this; commands that work on programs don't repeat it.",
     ),
     Finding(
         "Y1365",
         "limbs-left-out",
         "error",
         "the chain leaves out joints that have motors",
-        "The chain that was found leaves out a limb as long as an arm: --tip names the link at the end of the right chain.",
+        "The chain that was found leaves out a limb as long as an arm: --tip names the link at the end of "
+        "the right chain.",
         "yarc robot new two_arms.urdf --yes",
         "yarc robot new two_arms.urdf --yes --tip left_tool0",
     ),

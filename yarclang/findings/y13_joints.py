@@ -73,7 +73,8 @@ FINDINGS: tuple[Finding, ...] = (
         "zero-gear",
         "error",
         "a gear ratio is zero",
-        "K is the motor's counts per deg (or mm); with 0 the joint's position can't be computed from the motor's.",
+        "K is the motor's counts per deg (or mm); with 0 the joint's position can't be computed from the "
+        "motor's.",
         "K = [0, 25667.875]",
         "K = [25532.8278, 25667.875]",
     ),
@@ -129,8 +130,8 @@ FINDINGS: tuple[Finding, ...] = (
         "coupling-count",
         "error",
         "coupled joints have another number of motors",
-        "Coupled joints need as many motors as joints; otherwise a motion of theirs would have no motor, or "
-        "two.",
+        "Coupled joints need as many motors as joints; otherwise a motion of these joints would have no "
+        "motor, or two.",
         "J = [[1, 1], [0, 0]]",
         "J = [[1, 1], [0, 1]]",
     ),

@@ -20,8 +20,8 @@ FINDINGS: tuple[Finding, ...] = (
         "unreadable-file",
         "error",
         "the file can't be read",
-        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked for beside "
-        "the robot.toml.",
+        "robot.toml, cell.toml and URDF must be there, be readable, and be UTF-8 text. The URDF is looked "
+        "for beside the robot.toml.",
         'urdf = "industrial.urdf"',
         'urdf = "industrial6.urdf"',
     ),
@@ -39,7 +39,8 @@ FINDINGS: tuple[Finding, ...] = (
         "missing-key",
         "error",
         "a key is missing",
-        "A key without a safe default must be given: a guessed speed or gear ratio would move the arm wrongly.",
+        "A key without a safe default must be given: a guessed speed or gear ratio would move the arm "
+        "wrongly.",
         "[joints.J1]\nposition = [-170, 170]",
         "[joints.J1]\nposition = [-170, 170]\nvelocity = 60\nacceleration = 240\njerk = 2000",
     ),
@@ -57,7 +58,7 @@ FINDINGS: tuple[Finding, ...] = (
         "wrong-type",
         "error",
         "the value is of another type",
-        "Nothing is converted: a text isn't a number, even \"60\", and 1.0 isn't a motor number.",
+        "Values aren't converted: a text isn't a number, even \"60\", and 1.0 isn't a motor number.",
         'velocity = "60"',
         "velocity = 60",
     ),
@@ -104,7 +105,7 @@ FINDINGS: tuple[Finding, ...] = (
         "name-twice",
         "error",
         "the name is declared twice",
-        "Programs read names in any case, so tcp and TCP are one frame with two places.",
+        "Programs read names without regard to case, so tcp and TCP would be one frame with two places.",
         "[frames.TCP]\n[frames.tcp]",
         "[frames.TCP]\n[frames.TCP2]",
     ),
@@ -132,7 +133,8 @@ FINDINGS: tuple[Finding, ...] = (
         "frame-circle",
         "error",
         "frames hang on each other in a circle",
-        "The parents of each frame must lead to FLANGE; otherwise its place on the robot isn't known.",
+        "The chain of parents of each frame must end at FLANGE; otherwise the frame's place on the robot "
+        "isn't known.",
         '[frames.A1]\nparent = "A2"\n[frames.A2]\nparent = "A1"',
         '[frames.A1]\nparent = "FLANGE"\n[frames.A2]\nparent = "A1"',
     ),

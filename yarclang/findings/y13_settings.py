@@ -8,8 +8,8 @@ FINDINGS = (
         "no-robot",
         "error",
         "no robot is named",
-        "Reach, limits and the controller's text are those of a robot: without one, nothing can be checked. The command line "
-        "names it, or a ROBOT line of the program, or yarc.toml.",
+        "Reach, limits and the controller's text are those of a robot: without one, nothing can be "
+        "checked. The command line names it, or a ROBOT line of the program, or yarc.toml.",
         "P0010 MOVEJ HOME [5] (s)",
         "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [5] (s)",
     ),
@@ -26,7 +26,8 @@ FINDINGS = (
         "bad-project-file",
         "error",
         "yarc.toml can't be used as it is",
-        "Unreadable settings are never skipped silently: the program would be checked with other settings than the intended ones.",
+        "Unreadable settings are never skipped silently: the program would be checked with other settings "
+        "than the intended ones.",
         "robott = 'INDUSTRIAL6'",
         "robot = 'INDUSTRIAL6'",
     ),
@@ -44,7 +45,8 @@ FINDINGS = (
         "jobs-apart",
         "error",
         "a job doesn't begin or end where the others begin",
-        "The jobs that yarc.toml numbers are called one after the other, in an order that isn't known before. All begin and end at the same joint position, so that any job may "
-        "follow any other without an unproved motion between them.",
+        "The jobs that yarc.toml numbers are called one after the other, in an order that isn't known "
+        "before. All begin and end at the same joint position, so that any job may follow any other "
+        "without an unproved motion between them.",
     ),
 )

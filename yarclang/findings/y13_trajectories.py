@@ -8,8 +8,9 @@ FINDINGS = (
         "trajectory-columns",
         "error",
         "the columns of a trajectory file aren't those of the robot",
-        "The first line names the columns: time, all joints of the robot, and, for all joints or for none, their velocities and with these their accelerations. Columns are known by their "
-        "names: with a missing or repeated joint the motion isn't defined.",
+        "The first line names the columns: time, all joints of the robot, and, for all joints or for none, "
+        "their velocities and with these their accelerations. Columns are known by their names: with a "
+        "missing or repeated joint the motion isn't defined.",
         "time,J1,J2,J3,J4,J5,J5",
         "time,J1,J2,J3,J4,J5,J6",
     ),
@@ -18,8 +19,9 @@ FINDINGS = (
         "trajectory-units",
         "error",
         "the units of a trajectory file aren't clear",
-        "The header gives them for all columns of a kind or for none; without them the units of the program's line or of its DEFAULT hold. A mixture of deg and rad would turn a joint "
-        "57 times too far.",
+        "The header gives them for all columns of a kind or for none; without them the units of the "
+        "program's line or of its DEFAULT hold. A mixture of deg and rad would turn a joint 57 times too "
+        "far.",
         "time [s],J1 [deg],J2 [rad]",
         "time [s],J1 [deg],J2 [deg]",
     ),
@@ -28,7 +30,8 @@ FINDINGS = (
         "trajectory-cells",
         "error",
         "a cell of a trajectory file is missing or isn't a number",
-        "Every row has a cell for each column, and every cell is a finite decimal number. A gap, NaN or a decimal comma in the place of a joint value would move the arm to a wrong place.",
+        "Every row has a cell for each column, and every cell is a finite decimal number. A gap, NaN or a "
+        "decimal comma in the place of a joint value would move the arm to a wrong place.",
         "0.5,10,0,nan,0,20,0",
         "0.5,10,0,0,0,20,0",
     ),
@@ -37,7 +40,8 @@ FINDINGS = (
         "trajectory-times",
         "error",
         "the times of a trajectory file do not increase, or it does not begin and end at rest",
-        "Each row is later than the one before. The robot is at rest at time 0 and in the last row: the velocities there are 0.",
+        "Each row is later than the one before. The robot is at rest at time 0 and in the last row: the "
+        "velocities there are 0.",
         "0.5,10,0,0,0,20,0\n0.5,12,0,0,0,20,0",
         "0.5,10,0,0,0,20,0\n0.6,12,0,0,0,20,0",
     ),
@@ -55,7 +59,9 @@ FINDINGS = (
         "trajectory-place",
         "error",
         "a trajectory file isn't beside its program",
-        "A trajectory is a part of its program. Its file ends in .csv and is in the folder of the program, or of the module that names it, or in a folder below, so that both are copied, saved and reviewed together.",
+        "A trajectory is a part of its program. Its file ends in .csv and is in the folder of the program, "
+        "or of the module that names it, or in a folder below, so that both are copied, saved and reviewed "
+        "together.",
         'P0010 MOVEJ_TIMED "../elsewhere/path.csv"',
         'P0010 MOVEJ_TIMED "path.csv"',
     ),

@@ -74,7 +74,8 @@ FINDINGS: tuple[Finding, ...] = (
         "pinocchio-refuses",
         "error",
         "Pinocchio can't read the URDF",
-        "yarclang's own checks found no error, but the library that builds the model refuses the file; the message has its reason.",
+        "yarclang's own checks found no error, but the library that builds the model refuses the file; the "
+        "message has its reason.",
     ),
     Finding(
         "Y1361",

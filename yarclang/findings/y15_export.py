@@ -17,15 +17,18 @@ FINDINGS: tuple[Finding, ...] = (
         "not-in-trajectory",
         "warning",
         "the program has actions that a trajectory can't contain",
-        "A JointTrajectory has only joints and times. Outputs, waits, stops and choices lie between the trajectories of a file, or beside one, and are "
-        "written there as comments (YAML), fields (JSON) or messages (bag). A client that sends only the trajectories skips them: the gripper stays open, the arm doesn't wait.",
+        "A JointTrajectory has only joints and times. Outputs, waits, stops and choices lie between the "
+        "trajectories of a file, or beside one, and are written there as comments (YAML), fields (JSON) or "
+        "messages (bag). A client that sends only the trajectories skips them: the gripper stays open, the "
+        "arm doesn't wait.",
     ),
     Finding(
         "Y1533",
         "bag-not-writable",
         "error",
         "a bag can't be written without the package rosbags",
-        "Bags of ROS are written by the Python package rosbags, which is installed with the extra `bags`. YAML and JSON need no further package.",
+        "Bags of ROS are written by the Python package rosbags, which is installed with the extra `bags`. "
+        "YAML and JSON need no further package.",
         "pip install yarclang",
         "pip install 'yarclang[bags]'",
     ),
@@ -34,8 +37,9 @@ FINDINGS: tuple[Finding, ...] = (
         "name-not-for-ros",
         "error",
         "a name can't be used in ROS",
-        "Joints are keys of parameters, and the robot's name is that of a package and of topics: both begin with a letter, and have letters, digits and _ only. ROS 1 refuses other names when it loads the "
-        "parameters; ROS 2 splits a name at a point, so that the joint would lose its limits.",
+        "Joints are keys of parameters, and the robot's name is that of a package and of topics: both "
+        "begin with a letter, and have letters, digits and _ only. ROS 1 refuses other names when it loads "
+        "the parameters; ROS 2 splits a name at a point, so that the joint would lose its limits.",
         '<joint name="arm-joint.1" type="revolute">',
         '<joint name="arm_joint_1" type="revolute">',
     ),
@@ -44,21 +48,24 @@ FINDINGS: tuple[Finding, ...] = (
         "motor-limit-not-for-moveit",
         "warning",
         "a motor's speed limit depends on several joints, so MoveIt can't respect it",
-        "A motor that turns with several joints may reach its limit before each of these joints does. MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. yarclang refuses or slows these "
-        "when they become a program; nothing unsafe runs.",
+        "A motor that turns with several joints may reach its limit before each of these joints does. "
+        "MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. "
+        "yarclang refuses or slows these motions when they become a program, so no unsafe motion runs.",
     ),
     Finding(
         "Y1536",
         "not-ours-to-overwrite",
         "error",
         "an export would overwrite files that it hasn't written",
-        "A list of checksums (yarc-export.json) has the files that an export has written. Other files, and files changed since, are never overwritten.",
+        "A list of checksums (yarc-export.json) has the files that an export has written. Other files, and "
+        "files changed since, are never overwritten.",
     ),
     Finding(
         "Y1537",
         "mesh-left-out",
         "warning",
         "a mesh of the URDF isn't exported",
-        "The URDF names a file that is missing or unreadable. A mesh that is only for display isn't needed for checking, but RViz can't show it.",
+        "The URDF names a file that is missing or unreadable. A mesh that is only for display isn't "
+        "needed for the collision check, but RViz can't show it.",
     ),
 )

@@ -8,8 +8,8 @@ FINDINGS = (
         "needless-suppression",
         "warning",
         "a comment suppresses a finding that isn't there",
-        "`! yarc: ignore[CODE]` at the end of a line, or alone above it, suppresses warnings and notes of that code on that line. Once the cause is gone, "
-        "the comment would hide the next one.",
+        "`! yarc: ignore[CODE]` at the end of a line, or alone above it, suppresses warnings and notes of "
+        "that code on that line. Once the cause is gone, the comment would hide the next one.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0603]",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         tag="unneeded",
@@ -19,7 +19,8 @@ FINDINGS = (
         "bad-suppression",
         "warning",
         "a comment names a code that can't be suppressed",
-        "A comment names the codes of warnings or notes that it suppresses. Errors can't be suppressed: a program with an error can't be executed as written.",
+        "A comment names the codes of the warnings or notes that it suppresses. Errors can't be "
+        "suppressed: a program with an error can't be executed as written.",
         "P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s) ! yarc: ignore[Y0502]",
         "P0010 MOVEJ 160 0 0 0 0 0 [5] (deg,s)",
     ),

@@ -37,7 +37,7 @@ CREATE TABLE IF NOT EXISTS entries (
 );
 CREATE INDEX IF NOT EXISTS by_key ON entries (key, used);
 CREATE INDEX IF NOT EXISTS by_use ON entries (used, size);
-"""
+"""  # noqa: E501
 
 
 class Store:

@@ -21,8 +21,12 @@ def has_keeps(steps: Sequence[Step]) -> bool:
 
 def kept_to(program: Program) -> tuple[KeptTo, ...]:
     """Return the rules for all motions of a program, in the form in which the map of a controller text
-    lists them.
+    lists them. The rules of its cell come first.
     """
+    rules = () if program.cell is None else program.cell.rules
     return tuple(
-        KeptTo(number, one.told) for number, step in enumerate(program.steps) for one in keeps_of(step)
+        KeptTo(number, one.told)
+        for number, step in enumerate(program.steps)
+        if isinstance(step, Motion)
+        for one in dict.fromkeys((*rules, *step.keeps))
     )

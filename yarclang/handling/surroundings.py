@@ -86,7 +86,8 @@ def _surroundings(
     twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
     obstacles = (*cell.obstacles, *bodies)
     touches = (*touches, *twice)
-    zones = (*cell.zones, *map(Zone.of, keeps))
+    known = cell.rules
+    zones = (*cell.zones, *(Zone.of(one) for one in keeps if one not in known))
     return replace(
         cell, obstacles=obstacles, zones=zones, touches=touches, allowed=allowed, parts=(), present=None
     )

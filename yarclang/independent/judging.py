@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.independent.arm import Arm, Array
+from yarclang.independent.found_ways import unfolded
 from yarclang.independent.paths import Said, goals_from, off, path
 from yarclang.independent.reading import Executed, overlaps, read
 from yarclang.independent.reading import shares as shares_of
+from yarclang.independent.rules import broken
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,12 @@ def judge(
     lasts = 0.0
     stands, executed = read(text)
     flowing = overlaps(text)
+    if any(one.avoids for one in said.values()):
+        said, lasting = unfolded(arm, said, text, chosen)
+        for legs, seconds in lasting:
+            takes = sum(executed[step].duration for step in legs)
+            if abs(takes - seconds) > 2.1e-4 * len(legs):
+                found.append(f"step {legs[0]}: its legs take {takes:.6f} s")
     steps = sorted(said)
     corner = stands
     flows_in: int | None = None
@@ -77,6 +85,7 @@ def judge(
             beside.append(said[steps[place + 1]])
         found += [f"{label}: {fault}" for fault in _beyond(arm, done, beside, worst)]
         q = done.sample()
+        found += [f"{label}: {fault}" for fault in broken(arm, one.rules, q)]
         for flows, end, where in ((flows_in, corner, 0.0), (flows_on, ends[-1], done.duration)):
             if flows is None:
                 if np.abs(done.spline(where, nu=1) * arm.si).max() > 2e-6:

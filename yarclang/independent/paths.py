@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation, Slerp
 
 from yarclang.independent.arm import Arm, Array
+from yarclang.independent.rules import Rule
 from yarclang.independent.timetable import Timetable
 
 DENSE, SHORT = 3000, 10.0
@@ -45,6 +46,9 @@ class Said:
     table: Timetable | None = None
     """Table of a timed motion. `stretch` is the factor for all its times."""
     stretch: float = 1.0
+    avoids: bool = False
+    """True if the straight way may be left to get round something."""
+    rules: tuple[Rule, ...] = ()
 
     @property
     def in_joints(self) -> bool:

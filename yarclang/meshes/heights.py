@@ -21,7 +21,8 @@ _KINDS = "fiu"
 
 
 def heights_of(suffix: str, content: bytes) -> Array | str:
-    """Return the heights of a file (rows, columns), in its own unit, or the end of a sentence that names a fault.
+    """Return the heights of a file (rows, columns), in its own unit, or the end of a sentence that names a
+    fault.
 
     Places that a sensor hasn't seen are NaN.
 

@@ -46,7 +46,10 @@ def obj_fault(content: bytes) -> str:
         skipped = (
             joined[lost.start() :].split(b"\n", 1)[0].rstrip()[:_LONGEST_LINE].decode("ascii", "replace")
         )
-        return f"has the line '{_printable(skipped)}', which readers skip: a corner is v with three numbers, each with a digit before its point, a face is f, without blanks before"
+        return (
+            f"has the line '{_printable(skipped)}', which readers skip: a corner is v with three numbers, "
+            "each with a digit before its point, a face is f, without blanks before"
+        )
     if _is_plain(content):
         return ""
     lines = joined.split(b"\n")

@@ -90,7 +90,8 @@ def _stands_at_its_origin(viewpoint: list[str] | None) -> None:
         pose = []
     if pose != _HERE:
         raise _FaultError(
-            "has a VIEWPOINT other than 0 0 0 1 0 0 0, from which some readers count its points and others don't: save it with this one"
+            "has a VIEWPOINT other than 0 0 0 1 0 0 0, from which some readers count its points and others "
+            "don't: save it with this one"
         )
 
 

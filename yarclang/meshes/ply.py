@@ -13,12 +13,14 @@ from yarclang.frozen import frozen
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, lost_corner
 
 _HEADER = re.compile(
-    rb"ply\s*?\nformat[ \t]+(?P<form>ascii|binary_little_endian|binary_big_endian)[ \t]+\S+\s*?\n(?P<lines>(?:[^\n]*\n)*?)end_header\r?\n"
+    rb"ply\s*?\nformat[ \t]+(?P<form>ascii|binary_little_endian|binary_big_endian)[ \t]+\S+\s*?\n(?P<lines>(?:[^\n]*\n)*?)end_header\r?\n"  # noqa: E501
 )
 _LONGEST_HEADER = 100_000
 _TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
-    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+        "uint16": "u2",
+    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8",
+        "float64": "f8",
 }  # fmt: skip
 _AT_ONCE = 1_000_000
 """Largest number of numbers of lists that are read at once, to bound memory."""

@@ -115,7 +115,10 @@ def damage(content: bytes) -> str:
     if len(content) < _HEAD or content.startswith(b"solid"):
         return ""
     needed = _HEAD + _TRIANGLE.itemsize * _count(content)
-    return f"is damaged (a binary STL of {_count(content):,} triangles has {needed:,} bytes, this one has {len(content):,})"
+    return (
+        f"is damaged (a binary STL of {_count(content):,} triangles has {needed:,} bytes, this one has "
+        f"{len(content):,})"
+    )
 
 
 def _count(content: bytes) -> int:

@@ -92,7 +92,8 @@ def wait(line: Line) -> Guess | None:
     if line.word.upper() != "WAIT":
         return None
     found = re.fullmatch(
-        r"\s+(?P<all>(?:(?:SEC|FOR)\s+)?\(?\s*(?P<time>[0-9]+(?:\.[0-9]*)?)\s*(?:\(sec\)|seconds?|secs?|s)?\s*\)?)\s*;?",
+        r"\s+(?P<all>(?:(?:SEC|FOR)\s+)?\(?\s*(?P<time>[0-9]+(?:\.[0-9]*)?)\s*(?:\(sec\)|seconds?|secs?"
+        r"|s)?\s*\)?)\s*;?",
         line.values,
         re.I,
     )
@@ -107,7 +108,8 @@ def wait(line: Line) -> Guess | None:
             f"write WAIT {put}",
         )
     found = re.fullmatch(
-        r"\s+(?P<all>(?:(?:FOR|UNTIL|IF|WHEN)\s+)?(?P<no>NOT\s+)?(?P<name>[A-Za-z_]\w*)(?:\s*=?=?\s*(?P<state>ON|OFF))?)(?P<time>\s*\[.*)?",
+        r"\s+(?P<all>(?:(?:FOR|UNTIL|IF|WHEN)\s+)?(?P<no>NOT\s+)?(?P<name>[A-Za-z_]\w*)(?:\s*=?=?\s*"
+        r"(?P<state>ON|OFF))?)(?P<time>\s*\[.*)?",
         line.values,
         re.I,
     )
@@ -218,7 +220,8 @@ def rounds(line: Line) -> Guess | None:
     if line.word.upper() != "REPEAT":
         return None
     found = re.fullmatch(
-        r"\s++(?P<all>(?P<name>[A-Za-z_]\w*+)?(?:\s*+(?:=|FROM))?(?:\s*+(?P<first>[0-9]++))?(?:\s*+TO\s++(?P<last>[0-9]++))?(?:\s*+(?:TIMES|X))?(?:\s*+DO)?)",
+        r"\s++(?P<all>(?P<name>[A-Za-z_]\w*+)?(?:\s*+(?:=|FROM))?(?:\s*+(?P<first>[0-9]++))?(?:\s*+TO\s++"
+        r"(?P<last>[0-9]++))?(?:\s*+(?:TIMES|X))?(?:\s*+DO)?)",
         line.values,
         re.I,
     )

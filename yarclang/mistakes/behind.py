@@ -7,7 +7,8 @@ import re
 from yarclang.mistakes.line import Guess, Line
 
 _SPEED = re.compile(
-    r"(?<=\s)(?P<all>(?:V|VEL|SPEED|F|FEED|OVERRIDE)\s*=?\s*(?P<value>[0-9]+(?:\.[0-9]*)?)(?P<share>\s*%)?(?:\s*[A-Za-z]+/[A-Za-z]+)?)(?=\s|$)",
+    r"(?<=\s)(?P<all>(?:V|VEL|SPEED|F|FEED|OVERRIDE)\s*=?\s*(?P<value>[0-9]+(?:\.[0-9]*)?)(?P<share>\s*%)?"
+    r"(?:\s*[A-Za-z]+/[A-Za-z]+)?)(?=\s|$)",
     re.I,
 )
 _ZONE = re.compile(r"(?:\s+[-+]?[0-9.]+){6,}\s+(?P<all>Z(?P<value>[0-9]+))(?=\s|$)", re.I)

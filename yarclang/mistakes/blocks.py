@@ -10,7 +10,8 @@ from yarclang.mistakes.line import Guess, Line
 from yarclang.semantics.names.commands import is_command
 
 _ENDS = re.compile(
-    r"(?P<index>\s*)(?P<word>END[_ ]?(?:IF|FOR|WHILE|REPEAT|WHEN|CASE|SUB|SWITCH|SELECT|LOOP|PROC|FCT|DEF|FUNCTION)|NEXT|FI|OD|DONE|WEND|ENDSUB|\})\s*(?:[A-Za-z_]\w*)?\s*;?\s*$",
+    r"(?P<index>\s*)(?P<word>END[_ ]?(?:IF|FOR|WHILE|REPEAT|WHEN|CASE|SUB|SWITCH|SELECT|LOOP|PROC|FCT|DEF"
+    r"|FUNCTION)|NEXT|FI|OD|DONE|WEND|ENDSUB|\})\s*(?:[A-Za-z_]\w*)?\s*;?\s*$",
     re.I,
 )
 _MAIN = re.compile(r"END[_ ]?(?:PROC|FCT|DEF|FUNCTION)", re.I)
@@ -85,7 +86,8 @@ def condition(line: Line) -> Guess | None:
         )
     if found := _ELSE_IF.fullmatch(line.bare):
         return line.guess(
-            found.start("word"), len(line.bare), f"{found['word']} is one word too many: ELSE stands alone", None,
+            found.start("word"), len(line.bare), f"{found['word']} is one word too many: ELSE stands alone",
+                None,
             "write ELSE, then IF in the next line, and an END for each of both",
         )  # fmt: skip
     return None

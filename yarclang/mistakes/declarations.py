@@ -9,7 +9,8 @@ from yarclang.units import UNITS
 
 _EQUALS = re.compile(r"(?P<before>\s++(?:\{\s*+\w++\s*+\}|\w++)?)\s*+(?P<sign>:?=)\s*+")
 _LISTED = re.compile(
-    r"\s++\{?\s*+\w++\s*+\}?\s*+=?\s*+(?P<all>[(\[{]?\s*+(?P<list>[-+]?[0-9.]++(?:\s*+,\s*+[-+]?[0-9.]++){2,})\s*+[)\]}]?)"
+    r"\s++\{?\s*+\w++\s*+\}?\s*+=?\s*+(?P<all>[(\[{]?\s*+(?P<list>[-+]?[0-9.]++"
+    r"(?:\s*+,\s*+[-+]?[0-9.]++){2,})\s*+[)\]}]?)"
 )
 _WITH_UNIT = re.compile(r"\s++\w++\s*+(?P<all>=\s*+(?P<value>[-+]?[0-9.]++)\s*+(?P<unit>[A-Za-z]++))")
 _MISNAMED = {
@@ -69,7 +70,10 @@ def declared(line: Line) -> Guess | None:
         return _replaced(line, found, "all", "a joint position's name stands without braces", found["name"])
     if word in ("OUTPUT", "INPUT") and (found := _VARIABLE.fullmatch(line.values)):
         example = "M1" if word == "OUTPUT" else "M11"
-        help_ = f"write the controller's variable after the name, as {word} {found['name']} {example}{found['rest'].rstrip()}"
+        help_ = (
+            f"write the controller's variable after the name, as {word} {found['name']} "
+            f"{example}{found['rest'].rstrip()}"
+        )
         return _replaced(
             line, found, "variable", f"`{found['variable']}` is no variable of the controller", None, help_
         )

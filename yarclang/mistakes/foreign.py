@@ -37,14 +37,18 @@ def foreign(line: Line) -> Guess | None:
         at = line.behind + found.start("all")
         speed = found["speed"][1:]
         help_ = (
-            f"write {line.word.upper()} with the pose's numbers and [V {speed}]; {found['speed']}, zones and tools are no values here"
+            (
+                f"write {line.word.upper()} with the pose's numbers and [V {speed}]; {found['speed']}, zones "
+                "and tools are no values here"
+            )
             if speed.isdigit()
             else "write the pose's numbers and [MIN]"
         )
         return line.guess(
             at,
             len(line.bare),
-            f"{line.word} takes a pose, not names with commas between them: {found['speed']} belongs to RAPID",
+            f"{line.word} takes a pose, not names with commas between them: {found['speed']} belongs to "
+            "RAPID",
             None,
             help_,
         )

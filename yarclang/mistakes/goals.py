@@ -7,7 +7,8 @@ import re
 from yarclang.mistakes.line import Guess, Line
 
 _NAMED = re.compile(
-    r"\s+(?P<all>\{\s*(?P<braces>[A-Za-z_]\w*)\s*\}|[\"'](?P<quotes>[A-Za-z_]\w*)[\"']|\(\s*(?P<round>[A-Za-z_]\w*)\s*\)|(?P<to>TO)\s+(?P<name>[A-Za-z_]\w*))(?P<rest>\s*[;\[(].*|\s*)",
+    r"\s+(?P<all>\{\s*(?P<braces>[A-Za-z_]\w*)\s*\}|[\"'](?P<quotes>[A-Za-z_]\w*)[\"']|\(\s*"
+    r"(?P<round>[A-Za-z_]\w*)\s*\)|(?P<to>TO)\s+(?P<name>[A-Za-z_]\w*))(?P<rest>\s*[;\[(].*|\s*)",
     re.I,
 )
 _VALUE = r"[-+]?[0-9.]+"
@@ -44,7 +45,10 @@ def several(line: Line) -> Guess | None:
     names = re.findall(r"[A-Za-z_]\w*", found["all"])
     if not all(name.upper() in _known(line) for name in names):
         return None
-    help_ = f"write {line.word} {names[0]}, then {line.word} {names[1]} in the next line; a MOVEJ_SPLINE has `;` between them"
+    help_ = (
+        f"write {line.word} {names[0]}, then {line.word} {names[1]} in the next line; a MOVEJ_SPLINE has "
+        "`;` between them"
+    )
     at = line.behind + found.start("all")
     return line.guess(at, at + len(found["all"]), f"{line.word} goes to one place", None, help_)
 

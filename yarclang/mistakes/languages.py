@@ -18,17 +18,26 @@ TIME = "write P0010 WAIT [2] (s): the time stands in square brackets"
 REGISTER = (
     "declare it, as REGISTER N 0..17, and write P0010 SET N = N + 1; a number that never changes is LET N = 4"
 )
-JUMP = "no line is jumped to: lines that are used in several places stand in a SUB; WHEN, CASE and LOOP lead the way"
+JUMP = (
+    "no line is jumped to: lines that are used in several places stand in a SUB; WHEN, CASE and LOOP lead "
+    "the way"
+)
 REPEAT = "write REPEAT I 4, the lines, and END: $I is 0, 1, 2 and 3"
 _FRAME = (
     "declare the frame, as FRAME {BENCH} 0 1000 0 0 0 0 (mm,deg) {B}, and write {BENCH} after the motions"
 )
 _TOOL = "write the frame that moves before the values, as {TCP}; tools stand in the robot's or cell's file"
-_NUMBERS = "write LET N = 4 for a number that never changes; one that does is declared, as REGISTER N 0..17, and changed by SET N = N + 1"
+_NUMBERS = (
+    "write LET N = 4 for a number that never changes; one that does is declared, as REGISTER N 0..17, and "
+    "changed by SET N = N + 1"
+)
 _POINTS = (
     "write JOINTS PICK and its joint values, or POSE PICK and X Y Z roll pitch yaw, and go there by name"
 )
-_SPEED = "write the speed with its motion, as [V 200] or [50%], or once as DEFAULT [50%]; accelerations stand in the robot's file"
+_SPEED = (
+    "write the speed with its motion, as [V 200] or [50%], or once as DEFAULT [50%]; accelerations stand "
+    "in the robot's file"
+)
 _LOAD = "take the line away: masses stand in the robot's or cell's file"
 _HOLD = 'write P0010 HOLD "insert the part" to wait for the operator'
 _SAY = 'write P0010 SAY "hello" to tell the operator something'

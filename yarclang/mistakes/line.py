@@ -17,7 +17,8 @@ from yarclang.units import UNITS
 _PARTS = re.compile(r"(?P<index>\s*(?:[Pp][0-9]{1,9}(?![^\s]))?\s*)(?P<word>[A-Za-z_][A-Za-z0-9_]*)?")
 _UNITS = re.compile(r"\(([A-Za-z]+(?:\s*,\s*[A-Za-z]+)*)\)")
 _DECLARED = re.compile(
-    r"^\s*(FRAME|FRAME_QUAT|LET|FUNC|TABLE|JOINTS|POSE|SUB|INPUT|OUTPUT|REGISTER)\s+\{?([A-Za-z_][A-Za-z0-9_]*)",
+    r"^\s*(FRAME|FRAME_QUAT|LET|FUNC|TABLE|JOINTS|POSE|SUB|INPUT|OUTPUT"
+    r"|REGISTER)\s+\{?([A-Za-z_][A-Za-z0-9_]*)",
     re.I,
 )
 _BLOCK = re.compile(r"^\s*(SUB|IF|WHEN|CASE|REPEAT|LOOP|WHILE|END)(?![A-Za-z0-9_])", re.I)

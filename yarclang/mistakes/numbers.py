@@ -17,14 +17,16 @@ _MARKED = re.compile(r"[-+]?[0-9]{1,3}(?:['_][0-9]{3})+(?:\.[0-9]+)?")
 _BLANK = re.compile(r"(?<=\s)-\s+(?=[0-9.])")
 _PLUS = re.compile(r"(?<=\s)\+\s+(?P<number>[0-9.]+)")
 _SUM = re.compile(
-    r"[A-Za-z_][A-Za-z0-9_]*(?:\s*[-+*/]\s*(?:[A-Za-z_][A-Za-z0-9_]*|[0-9.]+))+|[0-9.]+(?:[*/+][A-Za-z0-9_.]+)+"
+    r"[A-Za-z_][A-Za-z0-9_]*(?:\s*[-+*/]\s*(?:[A-Za-z_][A-Za-z0-9_]*|[0-9.]+))+|[0-9.]+"
+    r"(?:[*/+][A-Za-z0-9_.]+)+"
 )
 _BRACED = re.compile(r"\$\{\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\}")
 _NAMED = re.compile(
     r"(?P<name>[XYZABCUVWxyzabcuvw]|[Jj][1-9]|[RrPpYy][XYZxyz]?)\s*[=:]?\s*(?P<value>[-+]?[0-9][0-9.]*)"
 )
 _LIST = re.compile(
-    r"(?P<open>[(\[{]\s*)?(?P<list>[-+]?[0-9.]+(?:\s*[,;]\s*[-+]?[0-9.]+){2,})(?P<close>\s*[)\]}])?(?P<end>;)?"
+    r"(?P<open>[(\[{]\s*)?(?P<list>[-+]?[0-9.]+(?:\s*[,;]\s*[-+]?[0-9.]+){2,})(?P<close>\s*[)\]}])?"
+    r"(?P<end>;)?"
 )
 _ORDERS = frozenset(
     (*"XYZ", *turns) for turns in ((), tuple("ABC"), tuple("RPY"), ("RX", "RY", "RZ"), tuple("UVW"))
@@ -94,7 +96,10 @@ def _named(line: Line, begin: int, rest: str) -> Guess | None:
         return line.guess(begin, end, message, None, help_)
     turned = [one["value"] for one in found[3:] if one["name"].upper() in "ABC"]
     if any(float(value) != 0.0 for value in turned):
-        help_ = "write X Y Z roll pitch yaw: angles about x, y, z of the base; A of KRL is about z, B about y and C about x"
+        help_ = (
+            "write X Y Z roll pitch yaw: angles about x, y, z of the base; A of KRL is about z, B about y "
+            "and C about x"
+        )
         return line.guess(begin, end, message, None, help_)
     return line.guess(begin, end, message, put, f"write blanks between the values: {put}")
 
@@ -163,7 +168,8 @@ def number(line: Line) -> Guess | None:
         return None
     if found := _BRACED.search(line.bare):
         return line.guess(
-            found.start(), found.end(), f"a number's name stands without braces: {{{found['name']}}} is a frame", f"${found['name']}"
+            found.start(), found.end(),
+                f"a number's name stands without braces: {{{found['name']}}} is a frame", f"${found['name']}"
         )  # fmt: skip
     if line.is_motion and (found := _BLANK.search(line.bare)):
         end = found.end() + len(_TOKEN.match(line.bare[found.end() :])[0])  # type: ignore[index]  # a digit follows
@@ -201,7 +207,10 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
         return line.guess(at, end, f"`{text}` is not a number", None, help_)
     if line.is_motion and re.fullmatch(r"[-+]?[0-9]+(?:\.[0-9]+){2,}", text):
         first, _, rest = text.partition(".")
-        help_ = f"a number has one decimal point: write {first}.{rest.replace('.', '')}, or two numbers with a blank between them"
+        help_ = (
+            f"a number has one decimal point: write {first}.{rest.replace('.', '')}, or two numbers with a "
+            "blank between them"
+        )
         return line.guess(at, end, f"`{text}` is not a number", None, help_)
     if line.is_motion and text.upper() == "PI":
         return line.guess(

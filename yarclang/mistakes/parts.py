@@ -9,13 +9,15 @@ from yarclang.syntax.words import OPTIONS, STATES
 from yarclang.units import UNITS
 
 _TIME = re.compile(
-    r"(?<!BLEND)(?<!TOL)(?<!ACC)\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
+    r"(?<!BLEND)(?<!TOL)(?<!ACC)\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>"
+    r"|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
 )
 _BARE = re.compile(r"\s(?P<bare>[0-9.]+%|MIN)(?=\s|$)")
 _INSIDE = re.compile(r"\[\s*(?P<inside>[^\]\[]*?)\s*\]")
 _SECONDS = re.compile(r"(?P<number>[0-9.]+)\s*(?P<unit>[A-Za-z]+)")
 _SPEED = re.compile(
-    r"(?:[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?|(?P<alone>[0-9.]+)\s*(?P<per>[A-Za-z]+\s*/\s*[A-Za-z]+))"
+    r"(?:[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?|(?P<alone>[0-9.]+)\s*"
+    r"(?P<per>[A-Za-z]+\s*/\s*[A-Za-z]+))"
 )
 _BARE_SECONDS = re.compile(
     r"(?<=\s)(?P<all>(?:(?:in|for|time)\s+)?(?P<number>[0-9.]+)\s*(?P<unit>s|ms|sec|secs|seconds?))(?=\s|$)",
@@ -40,10 +42,14 @@ _ROUND_FRAME = re.compile(r"\(\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\)")
 _OPTION = re.compile(r"(?<=\s)(?P<word>[A-Za-z]{3,})(?P<rest>\s*=\s*|\s+)(?P<value>[0-9][0-9.]*)(?=\s|$)")
 _FRAMES = ("TCP", "FLANGE", "B")
 _NAMES_OF_UNITS = {
-    "degree": "deg", "degrees": "deg", "degs": "deg", "grad": "deg", "radian": "rad", "radians": "rad", "rads": "rad",
-    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms", "milliseconds": "ms",
-    "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "mms": "mm", "meter": "m", "meters": "m",
-    "metre": "m", "metres": "m", "centimeter": "cm", "centimeters": "cm", "centimetre": "cm", "centimetres": "cm",
+    "degree": "deg", "degrees": "deg", "degs": "deg", "grad": "deg", "radian": "rad", "radians": "rad",
+        "rads": "rad",
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
+        "milliseconds": "ms",
+    "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "mms": "mm",
+        "meter": "m", "meters": "m",
+    "metre": "m", "metres": "m", "centimeter": "cm", "centimeters": "cm", "centimetre": "cm",
+        "centimetres": "cm",
     "inch": "in", "inches": "in", "minute": "min", "minutes": "min", "mins": "min",
 }  # fmt: skip
 
@@ -92,7 +98,8 @@ def time(line: Line) -> Guess | None:
             return line.guess(
                 begin,
                 end,
-                f"a speed is written without its unit: units stand in brackets after it, and here they are ({_units(line)})",
+                "a speed is written without its unit: units stand in brackets after it, and here they are "
+                f"({_units(line)})",
                 None,
                 f"write [V {value}] in them",
             )
@@ -131,7 +138,10 @@ def order(line: Line) -> Guess | None:
         message = f"the value of {word} has no brackets"
         if found["square"] and line.bare.count("[") == 1:
             # The brackets may be meant as the motion time, while the value of the option is missing.
-            help_ = f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and a value after it"
+            help_ = (
+                f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and "
+                "a value after it"
+            )
             return line.guess(found.start(), found.end(), message, None, help_)
         return line.guess(found.start(), found.end(), message, put)
     if line.is_motion and (found := _BOTH_FRAMES.match(line.values)):
@@ -174,7 +184,8 @@ def order(line: Line) -> Guess | None:
     ):
         name = found["option"].split()[0].upper()
         return line.guess(
-            line.behind + found.start("option"), line.behind + found.end("option"), f"{name} can't stand before the values", None,
+            line.behind + found.start("option"), line.behind + found.end("option"),
+                f"{name} can't stand before the values", None,
             f"write {found['option']} after values, time and units: options come last",
         )  # fmt: skip
     return None

@@ -13,7 +13,8 @@ from yarclang.syntax.words import AVOID, DECLARATIONS
 
 _TARGETS = ("RPY", "QUAT")
 _RELATIVE = re.compile(
-    r"(?:R|REL|D|INC|I)_?(?:MOVE|LMOVE|MOV|LIN|MOVEL|PTP)[LR]?(?:_.*)?|(?:MOVE|MOV|LIN|PTP)[LJC]?_?(?:REL|RELATIVE|INC|DELTA|OFFSET|OFFS)",
+    r"(?:R|REL|D|INC|I)_?(?:MOVE|LMOVE|MOV|LIN|MOVEL|PTP)[LR]?(?:_.*)?|(?:MOVE|MOV|LIN|PTP)[LJC]?_?(?:REL"
+    r"|RELATIVE|INC|DELTA|OFFSET|OFFS)",
     re.I,
 )
 _APART = re.compile(r"(?P<sign>\s*[-.]\s*|\s+)(?P<suffix>[A-Za-z][A-Za-z0-9]*)(?=\s|$)")
@@ -90,7 +91,8 @@ def relative(line: Line) -> Guess | None:
     if _RELATIVE.fullmatch(upper) and not (is_command(upper) and upper in commands()):
         return line.guess(
             line.begin, line.behind, f"{line.word} is no command", None,
-            "relative motions are DMOVE, by a way of the moving frame, and DMOVEJ, by angles of the joints; MOVEL and MOVEJ are absolute",
+            "relative motions are DMOVE, by a way of the moving frame, and DMOVEJ, by angles of the "
+            "joints; MOVEL and MOVEJ are absolute",
         )  # fmt: skip
     return None
 
@@ -112,7 +114,8 @@ def word(line: Line) -> Guess | None:
     if upper in ("MOVE", "MOV"):
         return line.guess(
             line.begin, line.behind, f"{line.word} is no command", None,
-            "write MOVEJ (in joint space), MOVEJ_RPY (in joint space, to a pose), MOVEL (straight) or DMOVE (relative)",
+            "write MOVEJ (in joint space), MOVEJ_RPY (in joint space, to a pose), MOVEL (straight) or "
+            "DMOVE (relative)",
         )  # fmt: skip
     known = {*commands(), *actions(), "CALL"}
     likely = near(upper, (*known, *DECLARATIONS))

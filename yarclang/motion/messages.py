@@ -32,7 +32,10 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
     shortest = f"{fitted.shortest:.10g} s"
     fix = None
     if math.isinf(fitted.shortest):
-        help_ = f"no time works: not even {MOST_SEGMENTS:,} segments; the path passes too near a singularity, go round it"
+        help_ = (
+            f"no time works: not even {MOST_SEGMENTS:,} segments; the path passes too near a singularity, "
+            "go round it"
+        )
     elif origin.time_span is not None:
         factor = UNITS[origin.time_unit].factor
         text = f"{_not_below(fitted.shortest / factor):.10g}"
@@ -72,7 +75,10 @@ def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: 
     when = "" if isinstance(refused, TooShort) else f"{refused.time:.4g} s after the start"
     if isinstance(refused, TooShort):
         code, other = "Y0617", ""
-        message = f"the timetable lasts {refused.duration:.4g} s; the fewest segments, {FEWEST_SEGMENTS}, last {refused.shortest:.4g} s"
+        message = (
+            f"the timetable lasts {refused.duration:.4g} s; the fewest segments, {FEWEST_SEGMENTS}, last "
+            f"{refused.shortest:.4g} s"
+        )
     elif isinstance(refused, Broken):
         code = "Y0912" if refused.demand.watch is not None else "Y0616"
         message = f"{_excess(robot, step, refused.demand, refused.share)}, {when}"
@@ -82,8 +88,9 @@ def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: 
         factor = robot.axis_units[refused.joint]
         code = "Y0617"
         message = (
-            f"{name} would be {refused.off / factor:.3g} {unit} from the path of the timetable, {when}, with the shortest segments of "
-            f"{refused.segment / MS:.4g} ms; allowed are {step.within[refused.joint] / factor:.3g} {unit}"
+            f"{name} would be {refused.off / factor:.3g} {unit} from the path of the timetable, {when}, "
+            f"with the shortest segments of {refused.segment / MS:.4g} ms; allowed are "
+            f"{step.within[refused.joint] / factor:.3g} {unit}"
         )
         other = "; or allow more with TOL"
     if stretch is None:
@@ -105,8 +112,8 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
         zone = demand.watch.zone
         limit = (zone.speed or 0.0) / MM
         return (
-            f"{demand.watch.item.name} would go at {limit * used_share:,.4g} mm/s in the zone {zone.name}, {percent_text(used_share - 1)} above "
-            f"the {limit:,.4g} mm/s that it allows"
+            f"{demand.watch.item.name} would go at {limit * used_share:,.4g} mm/s in the zone {zone.name}, "
+            f"{percent_text(used_share - 1)} above the {limit:,.4g} mm/s that it allows"
         )
     if demand.kind == "motor speed":
         limit = robot.actuation.velocity[row] * MS
@@ -123,8 +130,8 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
     limit *= share
     reduced = f" (ACC {share * 100:.4g}%)" if share != 1.0 else ""
     return (
-        f"the {what} of {whose} would be {limit * used_share:,.4g} {unit}, {percent_text(used_share - 1)} above "
-        f"its limit of {limit:,.4g} {unit}{reduced}"
+        f"the {what} of {whose} would be {limit * used_share:,.4g} {unit}, {percent_text(used_share - 1)} "
+        f"above its limit of {limit:,.4g} {unit}{reduced}"
     )
 
 
@@ -136,7 +143,10 @@ def too_fast_a_cruise(
     span = origin.time_span or origin.span
     message, code = "no segments are short enough for this speed", "Y0605"
     if broken is not None and broken.demand is not None:
-        message = f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % of the way"
+        message = (
+            f"at this speed {_excess(robot, step, broken.demand, broken.share)} at {broken.s * 100:.3g} % "
+            "of the way"
+        )
         code = "Y0912" if broken.demand.watch is not None else code
     if near is not None:
         message += f"; {_beside(robot, near)}"
@@ -192,12 +202,15 @@ def no_cruise(step: Motion) -> Message:
 
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
     """Return the finding about a motion that would need more segments than are planned."""
-    message = f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the most that are planned"
+    message = (
+        f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the "
+        "most that are planned"
+    )
     if near is not None:
         message += f"; {_beside(robot, near)}"
     help_ = (
-        "if [MIN] takes so long, the path passes too near a singularity: go round it; or through a slow zone of the cell whose speed has another "
-        "unit than was meant; else divide the motion"
+        "if [MIN] takes so long, the path passes too near a singularity: go round it; or through a slow "
+        "zone of the cell whose speed has another unit than was meant; else divide the motion"
     )
     return "Y0604", message, origin.time_span or origin.span, help_, None
 
@@ -205,8 +218,8 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
 def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
     """Return the finding about a timetable that would need more segments than are planned."""
     message = (
-        f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than {MOST_SEGMENTS:,} segments, "
-        "the most that are planned"
+        f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than "
+        f"{MOST_SEGMENTS:,} segments, the most that are planned"
     )
     help_ = "divide it where the robot rests; a larger TOL wants fewer segments"
     return "Y0604", message, origin.span, help_, None
@@ -214,7 +227,10 @@ def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
 
 def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = None) -> Message:
     """Return the finding about a path along which the search for a law gives up."""
-    message = f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % of the way"
+    message = (
+        f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % "
+        "of the way"
+    )
     if near is not None:
         message += f"; {_beside(robot, near)}"
     help_ = (
@@ -227,8 +243,9 @@ def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = Non
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
     """Return the finding about a path that the controller's segments can't follow."""
     message = (
-        f"with segments of {fitted.segment / MS:.4g} ms the path is missed by {length_text(fitted.position)} and "
-        f"{fitted.angle / DEG:.2g} deg, and the controller takes none shorter than {smallest / MS:.4g} ms"
+        f"with segments of {fitted.segment / MS:.4g} ms the path is missed by "
+        f"{length_text(fitted.position)} and {fitted.angle / DEG:.2g} deg, and the controller takes none "
+        f"shorter than {smallest / MS:.4g} ms"
     )
     return "Y0602", message, origin.span, "give the motion more time, or allow more (--tolerance)", None
 

@@ -91,11 +91,20 @@ class MotionPlan:
 
     Its times count motions and dwells, with the branches of a WHEN one after the other; waiting for an input
     or the operator takes no time.
+
+    In `program`, lines around obstacles are replaced by their legs; `asked` is the program without that, None
+    if nothing was replaced.
     """
 
     program: Program
     robot: Robot
     motions: tuple[PlannedMotion, ...]
+    asked: Program | None = None
+
+    @property
+    def source_program(self) -> Program:
+        """The program as it was checked."""
+        return self.program if self.asked is None else self.asked
 
     @cached_property
     def schedule(self) -> Schedule:

@@ -9,7 +9,7 @@ from functools import partial
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Collector, Diagnostic, Result, has_errors
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Motion, Program, Step, Stop, TimedMove
+from yarclang.hir import Gap, LineMove, Motion, Program, Step, Stop, TimedMove
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.motion import messages
 from yarclang.motion.cartesian import CartesianPath
@@ -29,7 +29,7 @@ from yarclang.motion.paths.timed import TimedPath, along
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.motion.profile import FOR_SHORT, NoLaw, load_profile
 from yarclang.motion.recalling import told_before
-from yarclang.motion.routes import Router
+from yarclang.motion.routes import Done, Router
 from yarclang.motion.singular import nearest_singularity
 from yarclang.motion.timed import Broken, Missed, TooShort, fit_timed, shortest_stretch
 from yarclang.motion.together import Tried, TriedAhead
@@ -97,20 +97,25 @@ def plan_in_part(
     for number in range(end):
         tell("planning", number // 2, end)
         router.advance()
-    found: list[list[Diagnostic]] = [list(done.found) for done in router.done]
+    planned, all_done = program, router.done
+    if any(isinstance(step, LineMove) and step.avoids for step in steps):
+        steps, all_done = router.in_legs()
+        planned = replace(program, steps=(*steps, *program.steps[end:]))
+        end = len(steps)
+    found: list[list[Diagnostic]] = [list(done.found) for done in all_done]
     links: dict[int, Link] = {}
     ways: dict[int, Path | FrameWay] = {}
     flows = False
     # Second pass: each motion by itself, except in long chains, which can be planned as one path.
     motions_of = [
         (step, done.route.path) if isinstance(step, Motion) and done.route is not None else None
-        for step, done in zip(steps, router.done, strict=True)
+        for step, done in zip(steps, all_done, strict=True)
         if isinstance(step, Motion)
     ]
     tried = TriedAhead(motions_of, settings.grid, planner.asked)
     in_long_chains = long_chains(steps)
     place = -1
-    for number, (step, done) in enumerate(zip(steps, router.done, strict=True)):
+    for number, (step, done) in enumerate(zip(steps, all_done, strict=True)):
         tell("planning", (end + number) // 2, end)
         place += isinstance(step, Motion)
         if done.way is not None:
@@ -150,11 +155,11 @@ def plan_in_part(
         pieces: Sequence[Piece | None] = as_one or ()
         if as_one is None:
             # a chain that can't be planned as one path: first plan each motion by itself
-            pieces = planner.pieces_of_known(numbers, chain, steps, router, found, links)
+            pieces = planner.pieces_of_known(numbers, chain, steps, all_done, found, links)
         for number, piece in zip(numbers, pieces, strict=True):
             if piece is None:
                 continue
-            step, route = steps[number], router.done[number].route
+            step, route = steps[number], all_done[number].route
             assert isinstance(step, Motion)
             assert route is not None
             motions.append(
@@ -180,7 +185,8 @@ def plan_in_part(
         and not has_gaps
         and not any(one.is_error for one in everything)
     )
-    return MotionPlan(program, robot, tuple(motions)), complete, everything
+    asked = None if planned is program else program
+    return MotionPlan(planned, robot, tuple(motions), asked), complete, everything
 
 
 def _known_without_a_way(step: Motion) -> list[Diagnostic]:
@@ -415,7 +421,7 @@ class _Planner:
         numbers: list[int],
         chain: list[Link],
         steps: Sequence[Step],
-        router: Router,
+        all_done: Sequence[Done],
         found: list[list[Diagnostic]],
         links: dict[int, Link],
     ) -> list[Piece | None]:
@@ -426,13 +432,13 @@ class _Planner:
             numbers: the steps of its motions.
             chain: the motions.
             steps: of the program.
-            router: knows their paths.
+            all_done: what is known of each step.
             found: the findings of each step; those of these motions are added.
             links: all motions; receives these ones, planned by themselves.
         """
         known: list[Link | None] = []
         for number, bare in zip(numbers, chain, strict=True):
-            step, done = steps[number], router.done[number]
+            step, done = steps[number], all_done[number]
             assert isinstance(step, Motion)
             findings = Collector(step.origin.source)
             findings.place = step.origin.place

@@ -45,9 +45,9 @@ from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.motion.chains.corners import long_chains
 from yarclang.motion.leading import messages
 from yarclang.motion.leading.ahead import WaysAhead
-from yarclang.motion.leading.frame_motions import frame_motion, frame_way
+from yarclang.motion.leading.frame_motions import avoiding_line, frame_motion, frame_way
 from yarclang.motion.leading.joint_motions import avoiding_motion, joint_motion, spline_motion, timed_motion
-from yarclang.motion.leading.led import FrameWay, Led
+from yarclang.motion.leading.led import FrameWay, Led, LineLeg
 from yarclang.motion.leading.reached import ReachedAhead
 from yarclang.motion.leading.solving import Solver, flange_at, is_free
 from yarclang.motion.path import Path
@@ -59,10 +59,14 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Route:
-    """The path of one motion, and the joint positions (k, n) [rad or m] chosen for its way-points."""
+    """The path of one motion, and the joint positions (k, n) [rad or m] chosen for its way-points.
+
+    A line around obstacles has `legs`, and the path of the last one.
+    """
 
     path: Path
     waypoints: Array
+    legs: tuple[LineLeg, ...] = ()
 
 
 @frozen
@@ -87,7 +91,7 @@ class _Stand:
 
 
 @dataclass(slots=True)
-class _Done:
+class Done:
     """The result of one step.
 
     `before` and `behind` are the states before and after the step. `broken` is True if the step can't be done
@@ -118,7 +122,7 @@ class Router:
     """The cell during each motion, if it is given."""
     searches: int = 1
     """Number of ways around obstacles that are searched for; the fastest is taken."""
-    done: list[_Done] = field(default_factory=list)
+    done: list[Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
     """Solutions taken instead of the nearest one, by step."""
     _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
@@ -136,6 +140,31 @@ class Router:
         self._reached = ReachedAhead(self.robot, self.steps)
         self._ahead = WaysAhead(self.robot, self.steps, long_chains(self.steps))
         self._handling = handling_of(self.robot, self.cell, self.steps)
+
+    def in_legs(self) -> tuple[tuple[Step, ...], list[Done]]:
+        """Return the steps and what is known of each, with each line around obstacles as its legs."""
+        steps, done = list[Step](), list[Done]()
+        for step, one in zip(self.steps, self.done, strict=False):
+            if not (isinstance(step, LineMove) and step.avoids) or one.route is None:
+                steps.append(step)
+                done.append(one)
+                continue
+            legs = one.route.legs
+            last = replace(step, avoids=False)
+            if len(legs) < 2:
+                steps.append(last)
+                done.append(one)
+                continue
+            before = one.before
+            for number, leg in enumerate(legs):
+                is_last = number == len(legs) - 1
+                end = leg.path.end
+                behind = one.behind if is_last else _moved(before, end)
+                steps.append(_timed(last if is_last else _to_via(last, leg.pose), leg.share))
+                found = one.found if is_last else ()
+                done.append(Done(before, behind, Route(leg.path, end[None]), found, False, None, one.cell))
+                before = behind
+        return (*steps, *self.steps[len(self.done) :]), done
 
     def _solver(self, number: int, step: Motion, before: _Stand) -> Solver:
         """Return the solver for the poses of a command.
@@ -157,7 +186,8 @@ class Router:
         if not handling.is_needed:
             return self.cell
         touches = handling.touches(number, self._grasps.get)
-        if not step.leads_frame and before.q is not None:
+        searches = isinstance(step, LineMove) and step.avoids and isinstance(step.goal, PoseGoal)
+        if (searches or not step.leads_frame) and before.q is not None:
             # for straight ways of a frame, only the certificate checks what they meet
             flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
@@ -225,10 +255,10 @@ class Router:
             return done.before.q
         return np.array(done.route.waypoints[-2])
 
-    def _step(self, number: int, before: _Stand) -> _Done:
+    def _step(self, number: int, before: _Stand) -> Done:
         step = self.steps[number]
         if isinstance(step, Gap):
-            return _Done(before, _moved(before, None))
+            return Done(before, _moved(before, None))
         findings = Collector(step.origin.source)
         findings.place = step.origin.place
         if isinstance(step, Motion):
@@ -249,7 +279,7 @@ class Router:
             done.cell = solver.cell
             return done
         behind = self._flow(number, step, before, findings) if isinstance(step, Action) else before
-        return _Done(before, behind, None, tuple(findings.found))
+        return Done(before, behind, None, tuple(findings.found))
 
     def _flow(self, number: int, step: Action, stand: _Stand, findings: Collector) -> _Stand:
         """Return the state after a step that doesn't move the robot.
@@ -295,7 +325,7 @@ class Router:
 
     def _motion(
         self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
-    ) -> _Done:
+    ) -> Done:
         """Route one motion from `q` (n,)."""
         # A joint motion to a free pose becomes the new choice to vary; other targets in joint space fix the
         # position.
@@ -309,7 +339,8 @@ class Router:
             key = ("route", *kept, solver.measures, solver.is_again, solver.searches)
 
         def make() -> tuple[Led, Route | None]:
-            path = self._ahead.path(number, q) if isinstance(step, LineMove | ArcMove) else None
+            is_fixed = isinstance(step, ArcMove) or (isinstance(step, LineMove) and not step.avoids)
+            path = self._ahead.path(number, q) if is_fixed else None
             if path is not None:
                 end = path.end
                 waypoints = end[None]
@@ -317,7 +348,7 @@ class Router:
             led = self._led(solver, step, q, taken, findings)
             if led.path is None or led.waypoints is None:
                 return led, None
-            return led, Route(led.path, led.waypoints)
+            return led, Route(led.path, led.waypoints, led.legs)
 
         # The fix of a way around obstacles uses names that don't occur in the text.
         around = isinstance(step, AvoidMove)
@@ -325,7 +356,7 @@ class Router:
         behind = _Stand(
             Ways(led.end, before.ways.ends, before.ways.open), choice, before.flange, before.parts
         )
-        return _Done(before, behind, route, tuple(findings.found), led.broken)
+        return Done(before, behind, route, tuple(findings.found), led.broken)
 
     @staticmethod
     def _led(solver: Solver, step: Motion, q: Array, taken: Array | None, findings: Collector) -> Led:
@@ -338,12 +369,14 @@ class Router:
                 return spline_motion(solver, step, q, findings, taken)
             case TimedMove():
                 return timed_motion(solver, step, q, findings)
+            case LineMove(avoids=True):
+                return avoiding_line(solver, step, q, findings)
             case LineMove() | ArcMove() | PoseSplineMove():
                 return frame_motion(solver, step, q, findings)
 
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
-    ) -> _Done:
+    ) -> Done:
         """Check a motion from an unknown position as far as possible: if its poses can be reached at all, and
         the way of its frame.
         """
@@ -355,7 +388,7 @@ class Router:
 
         q, flange_after, way = told_before(self.memory, key, step.origin, findings, make)
         behind = replace(_moved(before, q), flange=flange_after)
-        return _Done(before, behind, None, tuple(findings.found), way=way)
+        return Done(before, behind, None, tuple(findings.found), way=way)
 
     def _goals_from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
@@ -390,6 +423,17 @@ MOST_MEASURED = 20
 """Number of commands of a program for which the distance out of reach is measured: each search takes about
 0.1 s.
 """
+
+
+def _to_via(step: LineMove, pose: Array) -> LineMove:
+    """Return the leg of a line that leads to a pose (4, 4) in between, and stops there."""
+    return replace(step, goal=PoseGoal(pose, step.goal.flange_from_moving), blend=None, search=None)
+
+
+def _timed(step: LineMove, share: float) -> LineMove:
+    """Return the leg of a line with its share of the duration, if one is given."""
+    duration = step.timing.duration
+    return step if duration is None else replace(step, timing=replace(step.timing, duration=share * duration))
 
 
 def _moved(stand: _Stand, q: Array | None) -> _Stand:

@@ -39,16 +39,16 @@ def self_signed(folder: Path, names: frozenset[str]) -> tuple[Path, Path, str]:
     """
     certificate, key = folder / "certificate.pem", folder / "key.pem"
     wanted = frozenset({*names, "localhost", "127.0.0.1", socket.gethostname().lower()})
-    known = _known(certificate)
-    if known is None or not key.exists() or not wanted <= _names(known) or _ends_soon(known):
+    created = _current(certificate)
+    if created is None or not key.exists() or not wanted <= _names(created) or _ends_soon(created):
         try:
-            known = _make(certificate, key, sorted(wanted))
+            created = _make(certificate, key, sorted(wanted))
         except OSError as error:
             reason = reason_of(error)
             raise Trouble(
                 f"{folder} can't be written: {reason}", "make room, or give --data FOLDER", ""
             ) from None
-    print_ = known.fingerprint(hashes.SHA256()).hex(":").upper()
+    print_ = created.fingerprint(hashes.SHA256()).hex(":").upper()
     return certificate, key, print_
 
 
@@ -56,7 +56,7 @@ def _make(certificate: Path, key: Path, names: list[str]) -> x509.Certificate:
     secret = ec.generate_private_key(ec.SECP256R1())
     called = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "YARC pendant")])
     now = datetime.now(UTC)
-    made = (
+    builder = (
         x509.CertificateBuilder()
         .subject_name(called)
         .issuer_name(called)
@@ -73,8 +73,8 @@ def _make(certificate: Path, key: Path, names: list[str]) -> x509.Certificate:
         serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     )
     _write(key, kept)
-    _write(certificate, made.public_bytes(serialization.Encoding.PEM))
-    return made
+    _write(certificate, builder.public_bytes(serialization.Encoding.PEM))
+    return builder
 
 
 def _write(place: Path, content: bytes) -> None:
@@ -85,7 +85,7 @@ def _write(place: Path, content: bytes) -> None:
         file.write(content)
 
 
-def _known(certificate: Path) -> x509.Certificate | None:
+def _current(certificate: Path) -> x509.Certificate | None:
     try:
         return x509.load_pem_x509_certificate(certificate.read_bytes())
     except (OSError, ValueError):

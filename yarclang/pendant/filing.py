@@ -58,7 +58,9 @@ class Filing:
         self._asking = asyncio.Lock()
         self._uploads: list[str] = []
 
-    async def save(self, session: Session, address: str, file: str, text: str, known: str | None) -> Written:
+    async def save(
+        self, session: Session, address: str, file: str, text: str, known_hash: str | None
+    ) -> Written:
         """Save a text.
 
         Args:
@@ -66,7 +68,7 @@ class Filing:
             address: address from which the request came.
             file: path in the project.
             text: the new text.
-            known: SHA-256 of the version that was edited; None if the file doesn't exist yet.
+            known_hash: SHA-256 of the version that was edited; None if the file doesn't exist yet.
 
         Raises:
             Trouble: the file has changed meanwhile, or can't be written.
@@ -82,14 +84,14 @@ class Filing:
             "file": file,
             "size": len(data),
             "sha256": hashlib.sha256(data).hexdigest(),
-            "new": known is None,
+            "new": known_hash is None,
         }
         return await self._done(
-            session, address, "save", detail, lambda: self.folder.write(file, data, known)
+            session, address, "save", detail, lambda: self.folder.write(file, data, known_hash)
         )
 
     async def change(
-        self, session: Session, address: str, file: str, text: str, known: str, what: str
+        self, session: Session, address: str, file: str, text: str, known_hash: str, description: str
     ) -> Written:
         """Change a description of the robot or of its cell. The old version is kept in the trash.
 
@@ -98,8 +100,8 @@ class Filing:
             address: address from which the request came.
             file: path in the project.
             text: the new text.
-            known: SHA-256 of the version that was edited.
-            what: description of the change, in words.
+            known_hash: SHA-256 of the version that was edited.
+            description: description of the change, in words.
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
@@ -107,13 +109,23 @@ class Filing:
         """
         self.check_service(session)
         data = text.encode()
-        detail = {"file": file, "size": len(data), "sha256": hashlib.sha256(data).hexdigest(), "what": what}
+        detail = {
+            "file": file,
+            "size": len(data),
+            "sha256": hashlib.sha256(data).hexdigest(),
+            "what": description,
+        }
         return await self._done(
-            session, address, "change", detail, lambda: self.folder.change(file, data, known, session.user)
+            session,
+            address,
+            "change",
+            detail,
+            lambda: self.folder.change(file, data, known_hash, session.user),
         )
 
     async def upload(
-        self, session: Session, address: str, file: str, known: str | None, length: int | None, stream: AsyncIterator[bytes]
+        self, session: Session, address: str, file: str, known_hash: str | None, length: int | None,
+            stream: AsyncIterator[bytes]
     ) -> Written:  # fmt: skip
         """Write an uploaded file while it arrives. If the upload is interrupted, nothing is left of it.
 
@@ -121,7 +133,7 @@ class Filing:
             session: session of the user.
             address: address from which the request came.
             file: path in the project.
-            known: SHA-256 of the version that is replaced; None if the file doesn't exist yet.
+            known_hash: SHA-256 of the version that is replaced; None if the file doesn't exist yet.
             length: announced length [bytes]; None if there is none.
             stream: the content.
 
@@ -149,9 +161,9 @@ class Filing:
                 raise Trouble(
                     f"{quoted(file)} has {length:,} bytes, and {draft.size:,} came", "try again", ""
                 )
-            detail = {"file": file, "size": draft.size, "sha256": draft.sha256, "new": known is None}
+            detail = {"file": file, "size": draft.size, "sha256": draft.sha256, "new": known_hash is None}
             return await self._done(
-                session, address, "upload", detail, lambda: self.folder.stand(draft, file, known)
+                session, address, "upload", detail, lambda: self.folder.stand(draft, file, known_hash)
             )
         except OSError as error:
             raise said(error, file) from None
@@ -232,13 +244,13 @@ class Filing:
         """
         self._accounts.check(session, Role.PROGRAMMER)
         self._accounts.used(session)
-        asked = objection or (lambda: self.folder.guarded.objection(detail["file"]))
+        objects = objection or (lambda: self.folder.guarded.objection(detail["file"]))
         deed = Deed(
             session.user, address, f"{PREFIX}{action}", json.dumps(detail, ensure_ascii=False, sort_keys=True)
         )
 
         def check() -> None:
-            reason = asked()
+            reason = objects()
             if reason:
                 self._check_service(session, reason)
 
@@ -292,25 +304,25 @@ class Filing:
             return GitState(there=False, what=what, commit=None, changes=(), cut=False)
         since = state.commit.when if state.commit else ""
         deeds = await self._accounts.deeds_since(PREFIX, since, _MOST_DEEDS)
-        return await asyncio.to_thread(self._shown, state, [deed for _, deed in deeds])
+        return await asyncio.to_thread(self._detail_text, state, [deed for _, deed in deeds])
 
     async def difference(self, file: str) -> tuple[str, str]:
         """Return a file's text in the last commit, and its present text. See `Git.difference`."""
         async with self._asking:
             return await asyncio.to_thread(self._git.difference, file)
 
-    def _shown(self, state: State, deeds: list[Deed]) -> GitState:
+    def _detail_text(self, state: State, deeds: list[Deed]) -> GitState:
         authors = authors_of(deeds)
-        shown = []
+        shown_detail = []
         for count, (file, kind) in enumerate(list(state.changes.items())[:_MOST_CHANGES]):
             found = authors.get(file, Authors())
             outside = found.sha256 is None
             if not outside and count < _MOST_HASHED and found.sha256 != "?":
                 outside = found.sha256 != self._present(file)
-            shown.append(ChangeShown(file=file, kind=kind, by=tuple(found.users), outside=outside))
+            shown_detail.append(ChangeShown(file=file, kind=kind, by=tuple(found.users), outside=outside))
         commit = None if state.commit is None else CommitShown(**asdict(state.commit))
         cut = state.cut or len(state.changes) > _MOST_CHANGES
-        return GitState(there=True, what="", commit=commit, changes=tuple(shown), cut=cut)
+        return GitState(there=True, what="", commit=commit, changes=tuple(shown_detail), cut=cut)
 
     def _present(self, file: str) -> str:
         try:
@@ -331,7 +343,7 @@ async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[byt
     """
     clock = asyncio.get_running_loop().time
     begun, received = clock(), 0
-    held: list[bytes] = []
+    waiting: list[bytes] = []
     size = 0
     while True:
         try:
@@ -343,13 +355,13 @@ async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[byt
         received += len(data)
         if clock() - begun > _START + received / _SLOWEST:
             raise _too_slow(file)
-        held.append(data)
+        waiting.append(data)
         size += len(data)
         if size >= _PIECE:
-            yield b"".join(held)
-            held, size = [], 0
-    if held:
-        yield b"".join(held)
+            yield b"".join(waiting)
+            waiting, size = [], 0
+    if waiting:
+        yield b"".join(waiting)
 
 
 def _too_large(file: str, size: int) -> Trouble:

@@ -116,15 +116,15 @@ class Gate:
         else:
             await self._accounts.did(deed)
         try:
-            made = await (await self._client(session, order)).ask(inside)
+            reply = await (await self._client(session, order)).ask(inside)
         except Trouble as trouble:
             self._accounts.note(
                 Deed(session.user, address, name_of(order), deed.detail, f"refused: {trouble.what}")
             )
             raise
-        if outcome := _outcome(made):
+        if outcome := _outcome(reply):
             self._accounts.note(Deed(session.user, address, name_of(order), deed.detail, outcome))
-        return made
+        return reply
 
     def check(self, session: Session, order: Order[Any], address: str) -> None:
         """Check that a session may give an order, and that the audit trail can be written.
@@ -266,11 +266,11 @@ class Gate:
         )
 
 
-def _outcome(made: Reply) -> str:
+def _outcome(reply: Reply) -> str:
     """Return the audit trail's text for the outcome of an order; empty if the order has no outcome of its
     own.
     """
-    match made:
+    match reply:
         case Ended(well=well, what=what):
             return "ended" if well else f"ended: {what}"
         case Serviced(what=what):

@@ -68,18 +68,18 @@ class Going:
         if self._asked and self._held:
             self._seat.send(orders.Keep())
 
-    async def resume(self, held: Callable[[], bool]) -> None:
+    async def resume(self, is_held: Callable[[], bool]) -> None:
         """Continue along the same path after a release.
 
         Args:
-            held: returns False if the button was released again meanwhile.
+            is_held: returns False if the button was released again meanwhile.
 
         Raises:
             Trouble: the motion can't continue.
         """
         order = orders.Resume()
         await self._accounts.did(self._deed(order, ""))
-        if self.ends or not held():
+        if self.ends or not is_held():
             return
         # From here to the orders there must be no await, so that a release of the button is handled after
         # them.
@@ -114,7 +114,7 @@ class Going:
 
     async def _carried_out(self) -> None:
         order = self.order
-        what, help_, outcome = "", "", "ended"
+        problem, help_, outcome = "", "", "ended"
         try:
             await self._accounts.did(self._deed(order, ""))
             if not self._held:
@@ -122,30 +122,30 @@ class Going:
             self._asked = True
             ended = await self._seat.ask(order)
             if not ended.well:
-                what, help_ = ended.what or "it was ended", ended.help or ""
-                outcome = f"ended: {what}"
+                problem, help_ = ended.what or "it was ended", ended.help or ""
+                outcome = f"ended: {problem}"
         except Trouble as trouble:
-            what, help_, outcome = trouble.what, trouble.remedy, f"refused: {trouble.what}"
+            problem, help_, outcome = trouble.what, trouble.remedy, f"refused: {trouble.what}"
         finally:
             self.ends = True
         self._accounts.note(self._deed(order, outcome))
-        self._ended(self, what, help_)
+        self._ended(self, problem, help_)
 
 
 def deed_of(
-    user: str, address: str, meant: Callable[[Wanted | orders.Resume], str]
+    user: str, address: str, described: Callable[[Wanted | orders.Resume], str]
 ) -> Callable[[Wanted | orders.Resume, str], Deed]:
     """Return a function that creates the audit trail's entries for orders of a held button.
 
     Args:
         user: user who holds the button.
         address: address from which the requests come.
-        meant: returns the text that describes an order.
+        described: returns the text that describes an order.
     """
 
     def made(order: Wanted | orders.Resume, outcome: str) -> Deed:
         if outcome:
-            return Deed(user, address, name_of(order), meant(order), outcome)
-        return Deed(user, address, name_of(order), meant(order))
+            return Deed(user, address, name_of(order), described(order), outcome)
+        return Deed(user, address, name_of(order), described(order))
 
     return made

@@ -224,14 +224,14 @@ class JogLine:
             self._going = going
             going.begin()
 
-    def _going_over(self, going: Going, what: str, help_: str) -> None:
+    def _going_over(self, going: Going, problem: str, help_: str) -> None:
         if going is not self._going:
             return  # another button is pressed by now
         press, self._going = self._active, None
         if not press:
-            self._tell(Jogging(press=self._ended, state="ended", why=what, help=help_))
-        elif what:
-            self._over(press, what, help_)
+            self._tell(Jogging(press=self._ended, state="ended", why=problem, help=help_))
+        elif problem:
+            self._over(press, problem, help_)
         else:
             self._active, self._ended = 0, press
             self._let_others()
@@ -285,7 +285,7 @@ class JogLine:
         while self._under_way() == JOG and self._now() < until and press.press > self._ended:
             await asyncio.sleep(_LOOKED_EACH)
 
-    def _over(self, press: int, why: str, help_: str = "", code: str = "") -> None:
+    def _over(self, press: int, reason: str, help_: str = "", code: str = "") -> None:
         """End a press and all earlier ones."""
         self._ended = max(self._ended, press)
         if self._active and self._active <= self._ended:
@@ -293,7 +293,7 @@ class JogLine:
             self._rest()
             self._let_others()
         shown = "pin" if code == "pin" else ""
-        self._tell(Jogging(press=press, state="ended", why=why, help=help_, code=shown))
+        self._tell(Jogging(press=press, state="ended", why=reason, help=help_, code=shown))
 
     def _let_others(self) -> None:
         if self._seats.jogging.get(self._session.id) is self:

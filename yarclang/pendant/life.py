@@ -33,7 +33,7 @@ class Life:
         self._check = check
         self._ends = asyncio.Event()
 
-    async def may(self, how: How) -> None:
+    async def may(self, way: How) -> None:
         """Check that the process may end in the given way.
 
         Raises:
@@ -41,14 +41,14 @@ class Life:
         """
         if self.wanted:
             raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
-        if how == "restart":
+        if way == "restart":
             await asyncio.to_thread(self._check)
             if self.wanted:
                 raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
 
-    def end(self, how: How) -> None:
+    def end(self, way: How) -> None:
         """Request the end of the process. It ends after its coordinator is closed and the robot rests."""
-        self.wanted = how
+        self.wanted = way
         self._ends.set()
 
     async def ended(self) -> None:

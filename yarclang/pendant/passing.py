@@ -206,7 +206,7 @@ class Passing:
         if name not in _TYPES:
             raise Malformed(f"{name[:40]!r} isn't for pages", "see the API's page", "")
         message = read(text, _TYPES[name])
-        made: dict[str, Any] = {
+        message_made: dict[str, Any] = {
             "jsonrpc": "2.0",
             "method": name,
             "params": self._params(name, message.params),
@@ -215,8 +215,8 @@ class Passing:
             if len(self._asked) >= MOST_ASKED or message.id in self._asked:
                 raise Malformed("too many questions wait for their answers", "wait, or cancel some", "")
             self._asked[message.id] = name
-            made["id"] = message.id
-        return made
+            message_made["id"] = message.id
+        return message_made
 
     def _params(self, name: str, params: Message) -> dict[str, Any]:
         if name == "initialize":
@@ -230,7 +230,7 @@ class Passing:
         if isinstance(params, Open):
             content["textDocument"] |= {"uri": self._open(params.textDocument.uri), "languageId": "yarc"}
         elif isinstance(params, Edited | Whole):
-            content["textDocument"]["uri"] = self._known(params.textDocument.uri)
+            content["textDocument"]["uri"] = self._name_of(params.textDocument.uri)
         if name == "textDocument/didClose":
             self._files.pop(content["textDocument"]["uri"], None)
         elif name == "textDocument/codeAction":
@@ -261,7 +261,7 @@ class Passing:
         self._files[place] = uri
         return place
 
-    def _known(self, uri: str) -> str:
+    def _name_of(self, uri: str) -> str:
         for place, name in self._files.items():
             if name == uri:
                 return place
@@ -278,9 +278,11 @@ class Passing:
         name = self._asked.pop(message.get("id", -1), None)
         if name is None:
             return None
-        made: dict[str, Any] = {"jsonrpc": "2.0", "id": message["id"]}
+        message_made: dict[str, Any] = {"jsonrpc": "2.0", "id": message["id"]}
         if "error" in message:
-            return made | {"error": {"message": self._short(str(message["error"].get("message", "")))}}
+            return message_made | {
+                "error": {"message": self._short(str(message["error"].get("message", "")))}
+            }
         result = message.get("result")
         if name == "initialize":
             result = {}
@@ -288,7 +290,7 @@ class Passing:
             result = [one for each in result or () if (one := self._action(each)) is not None]
         elif name == "textDocument/hover" and result:
             result["contents"]["value"] = self._short(result["contents"]["value"])
-        return made | {"result": result}
+        return message_made | {"result": result}
 
     def reply(self, message: dict[str, Any]) -> dict[str, Any] | None:
         """Return an error as the reply to a request of the analyst; None if the message is no request."""
@@ -300,12 +302,12 @@ class Passing:
         uri = self._files.get(params["uri"])
         if uri is None:
             return None
-        shown = [
+        shown_findings = [
             {key: one.get(key) for key in ("range", "severity", "code", "tags")}
             | {"message": self._short(one["message"])}
             for one in params["diagnostics"]
         ]
-        told = {"uri": uri, "version": params.get("version"), "diagnostics": shown}
+        told = {"uri": uri, "version": params.get("version"), "diagnostics": shown_findings}
         return {"jsonrpc": "2.0", "method": "textDocument/publishDiagnostics", "params": told}
 
     def _action(self, action: dict[str, Any]) -> dict[str, Any] | None:

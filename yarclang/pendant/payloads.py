@@ -96,13 +96,13 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
         file = place.relative_to(project.root).as_posix()
         content, told = project.read(file)
         return RobotFile(file, robot.folder, text_of(file, content), told.sha256)
-    found = read_text(place, "")
-    if isinstance(found, Diagnostic):
-        raise Trouble(found.clause, "look whether it was moved", found.code)
+    text_read = read_text(place, "")
+    if isinstance(text_read, Diagnostic):
+        raise Trouble(text_read.clause, "look whether it was moved", text_read.code)
     outside = f"{robot.name} is described outside of the project, in {place.parent}"
     remedy = "copy that folder into the project, and start the pendant with --robot and the copy"
-    sha256 = hashlib.sha256(found.text.encode()).hexdigest()
-    return RobotFile(str(place), robot.folder, found.text, sha256, outside, remedy)
+    sha256 = hashlib.sha256(text_read.text.encode()).hexdigest()
+    return RobotFile(str(place), robot.folder, text_read.text, sha256, outside, remedy)
 
 
 def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
@@ -126,38 +126,38 @@ def with_payload(file: RobotFile, payload: said.Payload) -> str:
     tables = tables_of(file.data)
     named = {name.upper(): name for name in tables}
     name = named.get(payload.tool.upper())
-    wanted: dict[str, object] = {"mass": payload.mass}
+    new_values: dict[str, object] = {"mass": payload.mass}
     if payload.mass > 0.0:
-        wanted["center_of_mass"] = list(payload.center_mm)
+        new_values["center_of_mass"] = list(payload.center_mm)
         if payload.inertia is not None:
-            wanted["inertia"] = list(payload.inertia)
+            new_values["inertia"] = list(payload.inertia)
     try:
         if name is None:
             if payload.frame is None:
-                what = f"{file.file} has no tool {payload.tool}"
-                raise Trouble(what, "name one of it, or the frame that a new one sits in", "")
+                problem = f"{file.file} has no tool {payload.tool}"
+                raise Trouble(problem, "name one of it, or the frame that a new one sits in", "")
             return with_table(
-                file.source, ("tools", payload.tool.upper()), {"frame": payload.frame.upper(), **wanted}
+                file.source, ("tools", payload.tool.upper()), {"frame": payload.frame.upper(), **new_values}
             )
-        return _changed(file, name, tables[name], wanted)
+        return _changed(file, name, tables[name], new_values)
     except ChangeError as error:
-        what = f"[tools.{payload.tool}] can't be changed by the pendant: {error}"
-        raise Trouble(what, "change robot.toml by hand, on the page Files", "") from None
+        problem = f"[tools.{payload.tool}] can't be changed by the pendant: {error}"
+        raise Trouble(problem, "change robot.toml by hand, on the page Files", "") from None
 
 
-def _changed(file: RobotFile, name: str, table: dict[str, Any], wanted: dict[str, object]) -> str:
+def _changed(file: RobotFile, name: str, table: dict[str, Any], new_values: dict[str, object]) -> str:
     """Return the text with a new mass, center of mass and inertia of an existing tool."""
     text = file.text
     for key in ("mass", "center_of_mass", "inertia"):
         path, source = ("tools", name, key), SourceFile(file.file, text)
-        if key not in wanted:
+        if key not in new_values:
             text = without(source, path) if key in table else text
-        elif key in table and table[key] == wanted[key]:
+        elif key in table and table[key] == new_values[key]:
             continue
-        elif key not in table and key == "center_of_mass" and not any(map(bool, _numbers(wanted[key]))):
+        elif key not in table and key == "center_of_mass" and not any(map(bool, _numbers(new_values[key]))):
             continue  # the centre is at the frame's origin by default
         else:
-            text = with_value(source, path, wanted[key])
+            text = with_value(source, path, new_values[key])
     return text
 
 
@@ -179,30 +179,32 @@ def joints_of(robot: Robot) -> tuple[said.JointEffort, ...]:
 
 
 def torques_of(
-    robot: Robot, other: Robot, here: Array | None, plan: MotionPlan | None
+    robot: Robot, other: Robot, position: Array | None, plan: MotionPlan | None
 ) -> tuple[tuple[said.Torques, ...], str]:
     """Return the joint torques without and with a payload, and the reason if they can't be computed.
 
     Args:
         robot: the running robot.
         other: the robot with the payload, read from the changed file.
-        here: (n,) present joint positions [rad or m]; None if unknown.
+        position: (n,) present joint positions [rad or m]; None if unknown.
         plan: plan of a program; None to examine no program.
     """
-    now, then = robot.dynamics, other.dynamics
-    if now is None or then is None or robot.joint_names != other.joint_names:
+    now, dynamics_then = robot.dynamics, other.dynamics
+    if now is None or dynamics_then is None or robot.joint_names != other.joint_names:
         return (), "robot.toml describes another arm than the one that runs: restart the pendant first"
     chain, limits = other.chain, other.limits
-    found = []
-    if here is not None:
-        q = here[None]
-        before, after = holding_torques(robot.chain, now, q)[0], holding_torques(chain, then, q)[0]
-        found.append(_told(robot, "here", before, Worst(after, np.repeat(q, robot.size, axis=0))))
+    torques = []
+    if position is not None:
+        q = position[None]
+        before, after = holding_torques(robot.chain, now, q)[0], holding_torques(chain, dynamics_then, q)[0]
+        torques.append(_comparison(robot, "here", before, Worst(after, np.repeat(q, robot.size, axis=0))))
     before = worst_holding(robot.chain, now, robot.limits.lower, robot.limits.upper).torque
-    found.append(_told(robot, "reach", before, worst_holding(chain, then, limits.lower, limits.upper)))
+    torques.append(
+        _comparison(robot, "reach", before, worst_holding(chain, dynamics_then, limits.lower, limits.upper))
+    )
     if plan is not None and plan.motions:
-        found.append(_of_program(robot, (now, then), plan))
-    return tuple(found), ""
+        torques.append(_of_program(robot, (now, dynamics_then), plan))
+    return tuple(torques), ""
 
 
 def _of_program(robot: Robot, loads: tuple[Dynamics, Dynamics], plan: MotionPlan) -> said.Torques:
@@ -213,7 +215,7 @@ def _of_program(robot: Robot, loads: tuple[Dynamics, Dynamics], plan: MotionPlan
     before, after = (torques(robot.chain, one, q, v, a) for one in loads)
     at = np.abs(after).argmax(axis=0)
     titles = tuple(_title(plan, plan.motions[int(row) // each].step) for row in at)
-    return _told(robot, "program", worst_of(before, q).torque, worst_of(after, q), titles)
+    return _comparison(robot, "program", worst_of(before, q).torque, worst_of(after, q), titles)
 
 
 def _title(plan: MotionPlan, step: int) -> str:
@@ -221,18 +223,24 @@ def _title(plan: MotionPlan, step: int) -> str:
     return "" if isinstance(found, Gap) else found.origin.label
 
 
-def _told(robot: Robot, what: Any, now: Array, then: Worst, where: tuple[str, ...] = ()) -> said.Torques:
+def _comparison(
+    robot: Robot, quantity: Any, now: Array, after: Worst, place: tuple[str, ...] = ()
+) -> said.Torques:
     return said.Torques(
-        what=what,
+        what=quantity,
         now=tuple(now.round(6).tolist()),
-        then=tuple(then.torque.round(6).tolist()),
-        at=tuple(map(tuple, (then.q / robot.axis_units).round(3).tolist())),
-        where=where,
+        then=tuple(after.torque.round(6).tolist()),
+        at=tuple(map(tuple, (after.q / robot.axis_units).round(3).tolist())),
+        where=place,
     )
 
 
 def proposed(
-    robot: Robot, project: ProjectFolder, payload: said.Payload, here: Array | None, plan: MotionPlan | None
+    robot: Robot,
+    project: ProjectFolder,
+    payload: said.Payload,
+    position: Array | None,
+    plan: MotionPlan | None,
 ) -> said.PayloadShown:
     """Return the changes that a payload would make.
 
@@ -240,7 +248,7 @@ def proposed(
         robot: the running robot.
         project: the project's folder, whose files can be changed.
         payload: payload as entered.
-        here: (n,) present joint positions [rad or m]; None if unknown.
+        position: (n,) present joint positions [rad or m]; None if unknown.
         plan: plan of a program; None to examine no program.
 
     Raises:
@@ -249,10 +257,10 @@ def proposed(
     file = robot_file(robot, project)
     after = with_payload(file, payload)
     read = read_robot(SourceFile(file.file, after), file.folder)
-    found: tuple[said.Torques, ...] = ()
+    torques: tuple[said.Torques, ...] = ()
     unknown = "the changed robot.toml has errors"
     if read.value is not None:
-        found, unknown = torques_of(robot, read.value, here, plan)
+        torques, unknown = torques_of(robot, read.value, position, plan)
     return said.PayloadShown(
         file=file.file,
         why_not=file.why_not,
@@ -262,7 +270,7 @@ def proposed(
         findings=finding_messages(read.diagnostics),
         sound=read.value is not None,
         joints=joints_of(read.value or robot),
-        torques=found,
+        torques=torques,
         unknown=unknown,
         restart=differs(robot, file.read()),
     )

@@ -37,7 +37,7 @@ class Pressed:
             return wants.MoveJoints(velocity=press.velocity)
         if press.twist is None:
             raise Trouble("nothing is wanted", "give velocity, twist, step or go", "")
-        if _same(press.axes, press.moving):
+        if _same_text(press.axes, press.moving):
             return wants.MoveTool(twist=press.twist, axes="tool")
         turn = await self._axes(press.axes, seat)
         along, about = np.array(press.twist[:3]), np.array(press.twist[3:])
@@ -45,10 +45,10 @@ class Pressed:
 
     async def _axes(self, name: str, seat: Attached) -> Array:
         """Return the axes (3, 3) of a stationary frame in {B}."""
-        if _same(name, "{B}"):
+        if _same_text(name, "{B}"):
             return np.eye(3)
         for frame in (await seat.ask(orders.AskFrames())).frames:
-            if _same(frame.name, name):
+            if _same_text(frame.name, name):
                 if frame.on_flange:
                     what = f"{frame.name} moves with the robot: jog along its axes by moving it"
                     raise Trouble(what, "choose it as the moving frame as well", "")
@@ -57,19 +57,19 @@ class Pressed:
 
     async def step(self, press: Press, step: Step, seat: Attached) -> wants.Want:
         """Return the goal of a step from the robot's present position."""
-        here = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
+        stands = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
         names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
         if (number := names.get(step.axis.upper())) is not None:
-            joints = list(here.joints.values())
+            joints = list(stands.joints.values())
             joints[number] += step.by
             return wants.BeThere(joints=tuple(joints), rate=(0.0,) * len(joints))
         if step.axis not in AXES or len(step.axis) != 1:
             raise Trouble(f"there is no axis {step.axis[:40]!r}", "name a joint, or one of x y z a b c", "")
-        if here.pose is None:
-            raise Trouble(here.findings[0].message, here.findings[0].help or "", "")
-        pose = np.array(here.pose)
+        if stands.pose is None:
+            raise Trouble(stands.findings[0].message, stands.findings[0].help or "", "")
+        pose = np.array(stands.pose)
         axis = AXES.index(step.axis)
-        turn = pose[:3, :3] if _same(press.axes, press.moving) else await self._axes(press.axes, seat)
+        turn = pose[:3, :3] if _same_text(press.axes, press.moving) else await self._axes(press.axes, seat)
         way = turn[:, axis % 3]
         if axis < 3:
             pose[:3, 3] += way * step.by * MM
@@ -79,8 +79,8 @@ class Pressed:
         return wants.HoldPose(pose=tuple(values))
 
 
-def _same(one: str, other: str) -> bool:
-    return one.strip("{} ").upper() == other.strip("{} ").upper()
+def _same_text(text: str, other: str) -> bool:
+    return text.strip("{} ").upper() == other.strip("{} ").upper()
 
 
 def _about(axis: Array, angle: float) -> Array:

@@ -63,7 +63,7 @@ class Seats:
         """Give up the seat of a session. If it owns the robot, the robot comes to rest on its path."""
         seat = self._seats.pop(id_, None)
         if seat is not None:
-            task = asyncio.ensure_future(_left(seat))
+            task = asyncio.ensure_future(_leave(seat))
             self._leaving.add(task)
             task.add_done_callback(self._leaving.discard)
 
@@ -74,7 +74,7 @@ class Seats:
         await asyncio.gather(*self._leaving, return_exceptions=True)
 
 
-async def _left(seat: Attached) -> None:
+async def _leave(seat: Attached) -> None:
     try:
         await seat.leave()
     except Trouble:

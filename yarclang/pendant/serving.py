@@ -115,12 +115,12 @@ def _listener(place: Place) -> socket.socket:
     except (OSError, OverflowError) as error:
         reason = (getattr(error, "strerror", None) or str(error)).lower()
         what = f"{place.host} port {place.port} can't be listened on: {reason}"
-        raise Trouble(what, "choose another --port or --host", "") from None
+        raise Trouble(what, "choose another --port (0 takes a free one) or --host", "") from None
 
 
 def _config(service: Service, place: Place) -> uvicorn.Config:
     try:
-        made = uvicorn.Config(
+        config = uvicorn.Config(
             application(service, place.names | {place.host}),
             log_config=None,
             access_log=False,
@@ -139,11 +139,11 @@ def _config(service: Service, place: Place) -> uvicorn.Config:
             ssl_certfile=place.certificate,
             ssl_keyfile=place.key,
         )
-        made.load()
+        config.load()
     except (OSError, ssl.SSLError) as error:
         reason = str(error).lower()
         raise Trouble(
             f"{place.certificate} and {place.key} can't be used for TLS: {reason}",
             "name a certificate and its key in PEM form", "",
         ) from None  # fmt: skip
-    return made
+    return config

@@ -136,28 +136,28 @@ class Signals:
         Raises:
             Trouble: the coordinator can't be reached.
         """
-        seen = await self._look(attached)
+        surroundings = await self._look(attached)
         values: list[float | None] = []
-        heard: list[int] = []
-        for number, one in enumerate((*seen.told.inputs, *seen.told.outputs)):
+        levels: list[int] = []
+        for number, one in enumerate((*surroundings.told.inputs, *surroundings.told.outputs)):
             value = one.value
             if value is None and one.variable in self._heard:
                 value = self._heard[one.variable]
-                heard.append(number)
+                levels.append(number)
             values.append(value)
         return SignalValues(
-            version=seen.shown.version,
+            version=surroundings.shown.version,
             values=tuple(values),
-            heard=tuple(heard),
-            waiting=self._waiting(seen.told),
-            held=seen.held,
+            heard=tuple(levels),
+            waiting=self._waiting(surroundings.told),
+            held=surroundings.held,
         )
 
-    def _waiting(self, told: Surroundings) -> Waiting | None:
+    def _waiting(self, surroundings: Surroundings) -> Waiting | None:
         if self._wait is None:
             return None
         event, since = self._wait
-        value = next((one.value for one in told.inputs if one.variable == event.variable), None)
+        value = next((one.value for one in surroundings.inputs if one.variable == event.variable), None)
         return Waiting(
             place=event.place,
             name=event.name,
@@ -173,13 +173,13 @@ class Signals:
             if self._seen is not None and self._now() < self._seen.until:
                 return self._seen
             begun = self._now()
-            told = await attached.ask(orders.AskSurroundings())
-            self._file = await asyncio.to_thread(self._read, told.cell)
-            held = await _held(attached, self._file.cell)
-            shown = _described(told, self._file)
+            surroundings = await attached.ask(orders.AskSurroundings())
+            self._file = await asyncio.to_thread(self._read, surroundings.cell)
+            held = await _holding_grippers(attached, self._file.cell)
+            shown = _described(surroundings, self._file)
             done = self._now()
-            age = _AGE if told.fixed else _SIMULATED_AGE
-            self._seen = _Seen(told, held, shown, done + max(age, (_SHARE - 1.0) * (done - begun)))
+            age = _AGE if surroundings.fixed else _SIMULATED_AGE
+            self._seen = _Seen(surroundings, held, shown, done + max(age, (_SHARE - 1.0) * (done - begun)))
             return self._seen
 
     def _read(self, path: str | None) -> _CellFile:
@@ -192,7 +192,7 @@ class Signals:
         return last if last.trouble else read_cell_file(None, self._robot, last)
 
 
-async def _held(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
+async def _holding_grippers(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
     """Return the grippers that hold a part."""
     if cell is None or not cell.parts or not cell.grips:
         return ()
@@ -238,13 +238,13 @@ def comments_of(source: SourceFile) -> dict[tuple[str, str], str]:
     comment at the end of the line, otherwise the comment in the line above.
     """
     places, lines = find_places(source), source.lines
-    found = {}
+    comments = {}
     for path in places.keys:
         if len(path) == 2 and path[0] in ("inputs", "outputs"):
             said = _comment(places, lines, path)
             if said:
-                found[str(path[0]), str(path[1]).upper()] = said
-    return found
+                comments[str(path[0]), str(path[1]).upper()] = said
+    return comments
 
 
 def _comment(places: Places, lines: tuple[str, ...], path: tuple[str | int, ...]) -> str:
@@ -259,44 +259,48 @@ def _comment(places: Places, lines: tuple[str, ...], path: tuple[str | int, ...]
     return words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
 
 
-def _described(told: Surroundings, file: _CellFile) -> SignalsShown:
+def _described(surroundings: Surroundings, file: _CellFile) -> SignalsShown:
     cell = file.cell
     inputs, outputs = (cell.inputs, cell.outputs) if cell is not None else ({}, {})
-    sensed = {one.input for one in cell.sensors} if cell is not None else set()
+    sensed = {output.input for output in cell.sensors} if cell is not None else set()
     signals = []
-    for one in told.inputs:
-        declared = inputs.get(one.name) == one.variable
-        signals.append(_input(one, declared, file, one.variable in sensed or one.name in sensed))
-    for one in told.outputs:
-        own = outputs.get(one.name)
-        known = own if own is not None and own.variable == one.variable else None
+    for output in surroundings.inputs:
+        declared = inputs.get(output.name) == output.variable
+        signals.append(_input(output, declared, file, output.variable in sensed or output.name in sensed))
+    for output in surroundings.outputs:
+        own = outputs.get(output.name)
+        matching = own if own is not None and own.variable == output.variable else None
         signals.append(
             SignalShown(
-                name=one.name,
-                variable=one.variable,
+                name=output.name,
+                variable=output.variable,
                 kind="output",
-                declared=known is not None,
-                comment=file.comments.get(("outputs", one.name), "") if known is not None else "",
-                safe=None if known is None else known.safe,
-                grips_at=None if known is None or known.grip is None else known.grip.value,
-                removes_at=None if known is None or known.removal is None else known.removal.value,
+                declared=matching is not None,
+                comment=file.comments.get(("outputs", output.name), "") if matching is not None else "",
+                safe=None if matching is None else matching.safe,
+                grips_at=None if matching is None or matching.grip is None else matching.grip.value,
+                removes_at=None if matching is None or matching.removal is None else matching.removal.value,
                 sensor=False,
             )
         )
     shown = SignalsShown(
-        version="", cell=told.cell, fixed=told.fixed, trouble=file.trouble, signals=tuple(signals)
+        version="",
+        cell=surroundings.cell,
+        fixed=surroundings.fixed,
+        trouble=file.trouble,
+        signals=tuple(signals),
     )
     version = hashlib.sha256(shown.model_dump_json().encode()).hexdigest()[:16]
     return shown.model_copy(update={"version": version})
 
 
-def _input(one: NamedSignal, declared: bool, file: _CellFile, sensed: bool) -> SignalShown:
+def _input(signal: NamedSignal, declared: bool, file: _CellFile, sensed: bool) -> SignalShown:
     return SignalShown(
-        name=one.name,
-        variable=one.variable,
+        name=signal.name,
+        variable=signal.variable,
         kind="input",
         declared=declared,
-        comment=file.comments.get(("inputs", one.name), "") if declared else "",
+        comment=file.comments.get(("inputs", signal.name), "") if declared else "",
         safe=None,
         grips_at=None,
         removes_at=None,

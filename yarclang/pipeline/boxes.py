@@ -21,7 +21,10 @@ from yarclang.progress import each
 MOST_TRIED = 400
 """Largest number of places that are tried for one program."""
 
-_HELP = "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a smaller range of the registers, or another way in, lets all of the box be carried out"
+_HELP = (
+    "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a "
+    "smaller range of the registers, or another way in, lets all of the box be carried out"
+)
 
 
 @dataclass(slots=True)
@@ -40,7 +43,7 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
         plan: the program.
         request: tolerance and longest segment time with which the program was planned.
     """
-    asked = Request(request.robot, tm=request.tm, tolerance=request.tolerance)
+    without_start = Request(request.robot, tm=request.tm, tolerance=request.tolerance)
     steps = plan.program.steps
     boxes: list[tuple[When, Offset, int, list[tuple[int, ...]]]] = []
     for at, step in enumerate(steps):
@@ -49,28 +52,34 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
             if first is not None:
                 boxes.append((step, step.offset, first, places_of(step.offset, plan.program)))
     # try the corners of all boxes first
-    wanted = [(place, number) for number, (*_, places) in enumerate(boxes) for place in enumerate(places)]
-    wanted.sort(key=lambda one: (not _is_corner(boxes[one[1]], one[0][1]), one[1], one[0][0]))
-    told: dict[tuple[object, object], _Told] = {}
-    for (_, values), number in each(wanted[:MOST_TRIED]):
+    trials = [(place, number) for number, (*_, places) in enumerate(boxes) for place in enumerate(places)]
+    trials.sort(key=lambda tried: (not _is_corner(boxes[tried[1]], tried[0][1]), tried[1], tried[0][0]))
+    by_place: dict[tuple[object, object], _Told] = {}
+    for (_, values), number in each(trials[:MOST_TRIED]):
         when, offset, first, _ = boxes[number]
         origin = when.origin
-        one = told.setdefault((origin.source.name, origin.span), _Told(origin))
-        one.tried += 1
-        made = shifted_program(plan, first, plan.motions[first].curve.points[0], values, asked)
+        tried = by_place.setdefault((origin.source.name, origin.span), _Told(origin))
+        tried.tried += 1
+        made = shifted_program(plan, first, plan.motions[first].curve.points[0], values, without_start)
         if isinstance(made, str):
-            one.faults.append(
+            tried.faults.append(
                 f"with {{{offset.name}}} shifted by {shift_in_words(values, offset.registers)}: {made}"
             )
-    for one in told.values():
-        if one.faults:
-            message = f"{len(one.faults)} of {one.tried} places in the box of this OFFSET can't be carried out; {one.faults[0]}"
-            yield Diagnostic(
-                "Y0508", message, one.origin.source, one.origin.span, _HELP, place=one.origin.place
+    for tried in by_place.values():
+        if tried.faults:
+            message = (
+                f"{len(tried.faults)} of {tried.tried} places in the box of this OFFSET can't be carried "
+                f"out; {tried.faults[0]}"
             )
-    if len(wanted) > MOST_TRIED:
+            yield Diagnostic(
+                "Y0508", message, tried.origin.source, tried.origin.span, _HELP, place=tried.origin.place
+            )
+    if len(trials) > MOST_TRIED:
         origin = boxes[0][0].origin
-        message = f"{len(wanted) - MOST_TRIED} of {len(wanted)} places in the boxes of the program's OFFSETs weren't tried"
+        message = (
+            f"{len(trials) - MOST_TRIED} of {len(trials)} places in the boxes of the program's OFFSETs "
+            "weren't tried"
+        )
         help_ = "the runtime plans and proves each place before it moves, whether it was tried or not"
         yield Diagnostic("Y0509", message, origin.source, origin.span, help_)
 

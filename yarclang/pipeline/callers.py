@@ -37,12 +37,12 @@ def at_callers(
         program: syntax tree of the program's file.
         load: reads a module by its name.
     """
-    found = tuple(diagnostics)
-    if not any(_is_in_module(one, program) for one in found):
-        return found
+    findings = tuple(diagnostics)
+    if not any(_is_in_module(one, program) for one in findings):
+        return findings
     calls = _Calls(program, load)
     return tuple(
-        _at_caller(one, program, calls) if _is_in_module(one, program) else one for one in each(found)
+        _at_caller(one, program, calls) if _is_in_module(one, program) else one for one in each(findings)
     )
 
 
@@ -88,20 +88,24 @@ def _sub_name(block: Block) -> str:
     return values[0].text.upper() if values else ""
 
 
-def _is_in_module(one: Diagnostic, program: Module) -> bool:
-    return one.source is not None and bool(one.source.module) and one.source.name != program.source.name
+def _is_in_module(finding: Diagnostic, program: Module) -> bool:
+    return (
+        finding.source is not None
+        and bool(finding.source.module)
+        and finding.source.name != program.source.name
+    )
 
 
-def _at_caller(one: Diagnostic, program: Module, calls: _Calls) -> Diagnostic:
-    source, span = one.source, one.span
+def _at_caller(finding: Diagnostic, program: Module, calls: _Calls) -> Diagnostic:
+    source, span = finding.source, finding.span
     assert source is not None
-    statement, through = calls.leading_to(one.place)
+    statement, through = calls.leading_to(finding.place)
     if statement is None and source.is_installed:
         statement = calls.use_of(source.module)
     if statement is None or span is None:
-        return one
-    within = Within(source, span, through[1:], None if source.is_installed else one.fix)
-    return replace(one, source=program.source, span=_called_span(statement), fix=None, within=within)
+        return finding
+    within = Within(source, span, through[1:], None if source.is_installed else finding.fix)
+    return replace(finding, source=program.source, span=_called_span(statement), fix=None, within=within)
 
 
 def _called_span(statement: Statement) -> Span:

@@ -104,13 +104,13 @@ class CellLoader:
         if project.cell is None:
             assert named is not None  # one of the two is given
             return Result(GivenCell(named, self.at(Path(named)), "the command line", "leave --cell out"))
-        own, span = project.folder / project.cell, project.span_of("cell")
+        cell_path, span = project.folder / project.cell, project.span_of("cell")
         remedy = f"change cell in {FILE_NAME}"
-        if named is not None and not is_same_file(own, Path(named)):
+        if named is not None and not is_same_file(cell_path, Path(named)):
             message = f"{FILE_NAME} names the cell {project.cell}, the command line names {named}"
             help_ = f"leave --cell out, or {remedy}"
             return Result(None, (Diagnostic("Y1373", message, project.source, span, help_),))
-        place = own if self._folder.is_absolute() else _from_here(own)
+        place = cell_path if self._folder.is_absolute() else _from_here(cell_path)
         return Result(GivenCell(str(place), self.at(place), FILE_NAME, remedy, project.source, span))
 
 
@@ -171,9 +171,9 @@ def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenC
     return cell_for(folder, project.value, robot, named)
 
 
-def is_same_file(one: Path, other: Path) -> bool:
+def is_same_file(path: Path, other: Path) -> bool:
     """Return True if two paths lead to the same file, or would lead to it if it existed."""
-    return file_of(one) == file_of(other)
+    return file_of(path) == file_of(other)
 
 
 def file_of(place: Path) -> Path:
@@ -248,14 +248,14 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
 
 def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
     """Return all findings about a cell that need no program."""
-    found = [*loaded.diagnostics]
+    findings = [*loaded.diagnostics]
     if robot is not None:
-        found += _of_zones(loaded, robot)
-        if loaded.value is not None and not has_errors(found):
+        findings += _of_zones(loaded, robot)
+        if loaded.value is not None and not has_errors(findings):
             from yarclang.collision.zones.possible import home_in_zones
 
-            found += home_in_zones(robot, loaded.value)
-    return in_order(found)
+            findings += home_in_zones(robot, loaded.value)
+    return in_order(findings)
 
 
 def _of_zones(loaded: Result[Cell], robot: Robot) -> list[Diagnostic]:

@@ -177,13 +177,13 @@ def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Check
     return _begun(opened.value, opened.diagnostics, project)
 
 
-def _begun(opened: Opened, found: tuple[Diagnostic, ...], project: Project) -> Begun:
+def _begun(opened: Opened, findings: tuple[Diagnostic, ...], project: Project) -> Begun:
     request = opened.request
     program = check_program(opened.module, request)
     assert program.value is not None  # a check always gives a program
     around = Surroundings(opened.module, request.robot, program.value.steps, project.teach, request.memory)
     said = remarks((opened.module, program.value), around, _silent(project))
-    return Begun(opened, found, project, program, around, said)
+    return Begun(opened, findings, project, program, around, said)
 
 
 def _unplanned(begun: Begun) -> Checked:
@@ -204,34 +204,38 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
     """
     request, source, project = begun.opened.request, begun.source, begun.project
     planned = plan_checked(begun.program, request)
-    found, compiled, said = (*begun.found, *planned.diagnostics), None, dict(begun.said)
+    findings, compiled, remarked = (*begun.found, *planned.diagnostics), None, dict(begun.said)
+    program, around = begun.program.value, begun.around
     if planned.value is not None:
-        said |= remarks((planned.value,), begun.around, _silent(project))
+        # lines around obstacles are several steps from here on
+        program = planned.value.program
+        around = replace(around, steps=program.steps)
+        remarked |= remarks((planned.value,), around, _silent(project))
         if not has_errors(begun.found):
             if early is not None:
-                early(_before_the_proof(begun, planned.value, found, said))
+                early(_before_the_proof(begun, planned.value, findings, remarked))
             made = certified_whole(planned.value, request)
-            found, compiled = (*found, *made.diagnostics), made.value
+            findings, compiled = (*findings, *made.diagnostics), made.value
             if compiled is not None:
                 tell("looking for what else is worth saying", 0)
-                said |= remarks((compiled.certificate,), begun.around, _silent(project))
+                remarked |= remarks((compiled.certificate,), around, _silent(project))
                 if begun.boxes:
-                    found = (*found, *box_findings(compiled.plan, request))
+                    findings = (*findings, *box_findings(compiled.plan, request))
     go_on()
-    found = (*found, *findings_of(said, begun.around, found))
-    is_whole = compiled is not None and not has_errors(found)
-    diagnostics = settled(found, source, project, begun.opened, is_whole=is_whole)
+    findings = (*findings, *findings_of(remarked, around, findings))
+    is_whole = compiled is not None and not has_errors(findings)
+    diagnostics = settled(findings, source, project, begun.opened, is_whole=is_whole)
     proved = None if has_errors(diagnostics) else compiled
-    return Checked(diagnostics, source, begun.opened, begun.program.value, planned.value, proved)
+    return Checked(diagnostics, source, begun.opened, program, planned.value, proved)
 
 
 def _before_the_proof(
-    begun: Begun, plan: MotionPlan, found: tuple[Diagnostic, ...], said: Remarks
+    begun: Begun, plan: MotionPlan, findings: tuple[Diagnostic, ...], remarked: Remarks
 ) -> Checked:
     """Return the intermediate result for a program whose motions are planned but not proved yet."""
-    found = (*found, *findings_of(said, begun.around, found))
-    diagnostics = settled(found, begun.source, begun.project, begun.opened)
-    return Checked(diagnostics, begun.source, begun.opened, begun.program.value, plan)
+    findings = (*findings, *findings_of(remarked, begun.around, findings))
+    diagnostics = settled(findings, begun.source, begun.project, begun.opened)
+    return Checked(diagnostics, begun.source, begun.opened, plan.program, plan)
 
 
 def _silent(project: Project) -> set[str]:
@@ -269,19 +273,19 @@ def settled(
             moved.
         is_whole: True if all checks were made: only then a comment that suppresses nothing is reported.
     """
-    told: list[Diagnostic] = []
+    levelled: list[Diagnostic] = []
     go_on()
-    found = without_followers(explained(answered(diagnostics, source)), source)
+    findings = without_followers(explained(answered(diagnostics, source)), source)
     unjudged: frozenset[int] = frozenset()
     if opened is not None:
         unjudged = uncalled_lines(opened.module) if is_whole and has_suppressions(source) else unjudged
-        found = at_callers(found, opened.module, opened.request.load)
+        findings = at_callers(findings, opened.module, opened.request.load)
     go_on()
-    found = few_in_a_line(suppress(source, found, is_whole=is_whole, unjudged=unjudged))
-    for one in each(found):
-        level = project.levels.get(one.code, "")
-        if one.is_error or not level:
-            told.append(one)
+    findings = few_in_a_line(suppress(source, findings, is_whole=is_whole, unjudged=unjudged))
+    for finding in each(findings):
+        level = project.levels.get(finding.code, "")
+        if finding.is_error or not level:
+            levelled.append(finding)
         elif level != "off":
-            told.append(replace(one, level=cast("Severity", level)))
-    return in_order(told)
+            levelled.append(replace(finding, level=cast("Severity", level)))
+    return in_order(levelled)

@@ -113,31 +113,39 @@ def judge_text(
     opened = _opened(text, options.robot, options.cell, folder, project.value)
     if opened.value is None:
         return Result(None, opened.diagnostics)
-    header, robot, given = opened.value
-    known = _program_of(text, header, folder, robot, options, program)
-    told = (*opened.diagnostics, *known.diagnostics)
-    if known.value is None:
-        return Result(None, told)
-    if isinstance(known.value, str):
-        around = None if given is None else given.loaded.value
-        return _alone(text, robot, around, known.value, told)
-    plan = known.value
-    meant = plan.program
-    if given is not None:  # the program may be in another place with other surroundings, or none
-        if meant.cell is not None and not is_same_file(Path(meant.cell.source.name), Path(given.path)):
-            named = meant.cell.source.name
-            message = f"the program keeps to the cell {named}, {given.giver} names {given.path}"
-            return Result(None, (*told, Diagnostic("Y1373", message, given.source, given.span, given.remedy)))
-        meant = replace(meant, cell=given.loaded.value)
+    header, robot, surroundings = opened.value
+    plan_or_reason = _program_of(text, header, folder, robot, options, program)
+    diagnostics = (*opened.diagnostics, *plan_or_reason.diagnostics)
+    if plan_or_reason.value is None:
+        return Result(None, diagnostics)
+    if isinstance(plan_or_reason.value, str):
+        around = None if surroundings is None else surroundings.loaded.value
+        return _alone(text, robot, around, plan_or_reason.value, diagnostics)
+    plan = plan_or_reason.value
+    verified = plan.program
+    if surroundings is not None:  # the program may be in another place with other surroundings, or none
+        if verified.cell is not None and not is_same_file(
+            Path(verified.cell.source.name), Path(surroundings.path)
+        ):
+            named = verified.cell.source.name
+            message = f"the program keeps to the cell {named}, {surroundings.giver} names {surroundings.path}"
+            return Result(
+                None,
+                (
+                    *diagnostics,
+                    Diagnostic("Y1373", message, surroundings.source, surroundings.span, surroundings.remedy),
+                ),
+            )
+        verified = replace(verified, cell=surroundings.loaded.value)
     tolerance = tolerance_of(robot, options.tolerance) or robot.tolerance
-    does_the_same = fingerprint(plan.program) == header.program_fingerprint
-    judged = certify(text.text, meant, robot, tolerance, claims_of(plan), any_line=does_the_same)
+    does_the_same = fingerprint(plan.source_program) == header.program_fingerprint
+    judged = certify(text.text, verified, robot, tolerance, claims_of(plan), any_line=does_the_same)
     # Other findings about the program are reported by yarcc and yarc check.
     errors = tuple(one for one in judged.diagnostics if one.is_error)
-    made = _settled(text, robot, Result(judged.value, errors), meant, "", meant.cell, told)
+    made = _settled(text, robot, Result(judged.value, errors), verified, "", verified.cell, diagnostics)
     if made.value is None or not does_the_same:
         return made
-    return Result(replace(made.value, plan=replace(plan, program=meant)), made.diagnostics)
+    return Result(replace(made.value, plan=replace(plan, program=verified)), made.diagnostics)
 
 
 def _remedy(text: SourceFile, program: Program | None) -> str:
@@ -174,10 +182,10 @@ def judge_alone(text: SourceFile, robot: str | None, cell: str | None) -> Result
 
 
 def _alone(
-    text: SourceFile, robot: Robot, cell: Cell | None, missing: str, told: tuple[Diagnostic, ...]
+    text: SourceFile, robot: Robot, cell: Cell | None, missing: str, diagnostics: tuple[Diagnostic, ...]
 ) -> Result[JudgedText]:
     judged = certify_text(text.text, robot, text, cell)
-    return _settled(text, robot, judged, None, missing, cell, told)
+    return _settled(text, robot, judged, None, missing, cell, diagnostics)
 
 
 def _opened(
@@ -191,12 +199,12 @@ def _opened(
     preamble = header_of(text.text)
     if isinstance(preamble, Unreadable):
         return Result(None, (_unreadable(preamble, text),))
-    found = robot_of(preamble.header, text, name)
-    if found.value is None:
-        return Result(None, found.diagnostics)
-    given = cell_for(folder, project, found.value, cell)
-    told = (*found.diagnostics, *given.diagnostics)
-    return Result(None if has_errors(told) else (preamble.header, found.value, given.value), told)
+    robot = robot_of(preamble.header, text, name)
+    if robot.value is None:
+        return Result(None, robot.diagnostics)
+    given = cell_for(folder, project, robot.value, cell)
+    told = (*robot.diagnostics, *given.diagnostics)
+    return Result(None if has_errors(told) else (preamble.header, robot.value, given.value), told)
 
 
 def _unreadable(place: Unreadable, text: SourceFile) -> Diagnostic:
@@ -210,10 +218,10 @@ def _settled(
     program: Program | None,
     missing: str,
     cell: Cell | None,
-    told: tuple[Diagnostic, ...],
+    diagnostics: tuple[Diagnostic, ...],
 ) -> Result[JudgedText]:
     errors = [one for one in judged.diagnostics if one.is_error]
-    found = [one for one in judged.diagnostics if not one.is_error]
+    findings = [one for one in judged.diagnostics if not one.is_error]
     if errors:
         # One change breaks many checks: report the cause, and drop its consequences.
         worst = next((one for one in errors if CATALOGUE[one.code].sort == "limits"), errors[0])
@@ -223,13 +231,13 @@ def _settled(
         if CATALOGUE[worst.code].sort == "tolerance":
             help_ += "; or say --tolerance, if it was compiled with one"
         placed = _in_text(worst, text, judged.value)
-        found.append(replace(placed, message=worst.message + more, help=help_, fix=None))
+        findings.append(replace(placed, message=worst.message + more, help=help_, fix=None))
     elif judged.value is not None and not is_sealed(text.text):
         message = "the text isn't what yarcc wrote: its SHA-256 isn't that of its header"
-        found = [Diagnostic("Y1169", message, text, help=AGAIN)]
-    if judged.value is None or has_errors(found):
-        return Result(None, (*told, *found))
-    return Result(JudgedText(text, robot, judged.value, program, missing, cell), (*told, *found))
+        findings = [Diagnostic("Y1169", message, text, help=AGAIN)]
+    if judged.value is None or has_errors(findings):
+        return Result(None, (*diagnostics, *findings))
+    return Result(JudgedText(text, robot, judged.value, program, missing, cell), (*diagnostics, *findings))
 
 
 def check_controller_text(path: str, options: Options) -> tuple[Diagnostic, ...]:
@@ -279,16 +287,16 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
         name: name or path of the robot, with which the header must agree; None: the header's robot.
     """
     folder = Path(text.name).parent
-    found = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
+    loaded = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
     if name is not None:
-        if found.value is None or found.value.name == header.robot:
-            return found
-        message = f"the text was made for {header.robot}, the command line says {found.value.name}"
+        if loaded.value is None or loaded.value.name == header.robot:
+            return loaded
+        message = f"the text was made for {header.robot}, the command line says {loaded.value.name}"
         return Result(None, (Diagnostic("Y1163", message, text, help="leave --robot out"),))
-    if found.value is not None:
-        return found
+    if loaded.value is not None:
+        return loaded
     help_ = "if it is your own robot, give its place: --robot PATH"
-    placed = tuple(one if one.source else replace(one, source=text) for one in found.diagnostics)
+    placed = tuple(one if one.source else replace(one, source=text) for one in loaded.diagnostics)
     return Result(None, tuple(replace(one, help=help_) for one in placed))
 
 
@@ -296,17 +304,20 @@ def _program_of(
     text: SourceFile, header: Header, folder: Path, robot: Robot, options: Options, named: str | None
 ) -> Result[MotionPlan] | Result[str]:
     """Return the plan of the text's program, or the reason why there is no program to verify against."""
-    for place, must in _candidates(text, header, folder, named):
+    for place, required in _candidates(text, header, folder, named):
         if not is_file(place):
             if named is not None:
                 message = f"{named}, the program, isn't there"
                 return Result(None, (Diagnostic("Y0107", message, help="check the path"),))
             continue
-        planned = _planned(place, header, robot, options, must=must)
-        if planned.value is None and must:
+        planned = _planned(place, header, robot, options, must=required)
+        if planned.value is None and required:
             count = sum(one.is_error for one in planned.diagnostics)
             errors = f"{count} error{'s' * (count != 1)}"
-            message = f"{place.name}, the program beside this text, has {errors}: the text can't be proved against it"
+            message = (
+                f"{place.name}, the program beside this text, has {errors}: the text can't be proved "
+                "against it"
+            )
             told = Diagnostic("Y1192", message, text, help=f"yarc check {place.name} shows them")
             conflicts = (one for one in planned.diagnostics if one.code == "Y1373")
             return Result(None, (told, *conflicts))
@@ -342,7 +353,7 @@ def _planned(
     If the file needn't be used (`must`) and isn't the text's program, it isn't planned, and there are no
     findings.
     """
-    asked = replace(
+    with_options = replace(
         options,
         robot=str(robot.folder / "robot.toml"),
         tm=float(header.longest) if header.longest else None,
@@ -350,15 +361,15 @@ def _planned(
         target=header.target,
     )
     start = start_values(header, robot)
-    for one in (None, start):
-        opened = open_program(str(place), replace(asked, start=one))
+    for position in (None, start):
+        opened = open_program(str(place), replace(with_options, start=position))
         if opened.value is None or has_errors(opened.diagnostics):
             return Result(None, opened.diagnostics)
         checked = check_program(opened.value.module, opened.value.request)
         program = checked.value
         assert program is not None  # a check always gives a program
         stands = program.start / robot.axis_units
-        if one is None and start is not None and np.abs(stands - np.array(start)).max() > _SAME_START:
+        if position is None and start is not None and np.abs(stands - np.array(start)).max() > _SAME_START:
             continue
         if not must and fingerprint(program) != header.program_fingerprint:
             break

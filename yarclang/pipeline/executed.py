@@ -126,16 +126,18 @@ def executed(
         acts = tuple(
             replace(act, carries=carried.get(act.step, ())) if act.curve is not None else act for act in acts
         )
-    allowed = {one.step: [each for each in content.allows if each.step == one.step] for one in content.allows}
+    allowed = {
+        keep.step: [each for each in content.allows if each.step == keep.step] for keep in content.allows
+    }
     acts = tuple(
-        replace(act, may_touch=tuple(f"{one.first} and {one.second}" for one in allowed[act.step]))
+        replace(act, may_touch=tuple(f"{keep.first} and {keep.second}" for keep in allowed[act.step]))
         if act.step in allowed and act.curve is not None
         else act
         for act in acts
     )
     rules: dict[int, tuple[str, ...]] = {}
-    for one in content.keeps:
-        rules[one.step] = (*rules.get(one.step, ()), one.rule)
+    for keep in content.keeps:
+        rules[keep.step] = (*rules.get(keep.step, ()), keep.rule)
     acts = tuple(
         replace(act, keeps=rules[act.step]) if act.step in rules and act.curve is not None else act
         for act in acts
@@ -192,7 +194,7 @@ def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[
 
 def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Act:
     late = "" if item.timeout is None else f", after {item.timeout:g} s the other way"
-    what = {
+    subject = {
         "wait": f"waits for {item.name} ({item.condition}), "
         + ("for ever" if item.timeout is None else f"at most {item.timeout:g} s"),
         "hold": f"holds for the operator: {item.name}" if item.name else "holds for the operator",
@@ -211,14 +213,14 @@ def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Act:
     if offset is not None:
         both = zip(SHIFTS, offset.registers, strict=True)
         shifts = ", ".join(f"{axis} {register}" for axis, register in both if register)
-        what = f"{{{offset.frame}}} is shifted by {shifts}"
+        subject = f"{{{offset.frame}}} is shifted by {shifts}"
     place, name, line = entry.index, entry.name, entry.source_line
-    return Act(item.kind, place, name, line, what, step=item.step)  # type: ignore[arg-type]
+    return Act(item.kind, place, name, line, subject, step=item.step)  # type: ignore[arg-type]
 
 
-def _between(mapped: LineMap, line: int, kind: Kind, what: str, duration: float = 0.0) -> Act:
+def _between(mapped: LineMap, line: int, kind: Kind, subject: str, duration: float = 0.0) -> Act:
     stretch = mapped.at(line)
     command = stretch.command if stretch is not None else None
     if command is None:
-        return Act(kind, "", kind.upper(), 0, what, None, duration)
-    return Act(kind, command.index, command.name, command.source_line, what, None, duration, command.step)
+        return Act(kind, "", kind.upper(), 0, subject, None, duration)
+    return Act(kind, command.index, command.name, command.source_line, subject, None, duration, command.step)

@@ -17,29 +17,31 @@ def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     Args:
         diagnostics: all findings. Findings of one command have the same file and first line.
     """
-    found = tuple(diagnostics)
-    unreached = {_place(one) for one in found if one.is_error and _is_explained(one)}
+    findings = tuple(diagnostics)
+    unreached = {_place(finding) for finding in findings if finding.is_error and _is_explained(finding)}
     if not unreached:
-        return found
+        return findings
     reasons: dict[tuple[str, int], Diagnostic] = {}
     explaining = {rule.finding.code for rule in rules() if rule.explains_errors}
-    for one in found:
-        if one.code in explaining and not one.is_error and _place(one) in unreached:
-            reasons.setdefault(_place(one), one)
-    told: list[Diagnostic] = []
-    for one in found:
-        reason = reasons.get(_place(one))
-        if reason is None or (one is not reason and not _is_explained(one)):
-            told.append(one)
-        elif one.is_error:
-            told.append(replace(one, help=f"{reason.help} {reason.message}", fix=one.fix or reason.fix))
-    return tuple(told)
+    for finding in findings:
+        if finding.code in explaining and not finding.is_error and _place(finding) in unreached:
+            reasons.setdefault(_place(finding), finding)
+    merged: list[Diagnostic] = []
+    for finding in findings:
+        reason = reasons.get(_place(finding))
+        if reason is None or (finding is not reason and not _is_explained(finding)):
+            merged.append(finding)
+        elif finding.is_error:
+            merged.append(
+                replace(finding, help=f"{reason.help} {reason.message}", fix=finding.fix or reason.fix)
+            )
+    return tuple(merged)
 
 
-def _is_explained(one: Diagnostic) -> bool:
+def _is_explained(finding: Diagnostic) -> bool:
     """Return True if a lint rule may give the reason for a finding."""
-    return CATALOGUE[one.code].is_explained
+    return CATALOGUE[finding.code].is_explained
 
 
-def _place(one: Diagnostic) -> tuple[str, int]:
-    return (one.source.name if one.source else "", one.span.line if one.span else 0)
+def _place(finding: Diagnostic) -> tuple[str, int]:
+    return (finding.source.name if finding.source else "", finding.span.line if finding.span else 0)

@@ -37,7 +37,7 @@ class Fixed:
 
 
 def fixed(
-    checked: Checked, check: Callable[[SourceFile], Checked], wanted: Callable[[Diagnostic], bool]
+    checked: Checked, check: Callable[[SourceFile], Checked], is_wanted: Callable[[Diagnostic], bool]
 ) -> Fixed:
     """Apply the fixes of the wanted findings.
 
@@ -49,7 +49,7 @@ def fixed(
     Args:
         checked: findings in the current text; its source must exist.
         check: checks another text of the file.
-        wanted: returns True if a finding's fix is to be applied.
+        is_wanted: returns True if a finding's fix is to be applied.
     """
     assert checked.source is not None
     applied: list[str] = []
@@ -57,71 +57,71 @@ def fixed(
     for _ in range(MOST_ROUNDS):
         source = checked.source
         assert source is not None
-        open_ = [one for one in _fixable(checked, wanted) if _key(one, source) not in refused]
+        open_ = [finding for finding in _fixable(checked, is_wanted) if _key(finding, source) not in refused]
         if not open_:
             break
         # Fix syntax errors first: they hide other errors in their lines.
-        chosen = apart([one for one in open_ if _uncovers(one)] or open_)
+        chosen = apart([finding for finding in open_ if _uncovers(finding)] or open_)
         count = f"{len(chosen)} fixes" if len(chosen) > 1 else "a fix"
         with part(f"trying {count}"):
             together = _tried(checked, chosen, check)
         if together is not None:
             checked = together
-            applied += [one.fix.title for one in chosen if one.fix]
+            applied += [finding.fix.title for finding in chosen if finding.fix]
             continue
-        for number, one in enumerate(chosen, 1):
+        for number, finding in enumerate(chosen, 1):
             with part(f"trying fix {number} of {len(chosen)}"):
-                alone = _tried(checked, [one], check) if len(chosen) > 1 else None
+                alone = _tried(checked, [finding], check) if len(chosen) > 1 else None
             if alone is None:
-                refused.add(_key(one, source))
+                refused.add(_key(finding, source))
                 continue
             checked = alone
-            applied += [one.fix.title] if one.fix else []
+            applied += [finding.fix.title] if finding.fix else []
             break  # the places of the others have moved
     assert checked.source is not None
     return Fixed(checked.source.text, checked, tuple(applied))
 
 
-def is_repair(one: Diagnostic) -> bool:
+def is_repair(finding: Diagnostic) -> bool:
     """Return True if a finding has a fix that can be applied without a choice by a person."""
-    return one.fix is not None and not one.fix.by_choice
+    return finding.fix is not None and not finding.fix.by_choice
 
 
-def _uncovers(one: Diagnostic) -> bool:
-    return one.fix is not None and one.fix.uncovers
+def _uncovers(finding: Diagnostic) -> bool:
+    return finding.fix is not None and finding.fix.uncovers
 
 
-def _fixable(checked: Checked, wanted: Callable[[Diagnostic], bool]) -> list[Diagnostic]:
+def _fixable(checked: Checked, is_wanted: Callable[[Diagnostic], bool]) -> list[Diagnostic]:
     name = checked.source.name if checked.source else ""
     return [
         one
         for one in checked.diagnostics
-        if one.fix is not None and one.source is not None and one.source.name == name and wanted(one)
+        if one.fix is not None and one.source is not None and one.source.name == name and is_wanted(one)
     ]
 
 
-def _key(one: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
+def _key(finding: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
     """Return a key of a finding that stays the same when its line moves."""
-    line = source.line(one.span.line) if one.span else ""
-    return one.code, line, one.fix.title if one.fix else ""
+    line = source.line(finding.span.line) if finding.span else ""
+    return finding.code, line, finding.fix.title if finding.fix else ""
 
 
 def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Return the findings whose edits don't overlap with those of an earlier finding."""
     chosen: list[Diagnostic] = []
-    taken: list[Edit] = []
+    edits_so_far: list[Edit] = []
     for one in findings:
         edits = one.fix.edits if one.fix else ()
-        if any(_touch(edit, other) for edit in edits for other in taken):
+        if any(_touch(edit, other) for edit in edits for other in edits_so_far):
             continue
         chosen.append(one)
-        taken += edits
+        edits_so_far += edits
     return chosen
 
 
-def _touch(one: Edit, other: Edit) -> bool:
+def _touch(edit: Edit, other: Edit) -> bool:
     """Return True if two edits overlap, or insert text at the same place."""
-    first, second = sorted((one.span, other.span))
+    first, second = sorted((edit.span, other.span))
     return (second.line, second.column) <= (first.end_line, first.end_column)
 
 
@@ -136,12 +136,12 @@ def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
         return min(starts[line - 1] + column - 1, len(text)) if line <= len(starts) else len(text)
 
     pieces: list[str] = []
-    done = 0
+    end_at = 0
     for edit in sorted((edit for fix in fixes for edit in fix.edits), key=lambda edit: edit.span):
         span = edit.span
-        pieces += (text[done : offset(span.line, span.column)], edit.text)
-        done = offset(span.end_line, span.end_column)
-    return "".join((*pieces, text[done:]))
+        pieces += (text[end_at : offset(span.line, span.column)], edit.text)
+        end_at = offset(span.end_line, span.end_column)
+    return "".join((*pieces, text[end_at:]))
 
 
 def _tried(
@@ -160,7 +160,7 @@ def _tried(
     if any(has[code] > had[code] for code in errors):
         return None
     # Edits of one kind may remove several findings, or reveal another one with the same code.
-    said, says = _said(before), _said(after)
+    said, says = _messages(before), _messages(after)
     if any(says[key] >= said[key] for key in _said_of(chosen)):
         return None
     if not any(one.is_error for one in chosen) and not _does_the_same(before, after):
@@ -168,7 +168,7 @@ def _tried(
     return after
 
 
-def _said(checked: Checked) -> Counter[tuple[str, str]]:
+def _messages(checked: Checked) -> Counter[tuple[str, str]]:
     return _said_of(checked.diagnostics)
 
 
@@ -187,13 +187,13 @@ def _does_the_same(before: Checked, after: Checked) -> bool:
         return before.plan is after.plan and _steps(before.program) == _steps(after.program)
     if _steps(before.program) == _steps(after.program):
         return True
-    one, other = before.plan.motions, after.plan.motions
-    return len(one) == len(other) and all(
+    motions, other = before.plan.motions, after.plan.motions
+    return len(motions) == len(other) and all(
         first.step == second.step
         and abs(first.curve.segment - second.curve.segment) < _SAME
         and first.curve.points.shape == second.curve.points.shape
         and bool((np.abs(first.curve.points - second.curve.points) < _SAME).all())
-        for first, second in zip(one, other, strict=True)
+        for first, second in zip(motions, other, strict=True)
     )
 
 

@@ -53,22 +53,22 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
         diagnostics: all findings.
         source: the program's file.
     """
-    found = tuple(diagnostics)
-    causes = _causes(found, source)
-    if not causes and not any(_need(one) in ("name", "meaning", *_BY_DEFAULT) for one in found):
-        return found
-    reasons = _Reasons(found, causes, source)
-    kept = [one for one in each(found) if not reasons.explain(one)]
-    if has_errors(found) and not has_errors(kept):
-        return found  # every finding was explained by another one
+    findings = tuple(diagnostics)
+    causes = _causes(findings, source)
+    if not causes and not any(_need(one) in ("name", "meaning", *_BY_DEFAULT) for one in findings):
+        return findings
+    reasons = _Reasons(findings, causes, source)
+    kept = [one for one in each(findings) if not reasons.explain(one)]
+    if has_errors(findings) and not has_errors(kept):
+        return findings  # every finding was explained by another one
     return _said_once(kept)
 
 
-def _causes(found: Iterable[Diagnostic], source: SourceFile) -> set[int]:
+def _causes(findings: Iterable[Diagnostic], source: SourceFile) -> set[int]:
     """Return the program's lines with errors. Commands whose only error is an unknown name are left out: they
     declare nothing that other lines could miss.
     """
-    own = [(one, line) for one in each(found) if (line := _line(one, source))]
+    own = [(one, line) for one in each(findings) if (line := _line(one, source))]
     uses = {line for one, line in own if _need(one) in ("name", "meaning") and not _declares(source, line)}
     return {line for one, line in own if one.is_error} - uses
 
@@ -82,12 +82,12 @@ class _Reasons:
         source: the program's file.
     """
 
-    def __init__(self, found: Iterable[Diagnostic], causes: set[int], source: SourceFile) -> None:
+    def __init__(self, findings: Iterable[Diagnostic], causes: set[int], source: SourceFile) -> None:
         self._source, self._causes = source, causes
-        self._wrong = {_line(one, source) for one in each(found) if one.is_error} - {0}
+        self._wrong = {_line(one, source) for one in each(findings) if one.is_error} - {0}
         self._lines: dict[str, set[int]] = {}
         """Lines of the findings of each code, 0 for other files."""
-        for one in each(found):
+        for one in each(findings):
             self._lines.setdefault(one.code, set()).add(_line(one, source))
         self._above = {code: min(lines - {0}, default=math.inf) for code, lines in self._lines.items()}
         hidden = {everything()[code].hides for code in self._lines} - {""}
@@ -109,14 +109,14 @@ class _Reasons:
             for word in said:
                 self._first_said.setdefault(word, line)
 
-    def explain(self, one: Diagnostic) -> bool:
+    def explain(self, finding: Diagnostic) -> bool:
         """Return True if a finding follows from another finding."""
-        line = _line(one, self._source)
-        if any(self._leads(cause, line) for cause in everything()[one.code].follows):
+        line = _line(finding, self._source)
+        if any(self._leads(cause, line) for cause in everything()[finding.code].follows):
             return True
-        match _need(one):
+        match _need(finding):
             case "place":
-                return _rests_on(one, line, self._source, self._doubtful)
+                return _rests_on(finding, line, self._source, self._doubtful)
             case "end":
                 return self._lost_end
             case "block":
@@ -124,19 +124,23 @@ class _Reasons:
             case "default":
                 return self._lost_default and not _is_like(self._firsts.get(line, ""), "DEFAULT")
             case "use":
-                return self._lost_name or self._is_spoken_of(one)
+                return self._lost_name or self._is_spoken_of(finding)
             case "name" | "meaning":
-                return self._lost(one, line)
+                return self._lost(finding, line)
         return False
 
-    def _is_spoken_of(self, one: Diagnostic) -> bool:
+    def _is_spoken_of(self, finding: Diagnostic) -> bool:
         """Return True if a line with an error contains the name that a finding is about."""
-        if one.span is None or one.source is not self._source or one.span.line != one.span.end_line:
+        if (
+            finding.span is None
+            or finding.source is not self._source
+            or finding.span.line != finding.span.end_line
+        ):
             return False
-        said = self._source.line(one.span.line)[one.span.column - 1 : one.span.end_column - 1]
+        said = self._source.line(finding.span.line)[finding.span.column - 1 : finding.span.end_column - 1]
         return any(
             said.strip("{} ").upper() in _words(self._source.line(line))
-            for line in each(self._wrong - {one.span.line})
+            for line in each(self._wrong - {finding.span.line})
         )
 
     def _like(self, word: str) -> list[int]:
@@ -145,22 +149,22 @@ class _Reasons:
 
     def _leads(self, cause: Follows, line: int) -> bool:
         """Return True if one of the findings in a line explains a given finding."""
-        there = self._lines.get(cause.code, ())
+        lines = self._lines.get(cause.code, ())
         match cause.where:
             case "here":
-                return line in there
+                return line in lines
             case "above":
                 return self._above.get(cause.code, math.inf) < line
             case "elsewhere":
-                return bool(there) and line not in self._causes
+                return bool(lines) and line not in self._causes
 
-    def _lost(self, one: Diagnostic, line: int) -> bool:
+    def _lost(self, finding: Diagnostic, line: int) -> bool:
         """Return True if a name may be defined in a line with an error, or in an unreadable cell or
         module.
         """
         if self._lost_cell and line not in self._lines.get(_MISPLACED, ()):
             return self._firsts.get(line, "") != "CELL"
-        name = one.subject.name if isinstance(one.subject, Name) else ""
+        name = finding.subject.name if isinstance(finding.subject, Name) else ""
         told = min(self._first_said.get(word, math.inf) for word in (name, name.partition(".")[0]))
         return told < (line or math.inf) or ("." in name and self._lost_module)
 
@@ -182,7 +186,7 @@ def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
     return frozenset(lost)
 
 
-def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
+def _rests_on(finding: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
     """Return True if a finding about a motion may come from doubtful names. In unrolled code, it always
     may.
     """
@@ -191,17 +195,17 @@ def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozense
     words = _WORD.findall(code_of(source.line(line)).upper()) if line else []
     # Leave out the name that the line itself declares: it is doubtful because of this very line.
     said = set(words[:1] + words[2:] if words[:1] and words[0] in _GIVES_NAMES else words)
-    return bool(one.place) or "DEFAULT" in doubtful or bool(said & doubtful)
+    return bool(finding.place) or "DEFAULT" in doubtful or bool(said & doubtful)
 
 
-def _need(one: Diagnostic) -> Need:
-    return everything()[one.code].need
+def _need(finding: Diagnostic) -> Need:
+    return everything()[finding.code].need
 
 
-def _line(one: Diagnostic, source: SourceFile) -> int:
+def _line(finding: Diagnostic, source: SourceFile) -> int:
     """Return the line of a finding in the program; 0 if it has none, or is in another file."""
-    is_own = one.span is not None and one.source is not None and one.source.name == source.name
-    return one.span.line if one.span is not None and is_own else 0
+    is_own = finding.span is not None and finding.source is not None and finding.source.name == source.name
+    return finding.span.line if finding.span is not None and is_own else 0
 
 
 def _declares(source: SourceFile, line: int) -> bool:
@@ -219,32 +223,32 @@ def _words(line: str) -> set[str]:
 
 
 @lru_cache(maxsize=1 << 12)
-def _is_like(word: str, meant: str) -> bool:
-    if word == meant:
+def _is_like(word: str, known_name: str) -> bool:
+    if word == known_name:
         return True
     # This is an upper bound of difflib's ratio, computed in a hundredth of the time.
-    common = sum(letter in meant for letter in word)
-    if 2.0 * common < _LIKE * (len(word) + len(meant)):
+    common = sum(letter in known_name for letter in word)
+    if 2.0 * common < _LIKE * (len(word) + len(known_name)):
         return False
-    return bool(get_close_matches(word, [meant], n=1, cutoff=_LIKE))
+    return bool(get_close_matches(word, [known_name], n=1, cutoff=_LIKE))
 
 
-def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+def _said_once(findings: list[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Keep the first of several findings about the same unknown name, and the first of many similar findings.
     Its message then has the number of the others.
     """
-    groups = gathered(found, lambda one: _repeated(one) or one)
+    groups = gathered(findings, lambda one: _repeated(one) or one)
     return tuple(one for group in each(groups) for one in _shortened(group))
 
 
-def _repeated(one: Diagnostic) -> tuple[str, object] | None:
+def _repeated(finding: Diagnostic) -> tuple[str, object] | None:
     """Return the property that findings which repeat each other have in common; None if this finding
     repeats nothing.
     """
-    need = _need(one)
-    if need == "name" and isinstance(one.subject, Name) and one.subject.name:
-        return "name", one.subject.name
-    return ("alike", one.code) if need in _BY_DEFAULT else None
+    need = _need(finding)
+    if need == "name" and isinstance(finding.subject, Name) and finding.subject.name:
+        return "name", finding.subject.name
+    return ("alike", finding.code) if need in _BY_DEFAULT else None
 
 
 def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
@@ -282,6 +286,10 @@ def _few(group: list[Diagnostic]) -> list[Diagnostic]:
     return [*first, replace(last, message=f"{last.message}; {more:,} more like it in this line")]
 
 
-def _line_and_code(one: Diagnostic) -> tuple[str, int, str]:
+def _line_and_code(finding: Diagnostic) -> tuple[str, int, str]:
     """Return the file, line and code of a finding; line 0 if it has no place."""
-    return one.source.name if one.source else "", one.span.line if one.span else 0, one.code
+    return (
+        finding.source.name if finding.source else "",
+        finding.span.line if finding.span else 0,
+        finding.code,
+    )

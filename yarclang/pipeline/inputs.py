@@ -158,19 +158,19 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
     """
     declared = declared_robot(module)
     if options.robot is not None:
-        found = _on_command_line(options.robot, project, options)
-        if declared is None or found.value is None:
-            return found
+        robot = _on_command_line(options.robot, project, options)
+        if declared is None or robot.value is None:
+            return robot
         other = _named(declared[0], folder, module.source, declared[1], options)
-        if other.value is not None and other.value.fingerprint != found.value.fingerprint:
-            message = f"the program is for {other.value.name}, the command line says {found.value.name}"
-            if other.value.name == found.value.name:
+        if other.value is not None and other.value.fingerprint != robot.value.fingerprint:
+            message = f"the program is for {other.value.name}, the command line says {robot.value.name}"
+            if other.value.name == robot.value.name:
                 message = (
-                    f"two robots are named {found.value.name}: {other.value.folder} and {found.value.folder}"
+                    f"two robots are named {robot.value.name}: {other.value.folder} and {robot.value.folder}"
                 )
             help_ = "leave --robot out, or change the ROBOT line"
             return Result(None, (Diagnostic("Y1392", message, module.source, declared[1], help_),))
-        return Result(found.value if other.value else None, other.diagnostics)
+        return Result(robot.value if other.value else None, other.diagnostics)
     if declared is not None:
         return _named(declared[0], folder, module.source, declared[1], options)
     malformed = [one for one in module.statements if one.index is None and one.name.name == "ROBOT"]
@@ -210,7 +210,7 @@ def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
     """Return the robot that a name or path means: from the library or at the path, or else the robot of the
     folder's yarc.toml if it has this name.
     """
-    if find_robot(name_or_path)[0] is None and (own := _own(folder, name_or_path)) is not None:
+    if find_robot(name_or_path)[0] is None and (own := _folder_robot(folder, name_or_path)) is not None:
         return Result(own)
     return load_robot(name_or_path)
 
@@ -219,28 +219,28 @@ def robot_made_for(folder: Path, name: str) -> Result[Robot]:
     """Return the robot that a controller text or a log names: the robot of its folder's yarc.toml if it has
     this name, else that of the library.
     """
-    own = _own(folder, name)
+    own = _folder_robot(folder, name)
     return load_robot(name) if own is None else Result(own)
 
 
-def _own(folder: Path, name: str) -> Robot | None:
+def _folder_robot(folder: Path, name: str) -> Robot | None:
     """Return the robot of the folder's yarc.toml if it has this name."""
     robot = robot_for(folder, None).value
     return robot if robot is not None and robot.name.lower() == name.lower() else None
 
 
-def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) -> Result[Array]:
+def joint_position(robot: Robot, values: tuple[float, ...] | None, name: str) -> Result[Array]:
     """Return a joint position from an option, for work that has no program yet.
 
     Args:
         robot: the robot.
         values: one per joint, in deg (mm for prismatic joints); None: its home.
-        what: name of the values in messages.
+        name: name of the values in messages.
     """
     if values is None:
         return Result(robot.home)
     findings = Collector(SourceFile("", ""))
-    q = _start(robot, values, what, findings, None)
+    q = _start(robot, values, name, findings, None)
     return Result(q, tuple(replace(one, source=None) for one in findings.found))
 
 
@@ -298,7 +298,10 @@ def _start(
         return None
     names = " ".join(robot.joint_names)
     if len(values) != robot.size:
-        message = f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} joints ({names})"
+        message = (
+            f"{what} has {len(values)} value{'s' * (len(values) != 1)}; {robot.name} has {robot.size} "
+            f"joints ({names})"
+        )
         findings.add("Y1394", message, span, "give one value a joint, in deg (mm for prismatic joints)")
         return None
     q: Array = np.array(values, dtype=np.float64) * robot.axis_units
@@ -316,11 +319,11 @@ def _start(
     return q
 
 
-def tolerance_of(robot: Robot, asked: tuple[float, float | None] | None) -> Tolerance | None:
+def tolerance_of(robot: Robot, requested: tuple[float, float | None] | None) -> Tolerance | None:
     """Return a requested tolerance [mm, deg]; None without a request. If only a length is given, the angle is
     the robot's own.
     """
-    if asked is None:
+    if requested is None:
         return None
-    position, angle = asked
+    position, angle = requested
     return Tolerance(position * MM, robot.tolerance.angle if angle is None else angle * DEG)

@@ -49,14 +49,14 @@ def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
         if opened.value is None:
             yield Listed(number, file, None, opened.diagnostics)
             continue
-        made = compile_module(opened.value.module, opened.value.request)
-        diagnostics = (*opened.diagnostics, *made.diagnostics)
-        if made.value is None or has_errors(diagnostics):
+        compiled = compile_module(opened.value.module, opened.value.request)
+        diagnostics = (*opened.diagnostics, *compiled.diagnostics)
+        if compiled.value is None or has_errors(diagnostics):
             yield Listed(number, file, None, diagnostics)
             continue
-        job = job_of_compiled(made.value, path.name)
+        job = job_of_compiled(compiled.value, path.name)
         first = first or (number, job)
-        diagnostics = (*diagnostics, *_apart(project, number, job, _ends(made.value), first))
+        diagnostics = (*diagnostics, *_apart(project, number, job, _ends(compiled.value), first))
         yield Listed(number, file, None if has_errors(diagnostics) else job, diagnostics)
 
 
@@ -86,14 +86,17 @@ def _apart(
         message = f"job {number} is for {job.robot.name}, job {other} for {common.robot.name}"
         yield _finding(project, number, message, "the jobs of a project are those of one robot")
         return
-    for word, where in (("begins", job.start), *(("ends", end) for end in ends)):
-        off = np.abs(where - common.start)
+    for word, place in (("begins", job.start), *(("ends", end) for end in ends)):
+        off = np.abs(place - common.start)
         if (off <= job.slack).all():
             continue
         joint = int(np.argmax(off / job.slack))
         names, units = job.robot.joint_names, job.robot.axis_unit_names
-        here, there = (_value(job, one, joint) for one in (where, common.start))
-        message = f"job {number} {word} with {names[joint]} at {here} {units[joint]}, and job {other} begins at {there} {units[joint]}"
+        here, there = (_value(job, one, joint) for one in (place, common.start))
+        message = (
+            f"job {number} {word} with {names[joint]} at {here} {units[joint]}, and job {other} begins at "
+            f"{there} {units[joint]}"
+        )
         help_ = "give all programs the same START" if word == "begins" else "end it with a MOVEJ to its START"
         yield _finding(project, number, message, help_)
 

@@ -48,10 +48,10 @@ def job_of(
         None, with a finding, if the text isn't for streaming.
     """
     content = certificate.text
-    found = backend_of(robot).sendable(content, robot)
-    if isinstance(found, Diagnostic):
-        return Result(None, (replace(found, source=SourceFile(name, text)),))
-    schedule, loaded = content.schedule, found.lines
+    problem = backend_of(robot).sendable(content, robot)
+    if isinstance(problem, Diagnostic):
+        return Result(None, (replace(problem, source=SourceFile(name, text)),))
+    schedule, loaded = content.schedule, problem.lines
     assert content.start.printed is not None
     start = content.start.printed
     common = Job(
@@ -65,13 +65,13 @@ def job_of(
         slack=start,
         segment=robot.controller.largest_segment,
         duration=0.0,
-        capacity=found.capacity,
+        capacity=problem.capacity,
         guarded=False,
         text=text,
         source=papers.source,
         certificate=papers.certificate,
         outputs=content.outputs,
-        own=found.own,
+        own=problem.own,
         registers=content.registers,
         watches=content.watches,
         searches=content.searches,
@@ -84,18 +84,18 @@ def job_of(
     sets = {line: (variable, value) for line, variable, value in assignments_of(content) if line is not None}
     entries = {entry.step: entry for entry in content.entries}
     searches = {entries[one.step].first or 0: one for one in content.searches}
-    made = _Making(
+    making = _Making(
         common,
         _begins(content, schedule),
         _commands(content, schedule),
-        found.guarded,
+        problem.guarded,
         sets,
         dwells,
         searches,
     )
-    whole = made.part(loaded, content.runs, start, 0.0, schedule.places[-1])
+    whole = making.part(loaded, content.runs, start, 0.0, schedule.places[-1])
     whole = replace(whole, search=None, end=_read_only(_end_of(content, start) * robot.axis_units))
-    legs = tuple(_legs(made, content, schedule, loaded, start)) if _has_barriers(content) else ()
+    legs = tuple(_legs(making, content, schedule, loaded, start)) if _has_barriers(content) else ()
     return Result(replace(whole, legs=legs, offset=offset, clock=clock, lasting=schedule.lasting))
 
 
@@ -228,7 +228,7 @@ class _Making:
 
 
 def _legs(
-    made: _Making,
+    making: _Making,
     content: ControllerText,
     schedule: Schedule,
     loaded: Sequence[tuple[int, str]],
@@ -256,7 +256,7 @@ def _legs(
                 begins, ends = schedule.places[first], schedule.places[number]
                 job = None
                 if runs or acts:
-                    job = made.part(loaded[place:end], tuple(runs), start, begins, ends)
+                    job = making.part(loaded[place:end], tuple(runs), start, begins, ends)
                     clock = schedule.clocks[first]
                     behind = schedule.lasting.most - clock - (ends - begins)
                     job = replace(job, clock=clock, behind=behind)

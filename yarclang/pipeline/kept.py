@@ -102,13 +102,13 @@ def _meshes(shapes: Iterable[Shape]) -> list[Path]:
 
 def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
     """Return all files in some folders. A URDF may refer to any of them."""
-    found: list[Path] = []
+    files: list[Path] = []
     for folder in folders:
         try:
-            found += sorted(path for path in folder.iterdir() if path.suffix.lower() in _READ)
+            files += sorted(path for path in folder.iterdir() if path.suffix.lower() in _READ)
         except OSError:
             continue
-    return tuple(found)
+    return tuple(files)
 
 
 _READ = frozenset([".toml", ".urdf", ".xml", ".srdf"])

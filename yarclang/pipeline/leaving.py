@@ -39,7 +39,7 @@ _MOST_ROWS = 2000
 
 
 def leaving(
-    plan: MotionPlan, name: str, number: int, time: float, here: Array, request: Request
+    plan: MotionPlan, name: str, number: int, time: float, position: Array, request: Request
 ) -> tuple[Job, ...] | str:
     """Return the jobs by which a robot withdraws that was stopped on the path of a motion: the way back
     (unless the robot is at the motion's start), and the way out.
@@ -49,7 +49,7 @@ def leaving(
         name: the way out.
         number: the motion on whose path the robot was stopped.
         time: time of the plan that corresponds to the robot's position [s].
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
         request: the settings with which the program was planned.
 
     Returns:
@@ -59,48 +59,50 @@ def leaving(
     if way is None:
         return f"the program has no way {name}"
     begin = stand_before(plan, number)
-    there = start_of(plan, begin)
+    end = start_of(plan, begin)
     jobs: list[Job] = []
-    if (np.abs(to_counts(plan.robot, here) - to_counts(plan.robot, there)) > 1.0).any():
-        back = _back(plan, begin, time, here, request)
+    if (np.abs(to_counts(plan.robot, position) - to_counts(plan.robot, end)) > 1.0).any():
+        back = _back(plan, begin, time, position, request)
         if isinstance(back, str):
             title = title_of(plan, begin)
             return f"the way back to where {title} begins can't be done: {back}"
         jobs.append(job_of_compiled(back, BACK))
-        there = jobs[0].end
-    out = _out(plan, way, there, request)
+        end = jobs[0].end
+    out = _out(plan, way, end, request)
     if isinstance(out, str):
         return f"{name} can't be carried out: {out}"
     return (*jobs, job_of_compiled(out, plan.program.source.name))
 
 
-def _out(plan: MotionPlan, way: WayOut, here: Array, request: Request) -> Compiled | str:
-    return _compiled(way_out_from(plan, way, here), request)
+def _out(plan: MotionPlan, way: WayOut, position: Array, request: Request) -> Compiled | str:
+    return _compiled(way_out_from(plan, way, position), request)
 
 
-def _back(plan: MotionPlan, begin: int, time: float, here: Array, request: Request) -> Compiled | str:
+def _back(plan: MotionPlan, begin: int, time: float, position: Array, request: Request) -> Compiled | str:
     """Return the way back along the path, from rest to rest, no faster than the robot came."""
     whole, watches = plan.program, only_holding(plan.program.watches)
     since = float(plan.begins[begin])
     done = max(time - since, 0.0)
     lasts = max(_SHORTEST, _SLOWER * done)
-    made: Compiled | str = ""
+    compiled: Compiled | str = ""
     for _ in range(_TRIES):
         table = _table(plan, since, done, lasts)
-        within = constant(np.full(len(here), _WITHIN))
+        within = constant(np.full(len(position), _WITHIN))
         text = f"P0001 MOVEJ_TIMED [{lasts:g}]"
         source = SourceFile(BACK, text)
         origin = Origin("P0001", "MOVEJ_TIMED", source, Span.on_line(1, 1, len(text) + 1))
         move = TimedMove(origin, table, within, 1.0, Timing(lasts))
-        made = _compiled(Program(source, here, (move,), whole.outputs, whole.cell, watches=watches), request)
-        if not isinstance(made, str):
-            return made
+        compiled = _compiled(
+            Program(source, position, (move,), whole.outputs, whole.cell, watches=watches), request
+        )
+        if not isinstance(compiled, str):
+            return compiled
         lasts *= 2.0
-    return made
+    return compiled
 
 
-def _table(plan: MotionPlan, since: float, done: float, lasts: float) -> Timetable:
-    """Return the way from `done` [s after `since`] back to `since`, as a timetable of `lasts` [s] from
+def _table(plan: MotionPlan, since: float, progress: float, lasts: float) -> Timetable:
+    """Return the way from `progress` [s after `since`] back to `since`, as a timetable of `lasts` [s] from
     rest to rest.
     """
     count = int(np.clip(np.ceil(lasts / _ROW_EACH), 4, _MOST_ROWS))
@@ -109,8 +111,8 @@ def _table(plan: MotionPlan, since: float, done: float, lasts: float) -> Timetab
     step = share**3 * (10.0 + share * (6.0 * share - 15.0))
     slope = 30.0 * share**2 * (1.0 - share) ** 2 / lasts
     bend = 60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / lasts**2
-    q, v, a = plan.sample(since + done * (1.0 - step))
-    speed, change = (-done * slope)[:, None], (-done * bend)[:, None]
+    q, v, a = plan.sample(since + progress * (1.0 - step))
+    speed, change = (-progress * slope)[:, None], (-progress * bend)[:, None]
     velocities, accelerations = v * speed, a * speed**2 + v * change
     velocities[-1] = accelerations[-1] = 0.0
     return Timetable(constant(lasts * share), constant(q), constant(velocities), constant(accelerations))

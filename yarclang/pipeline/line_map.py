@@ -86,12 +86,12 @@ def map_lines(text: str) -> LineMap:
 def _merged(stretches: Iterator[Stretch]) -> Iterator[Stretch]:
     """Merge neighbours with the same command and purpose."""
     last: Stretch | None = None
-    for one in stretches:
-        if last is not None and last.command is one.command and last.what == one.what:
-            last = replace(last, last=one.last)
+    for stretch in stretches:
+        if last is not None and last.command is stretch.command and last.what == stretch.what:
+            last = replace(last, last=stretch.last)
             continue
         if last is not None:
             yield last
-        last = one
+        last = stretch
     if last is not None:
         yield last

@@ -35,12 +35,12 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
     def load(name: str) -> Result[Module]:
         for path in (*unsaved, *modules_in(folder, name), *library()):
             if path.stem.upper() == name:
-                text, found = texts.get(path.absolute()), tuple[Diagnostic, ...]()
+                text, findings = texts.get(path.absolute()), tuple[Diagnostic, ...]()
                 if text is None:
                     read = read_source(str(path))
-                    text, found = read.value, read.diagnostics
+                    text, findings = read.value, read.diagnostics
                 if text is None:
-                    return Result(None, found)
+                    return Result(None, findings)
                 return parse(replace(text, module=name, is_installed=path in library()))
         known = sorted({path.stem.upper() for path in library()})
         subject = unknown(name, [path.stem.upper() for path in (*unsaved, *modules_in(folder), *library())])

@@ -42,13 +42,13 @@ class Origins:
         """
         if self.program is None:
             return None
-        found = [
+        matches = [
             step.origin
             for step in self.program.steps
             if not isinstance(step, Gap)
             and (step.origin.label or "-", step.origin.name) == (index or "-", name)
         ]
-        return next((one for one in found if one.span.line == source_line), found[0] if found else None)
+        return next((one for one in matches if one.span.line == source_line), matches[0] if matches else None)
 
     def of_listed(self, listed: Listed) -> Origin | None:
         """Return the origin of a command that the text's own map lists."""

@@ -62,7 +62,7 @@ _SHORTEST = 0.5
 
 
 def approach(
-    robot: Robot, here: Array, there: Array, cell: Cell | None = None, watches: tuple[Watch, ...] = ()
+    robot: Robot, position: Array, goal: Array, cell: Cell | None = None, watches: tuple[Watch, ...] = ()
 ) -> Result[Compiled]:
     """Plan a certified motion of all joints within the robot's rapid share of its limits.
 
@@ -70,8 +70,8 @@ def approach(
 
     Args:
         robot: the robot.
-        here: (n,) position of the robot [rad or m].
-        there: (n,) goal [rad or m].
+        position: (n,) position of the robot [rad or m].
+        goal: (n,) goal [rad or m].
         cell: its surroundings, with the parts where they are when a program starts.
         watches: inputs that hold the motion, such as those of the program that follows.
 
@@ -79,21 +79,21 @@ def approach(
         A finding instead, if there is no such motion.
     """
     cell = around_start(cell)
-    way = find_way(room_of(robot, cell, tool_frame(robot)), here, there)
+    way = find_way(room_of(robot, cell, tool_frame(robot)), position, goal)
     if isinstance(way, NoWay):
         source = SourceFile("<approach>", "")
-        return Result(None, (Diagnostic("Y0926", _why(robot, way), source, None, _BY_HAND),))
+        return Result(None, (Diagnostic("Y0926", _reason(robot, way), source, None, _BY_HAND),))
     if not way.is_straight:
-        return _round(robot, here, way, cell, watches)
-    far = np.abs(there - here)
+        return _round(robot, position, way, cell, watches)
+    far = np.abs(goal - position)
     limits, share = robot.limits, robot.controller.rapid_share
     by_speed = _PEAK * far / (limits.velocity * share)
     by_acceleration = np.sqrt(4.5 * far / (limits.acceleration * share))
     duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
     while True:
-        source, origin = _line(robot, f"MOVEJ_{DEFAULT_PROFILE}", [there], f"{duration:g}")
-        move = JointMove(origin, JointGoal(there), DEFAULT_PROFILE, Timing(duration))
-        program = Program(source, here, (move,), cell=cell, watches=only_holding(watches))
+        source, origin = _line(robot, f"MOVEJ_{DEFAULT_PROFILE}", [goal], f"{duration:g}")
+        move = JointMove(origin, JointGoal(goal), DEFAULT_PROFILE, Timing(duration))
+        program = Program(source, position, (move,), cell=cell, watches=only_holding(watches))
         made = compiled_part(program, Request(robot))
         if made.value is None or _fastest(made.value, limits.velocity) <= share * (1.0 + 1e-9):
             return made
@@ -101,20 +101,20 @@ def approach(
         duration += 0.05
 
 
-def _fastest(made: Compiled, allowed: Array) -> float:
+def _fastest(compiled: Compiled, allowed: Array) -> float:
     """Return an upper bound of the share of its allowed speed that any joint reaches; `allowed` is (n,)
     [rad/s or m/s].
     """
     shares = [
         np.abs(np.diff(one.curve.points, axis=0)) / one.curve.segment / allowed
-        for one in made.plan.motions
+        for one in compiled.plan.motions
         if len(one.curve.points) > 1
     ]
     return max((float(one.max()) for one in shares), default=0.0)
 
 
 def _round(
-    robot: Robot, here: Array, way: Way, cell: Cell | None, watches: tuple[Watch, ...]
+    robot: Robot, position: Array, way: Way, cell: Cell | None, watches: tuple[Watch, ...]
 ) -> Result[Compiled]:
     share = robot.controller.rapid_share
     points = list(way.waypoints)
@@ -122,7 +122,7 @@ def _round(
     goals = tuple(JointGoal(q) for q in points)
     move = SplineMove(origin, goals, DEFAULT_PROFILE, Timing(None, share=share))
     made = compiled_part(
-        Program(source, here, (move,), cell=cell, watches=only_holding(watches)), Request(robot)
+        Program(source, position, (move,), cell=cell, watches=only_holding(watches)), Request(robot)
     )
     # Drop notes: nobody has written this command, so nobody can change it.
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
@@ -136,7 +136,7 @@ def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[Sour
     return source, Origin("P0001", name, source, Span.on_line(1, 1, len(text) + 1))
 
 
-def _why(robot: Robot, way: NoWay) -> str:
+def _reason(robot: Robot, way: NoWay) -> str:
     if way.start is not None:
         return f"the robot can't leave from where it stands: {inside(way.start)}"
     if way.goal is not None:
@@ -146,7 +146,10 @@ def _why(robot: Robot, way: NoWay) -> str:
     return f"no way from where the robot stands to the start was found {tried(robot, way)}"
 
 
-_BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where the program starts"
+_BY_HAND = (
+    "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where "
+    "the program starts"
+)
 
 
 def part(
@@ -238,14 +241,14 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
 
     Empty if there is none, or if the part's current place (in `now`) isn't the one in the plan.
     """
-    whole, then = followed_plan(plan), parts_before(plan, step)
+    whole, parts_of_steps = followed_plan(plan), parts_before(plan, step)
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
     leads = handling.runs.away.get(step, ())
     grasps = () if whole is None else tuple(whole.grasps.get(one.to) for one in leads)
     grasp = grasps[0] if grasps and None not in grasps else None
-    if grasp is None or then is None:
+    if grasp is None or parts_of_steps is None:
         return ()
-    meant, known = ({one.name: one for one in parts.items} for parts in (then, now))
+    meant, known = ({one.name: one for one in parts.items} for parts in (parts_of_steps, now))
     same = all(name in known and is_same(known[name], meant[name]) for name in grasp.moved)
     return (handling.leaving(grasp),) if same else ()
 
@@ -371,9 +374,15 @@ def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
     origin, first = _origin(plan, number), _origin(plan, begin)
     before = _origin(plan, number - 1)
     if plan.motions[number - 1].flows:
-        message = f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a run can't begin there"
+        message = (
+            f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a "
+            "run can't begin there"
+        )
     else:
-        message = f"{_called(origin)} begins where {_called(before)} has ended, and that place is known only in the run that has found it"
+        message = (
+            f"{_called(origin)} begins where {_called(before)} has ended, and that place is known only in "
+            "the run that has found it"
+        )
     flows = plan.motions[number - 1].flows
     help_ = f"begin with {_called(first)}{', where the chain begins' * flows}"
     if first.label:

@@ -18,9 +18,9 @@ class Part:
     number: int
     loops: tuple[str, ...]
 
-    def fits(self, wanted: Part) -> bool:
-        """Return True if this part matches `wanted`. Loops that `wanted` omits may have any value."""
-        return self.number == wanted.number and set(wanted.loops) <= set(self.loops)
+    def fits(self, pattern: Part) -> bool:
+        """Return True if this part matches `pattern`. Loops that `pattern` omits may have any value."""
+        return self.number == pattern.number and set(pattern.loops) <= set(self.loops)
 
 
 def parts_of(text: str) -> tuple[Part, ...] | None:
@@ -51,19 +51,19 @@ def matching(labels: dict[int, str], text: str) -> tuple[int, ...]:
     program's own file: the index of a CALL matches all commands of the call. If there is no such place, the
     text may be the end of a place, as in a SUB. Loops that the text omits may have any value.
     """
-    wanted = parts_of(text)
-    if wanted is None:
+    pattern = parts_of(text)
+    if pattern is None:
         return ()
     parts = {number: parts_of(label) or () for number, label in labels.items()}
-    exact = [number for number, found in parts.items() if found == wanted]
+    exact = [number for number, found in parts.items() if found == pattern]
     if exact:
         return tuple(exact)
-    size = len(wanted)
-    begin = [number for number, found in parts.items() if _fit(found[:size], wanted)]
-    return tuple(begin or [number for number, found in parts.items() if _fit(found[-size:], wanted)])
+    size = len(pattern)
+    begin = [number for number, found in parts.items() if _fit(found[:size], pattern)]
+    return tuple(begin or [number for number, found in parts.items() if _fit(found[-size:], pattern)])
 
 
-def _fit(found: tuple[Part, ...], wanted: tuple[Part, ...]) -> bool:
-    return len(found) == len(wanted) and all(
-        one.fits(other) for one, other in zip(found, wanted, strict=True)
+def _fit(parts: tuple[Part, ...], pattern: tuple[Part, ...]) -> bool:
+    return len(parts) == len(pattern) and all(
+        one.fits(other) for one, other in zip(parts, pattern, strict=True)
     )

@@ -127,7 +127,7 @@ def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[in
     if not isinstance(table, dict):
         say(("jobs",), "jobs is a table", 'write [jobs], and below it 1 = "left.yarc"')
         return {}
-    found: dict[int, str] = {}
+    programs: dict[int, str] = {}
     for word, file in table.items():
         number = int(word) if word.isascii() and word.isdigit() and len(word) <= 5 else -1
         if not 0 <= number <= _LARGEST_JOB:
@@ -136,7 +136,7 @@ def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[in
                 f"{word[:40]!r} is no number of a job",
                 f"write an integer from 0 to {_LARGEST_JOB}",
             )
-        elif number in found:
+        elif number in programs:
             say(("jobs", word), f"job {number} stands twice", "leave one of them")
         elif not isinstance(file, str) or not file.lower().endswith(".yarc"):
             say(
@@ -145,8 +145,8 @@ def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[in
                 f'write {number} = "left.yarc", a path seen from the folder of {FILE_NAME}',
             )
         else:
-            found[number] = file
-    return found
+            programs[number] = file
+    return programs
 
 
 def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:
@@ -164,13 +164,13 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
     if not isinstance(table, dict):
         say(("findings",), "findings is a table", 'write [findings], and below it Y0611 = "off"')
         return levels
-    known = [*everything(), *(one.name for one in everything().values())]
+    known_words = [*everything(), *(one.name for one in everything().values())]
     # A more specific key takes precedence, whatever the order is.
     for word, level in sorted(table.items(), key=lambda entry: len(entry[0])):
         path = ("findings", word)
         codes = codes_of(word)
         if not codes:
-            subject = unknown(word, known)
+            subject = unknown(word, known_words)
             help_ = subject.question or "yarc explain lists all codes"
             say(path, f"no finding is called {word}", help_, subject)
         elif level not in _LEVELS:

@@ -74,7 +74,7 @@ class Recovery:
 def recovery(
     robot: Robot,
     start: Place,
-    here: Array,
+    position: Array,
     plan: MotionPlan | None,
     around: Callable[[Place], tuple[Cell | None, bool]],
     *,
@@ -87,7 +87,7 @@ def recovery(
     Args:
         robot: the robot.
         start: start of the program, or the place that the user named.
-        here: position of the robot (n,) [rad or m].
+        position: position of the robot (n,) [rad or m].
         plan: plan of the program; None: only its start is known.
         around: returns, for the motion to a place, the cell with its parts, and True if the places of these
             parts are known.
@@ -97,55 +97,56 @@ def recovery(
     Returns:
         A finding instead, if no motion is proved.
     """
-    if (beyond := _beyond(robot, here)) is not None:
+    if (beyond := _beyond(robot, position)) is not None:
         return Result(None, (beyond,))
-    here = np.clip(here, robot.limits.lower, robot.limits.upper)
+    position = np.clip(position, robot.limits.lower, robot.limits.upper)
     refused: tuple[Diagnostic, ...] = ()
     tried: list[Place] = []
-    others = _others(plan, start, here, robot) if plan is not None and nearest else iter(())
+    others = _others(plan, start, position, robot) if plan is not None and nearest else iter(())
     for place in (start, *others):
         cell, is_known = around(place)
         assumed = () if is_known or cell is None else tuple(one.body.name for one in cell.parts)
         if is_there(place.there):
             return Result(Recovery(place, None, cell, assumed, refused), ())
-        made = _way(robot, place, here, plan, cell)
+        made = _way(robot, place, position, plan, cell)
         if made.value is not None:
             return Result(Recovery(place, made.value, cell, assumed, refused), made.diagnostics)
         if not tried:
             refused = tuple(one for one in made.diagnostics if one.is_error)
         tried.append(place)
-        if is_known and _is_blocked(robot, here, cell):
+        if is_known and _is_blocked(robot, position, cell):
             break  # the robot is already in contact: no other place helps
     return Result(None, (_no_way(tried, refused), *refused))
 
 
-def _beyond(robot: Robot, here: Array) -> Diagnostic | None:
+def _beyond(robot: Robot, position: Array) -> Diagnostic | None:
     """Return a finding if a joint is beyond its limit. An excess of less than `_SAME` is ignored."""
-    excess = np.maximum(robot.limits.lower - here, here - robot.limits.upper)
+    excess = np.maximum(robot.limits.lower - position, position - robot.limits.upper)
     joint = int(np.argmax(excess))
     if excess[joint] <= _SAME:
         return None
     unit, scale = robot.axis_unit_names[joint], robot.axis_units[joint]
     lower, upper = robot.limits.lower[joint] / scale, robot.limits.upper[joint] / scale
     message = (
-        f"{robot.joint_names[joint]} stands at {here[joint] / scale:.4f} {unit}, {excess[joint] / scale:.4f} {unit} beyond its limits "
-        f"{lower:g} to {upper:g}: no motion from there is proved"
+        f"{robot.joint_names[joint]} stands at {position[joint] / scale:.4f} {unit}, "
+        f"{excess[joint] / scale:.4f} {unit} beyond its limits {lower:g} to {upper:g}: no motion from there "
+        "is proved"
     )
     return Diagnostic(NOT_RECOVERED, message, help="move this joint back by the controller's own jog, slowly")
 
 
-def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, number: int = 0) -> Place:
+def start_of(plan: MotionPlan | None, at_place: Array, step: int | None = None, number: int = 0) -> Place:
     """Return the place at which a program begins.
 
     Args:
         plan: plan of the program; None: unknown.
-        there: position of the robot at that place (n,) [rad or m].
+        at_place: position of the robot at that place (n,) [rad or m].
         step: first step, if the user named one; else None.
         number: number of the first motion.
     """
     if plan is None or step is None:
-        return Place("", "the start", 0, there)
-    return _place(plan, step, there, number)
+        return Place("", "the start", 0, at_place)
+    return _place(plan, step, at_place, number)
 
 
 def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Parts | None:
@@ -157,41 +158,41 @@ def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Part
     return parts_before(plan, plan.motions[place.number].step)
 
 
-def _others(plan: MotionPlan, start: Place, here: Array, robot: Robot) -> Iterator[Place]:
+def _others(plan: MotionPlan, start: Place, position: Array, robot: Robot) -> Iterator[Place]:
     """Yield the places at which the program may begin. The first is the nearest by the time that the slowest
     joint needs.
 
     Args:
         plan: plan of the program.
         start: its start.
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
         robot: the robot.
     """
     if not plan.motions:
         return
     begins = [first for first, _ in chains(plan)]
-    there = np.array([plan.motions[first].curve.points[0] for first in begins])
-    far = (np.abs(there - here) / robot.limits.velocity).max(axis=1)
-    seen = [start.there]
+    starts = np.array([plan.motions[first].curve.points[0] for first in begins])
+    far = (np.abs(starts - position) / robot.limits.velocity).max(axis=1)
+    positions = [start.there]
     for at in np.argsort(far, kind="stable").tolist():
-        if len(seen) > MOST_PLACES:
+        if len(positions) > MOST_PLACES:
             return
-        number, q = begins[at], there[at]
-        if any(bool((np.abs(q - one) <= _SAME).all()) for one in seen):
+        number, q = begins[at], starts[at]
+        if any(bool((np.abs(q - one) <= _SAME).all()) for one in positions):
             continue
         step = plan.motions[number].step
         index = _origin(plan, step).label
         found = beginning(plan, index) if index else None
         if found != (number, step) or not can_begin_at(plan, index):
             continue
-        seen.append(q)
+        positions.append(q)
         yield _place(plan, step, q, number)
 
 
-def _place(plan: MotionPlan, step: int, there: Array, number: int) -> Place:
+def _place(plan: MotionPlan, step: int, at_place: Array, number: int) -> Place:
     origin = _origin(plan, step)
     line = origin.span.line if origin.source is plan.program.source else 0
-    return Place(origin.label, f"{origin.label} {origin.name}".strip(), line, there, number)
+    return Place(origin.label, f"{origin.label} {origin.name}".strip(), line, at_place, number)
 
 
 def _origin(plan: MotionPlan, number: int) -> Origin:
@@ -201,7 +202,7 @@ def _origin(plan: MotionPlan, number: int) -> Origin:
 
 
 def _way(
-    robot: Robot, place: Place, here: Array, plan: MotionPlan | None, cell: Cell | None
+    robot: Robot, place: Place, position: Array, plan: MotionPlan | None, cell: Cell | None
 ) -> Result[Compiled]:
     """Return a motion to a place.
 
@@ -211,22 +212,22 @@ def _way(
     Args:
         robot: the robot.
         place: the place.
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
         plan: plan of the program; None: unknown.
         cell: the cell with its parts; None: there is none.
     """
     if plan is not None and plan.motions and place.index:
         now = cell.present.parts if cell is not None and cell.present is not None else None
-        along = along_the_path(plan, place.number, here, now)
+        along = along_the_path(plan, place.number, position, now)
         if along is not None:
             return Result(along, ())
     watches = () if plan is None else plan.program.watches
-    return approach(robot, here, place.there, cell, watches)
+    return approach(robot, position, place.there, cell, watches)
 
 
-def _is_blocked(robot: Robot, here: Array, cell: Cell | None) -> bool:
+def _is_blocked(robot: Robot, position: Array, cell: Cell | None) -> bool:
     room = room_of(robot, around_start(cell), tool_frame(robot))
-    return room is not None and room.obstruction(here) is not None
+    return room is not None and room.obstruction(position) is not None
 
 
 def around_place(cell: Cell | None, assumed: Parts | None) -> Cell | None:
@@ -240,5 +241,8 @@ def _no_way(tried: list[Place], refused: tuple[Diagnostic, ...]) -> Diagnostic:
     others = f" or to {tried[1].title}" if len(tried) == 2 else others
     why = f": {refused[0].message}" if refused else ""
     message = f"no motion from where the robot stands to {first}{others} is proved{why}"
-    help_ = "jog the robot into the open (yarc repl, or the pendant), and recover from there; or correct the cell.toml"
+    help_ = (
+        "jog the robot into the open (yarc repl, or the pendant), and recover from there; or correct the "
+        "cell.toml"
+    )
     return Diagnostic(NOT_RECOVERED, message, help=help_)

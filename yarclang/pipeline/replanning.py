@@ -37,13 +37,13 @@ _SAME = 1e-6
 """Tolerance between the end of the new plan and the program's own place [rad or m]."""
 
 
-def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> Replanned | str:
+def replanned(plan: MotionPlan, number: int, position: Array, request: Request) -> Replanned | str:
     """Return the lines to stream after a search, up to the end of the next motion.
 
     Args:
         plan: the program.
         number: number of the motion that was ended.
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
@@ -64,13 +64,13 @@ def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> R
             last = replace(last, allowed=kept(last, allowances_of(plan.program).get(following.step, ())))
             if isinstance(last, JointMove):  # of several solutions the program's
                 last = replace(last, goal=JointGoal(end))
-        made = _job(plan, begin, (*still, last), here, request)
-        if isinstance(made, str):
-            return made
-        if end is not None and float(np.abs(made.end - end).max()) > _SAME:
+        job = _job(plan, begin, (*still, last), position, request)
+        if isinstance(job, str):
+            return job
+        if end is not None and float(np.abs(job.end - end).max()) > _SAME:
             return f"from here {title} ends in another configuration"
-        jobs.append(made)
-    return Replanned(tuple(jobs), _length(plan, number, here))
+        jobs.append(job)
+    return Replanned(tuple(jobs), _length(plan, number, position))
 
 
 def _parts(steps: Sequence[Step], begin: int) -> Iterator[list[Step]]:
@@ -100,30 +100,32 @@ def _behind_when(steps: tuple[Step, ...], first: int) -> int:
     return len(steps)
 
 
-def _job(plan: MotionPlan, begin: int, steps: tuple[Step, ...], here: Array, request: Request) -> Job | str:
+def _job(
+    plan: MotionPlan, begin: int, steps: tuple[Step, ...], position: Array, request: Request
+) -> Job | str:
     whole = plan.program
     cell, parts = whole.cell, parts_before(plan, begin)
     if cell is not None and parts is not None:
         cell = presently(cell, Present(parts))
-    program = Program(whole.source, here, steps, whole.outputs, cell, watches=only_holding(whole.watches))
+    program = Program(whole.source, position, steps, whole.outputs, cell, watches=only_holding(whole.watches))
     made = compiled_part(program, request)
     if made.value is None or has_errors(made.diagnostics):
         return next((one.message for one in made.diagnostics if one.is_error), "it can't be planned")
     return job_of_compiled(made.value, whole.source.name)
 
 
-def _length(plan: MotionPlan, number: int, here: Array) -> float:
+def _length(plan: MotionPlan, number: int, position: Array) -> float:
     """Return the distance that the moving frame of a linear motion has covered [m]; 0 for a joint motion.
 
     Args:
         plan: the program.
         number: number of the motion.
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
     """
     motion = plan.motions[number]
     step = plan.program.steps[motion.step]
     if not isinstance(step, LineMove):
         return 0.0
-    both = np.stack((motion.curve.points[0], here))
+    both = np.stack((motion.curve.points[0], position))
     places = tool_poses(plan.robot.chain, both, step.goal.flange_from_moving)[:, :3, 3]
     return float(np.linalg.norm(places[1] - places[0]))

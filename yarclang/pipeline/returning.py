@@ -40,7 +40,9 @@ _STEP = 1e-3
 """Time between the points of a path that are compared with the robot's position [s]."""
 
 
-def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None = None) -> Compiled | None:
+def along_the_path(
+    plan: MotionPlan, number: int, position: Array, now: Parts | None = None
+) -> Compiled | None:
     """Return a certified motion to the start of motion `number`, from a place on the path of a motion beside
     a gripper's SET.
 
@@ -50,49 +52,49 @@ def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None
     Args:
         plan: the program that was stopped.
         number: number of the motion to begin with.
-        here: position of the robot (n,) [rad or m].
+        position: position of the robot (n,) [rad or m].
         now: places of the parts; None: as the program has them there.
 
     Returns:
         None if the robot isn't on such a path, or if the motion can't be proved.
     """
-    there = plan.motions[number].curve.points[0]
-    for one in (number, number - 1):
-        step = plan.program.steps[plan.motions[one].step] if one >= 0 else None
-        if not isinstance(step, LineMove | JointMove) or not _is_on_path(plan, one, here):
+    goal = plan.motions[number].curve.points[0]
+    for at in (number, number - 1):
+        step = plan.program.steps[plan.motions[at].step] if at >= 0 else None
+        if not isinstance(step, LineMove | JointMove) or not _is_on_path(plan, at, position):
             continue
-        for cell in _cells(plan, one, now):
-            made = compiled_part(_program(plan, one, here, there, cell), Request(plan.robot))
+        for cell in _cells(plan, at, now):
+            made = compiled_part(_program(plan, at, position, goal, cell), Request(plan.robot))
             if made.value is not None and not has_errors(made.diagnostics):
                 return made.value
     return None
 
 
-def can_go_on(plan: MotionPlan, number: int, here: Array) -> bool:
+def can_go_on(plan: MotionPlan, number: int, position: Array) -> bool:
     """Return True if a robot can reach the start of a motion without hitting parts. If there are no parts,
     nothing is checked.
 
     Args:
         plan: the program. The parts are where it has them at the motion.
         number: number of the motion.
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
     """
     if not plan.motions:
         return True
     cell, parts = plan.program.cell, parts_before(plan, plan.motions[number].step)
-    there = plan.motions[number].curve.points[0]
-    if cell is None or parts is None or bool((np.abs(there - here) <= _ON_PATH).all()):
+    goal = plan.motions[number].curve.points[0]
+    if cell is None or parts is None or bool((np.abs(goal - position) <= _ON_PATH).all()):
         return True
-    if along_the_path(plan, number, here) is not None:
+    if along_the_path(plan, number, position) is not None:
         return True
-    return approach(plan.robot, here, there, presently(cell, Present(parts))).value is not None
+    return approach(plan.robot, position, goal, presently(cell, Present(parts))).value is not None
 
 
-def _is_on_path(plan: MotionPlan, number: int, here: Array) -> bool:
+def _is_on_path(plan: MotionPlan, number: int, position: Array) -> bool:
     begin = plan.begins[number]
     end = begin + plan.motions[number].curve.duration
     times = np.linspace(begin, end, max(2, int((end - begin) / _STEP)))
-    return bool(np.abs(plan.sample(times)[0] - here).max(axis=1).min() <= _ON_PATH)
+    return bool(np.abs(plan.sample(times)[0] - position).max(axis=1).min() <= _ON_PATH)
 
 
 def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
@@ -104,19 +106,21 @@ def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
     around = None if whole is None else whole.cells[step]
     if whole is None or cell is None or around is None or not (step in runs.away or step in runs.towards):
         return
-    meant = whole.before[step]
+    expected = whole.before[step]
     if now is None:
         yield around
         return
     known = {one.name: one for one in now.items}
     touched = {touch.part for touch in around.touches}
-    if all(one.name in known and is_same(known[one.name], one) for one in meant.items if one.name in touched):
+    if all(
+        one.name in known and is_same(known[one.name], one) for one in expected.items if one.name in touched
+    ):
         present = surroundings(cell, now, around.touches)
         if present is not None:
             yield present
 
 
-def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cell) -> Program:
+def _program(plan: MotionPlan, number: int, position: Array, there: Array, cell: Cell) -> Program:
     robot = plan.robot
     step = plan.program.steps[plan.motions[number].step]
     timing = Timing(None, share=robot.controller.rapid_share)
@@ -128,7 +132,7 @@ def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cel
     if not isinstance(step, LineMove):
         return Program(
             source,
-            here,
+            position,
             (JointMove(origin, JointGoal(there), DEFAULT_PROFILE, timing),),
             cell=cell,
             watches=only_holding(plan.program.watches),
@@ -136,4 +140,4 @@ def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cel
     flange_from_moving = step.goal.flange_from_moving
     goal = PoseGoal(flange_pose(robot, there) @ flange_from_moving, flange_from_moving)
     line = LineMove(origin, goal, DEFAULT_PROFILE, timing)
-    return Program(source, here, (line,), cell=cell, watches=only_holding(plan.program.watches))
+    return Program(source, position, (line,), cell=cell, watches=only_holding(plan.program.watches))

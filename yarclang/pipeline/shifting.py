@@ -48,21 +48,21 @@ _SAME = 1e-6
 
 
 def shifted(
-    plan: MotionPlan, number: int, here: Array, values: Sequence[int], request: Request
+    plan: MotionPlan, number: int, position: Array, values: Sequence[int], request: Request
 ) -> Replanned | str:
     """Return the lines to stream for an OFFSET.
 
     Args:
         plan: the program.
         number: number of its first motion.
-        here: (n,) position of the robot [rad or m].
+        position: (n,) position of the robot [rad or m].
         values: value of the register for each of `SHIFTS`; 0 without a register.
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
         A text with the reason instead, if this isn't possible.
     """
-    made = shifted_program(plan, number, here, values, request)
+    made = shifted_program(plan, number, position, values, request)
     if isinstance(made, str):
         return made
     job = job_of_compiled(made, plan.program.source.name)
@@ -71,7 +71,7 @@ def shifted(
 
 
 def shifted_program(
-    plan: MotionPlan, number: int, here: Array, values: Sequence[int], request: Request
+    plan: MotionPlan, number: int, position: Array, values: Sequence[int], request: Request
 ) -> Compiled | str:
     """Plan and prove the lines of an OFFSET. Arguments and error texts are those of `shifted`."""
     whole = plan.program
@@ -81,27 +81,29 @@ def shifted_program(
     assert when.offset is not None
     offset, cell = when.offset, whole.cell
     moved = pose_matrix(numbers_of(values).tolist())
-    own = [motion for motion in plan.motions if begin < motion.step < end]
-    last, leads = own[-1], own[-1].waypoints[-1]
+    own_motions = [motion for motion in plan.motions if begin < motion.step < end]
+    last, leads = own_motions[-1], own_motions[-1].waypoints[-1]
     steps = tuple(
         _ending(step, leads) if at == last.step else step
         for at, step in enumerate(carried(whole.steps[begin + 1 : end], offset, values), begin + 1)
     )
     parts = parts_before(plan, begin)
     if cell is not None and parts is not None:
-        leaving = leaving_before(plan, own[0].step, parts)
+        leaving = leaving_before(plan, own_motions[0].step, parts)
         cell = presently(cell, Present(_lying(parts, offset, moved), leaving))
     program = Program(
-        whole.source, here, steps, whole.outputs, cell, registers=whole.registers, watches=whole.watches
+        whole.source, position, steps, whole.outputs, cell, registers=whole.registers, watches=whole.watches
     )
-    made = compiled_part(program, request)
-    if made.value is None or has_errors(made.diagnostics):
-        return next((_told(one, steps) for one in made.diagnostics if one.is_error), "it can't be planned")
-    stands = made.value.plan.motions[-1].waypoints[-1]
+    compiled = compiled_part(program, request)
+    if compiled.value is None or has_errors(compiled.diagnostics):
+        return next(
+            (_message(one, steps) for one in compiled.diagnostics if one.is_error), "it can't be planned"
+        )
+    stands = compiled.value.plan.motions[-1].waypoints[-1]
     if float(np.abs(stands - leads).max()) > _SAME:
         origin = whole.steps[last.step].origin  # type: ignore[union-attr]  # a motion has one
         return f"{origin.label or origin.name} ends in another configuration than without the shift"
-    return _left_elsewhere(plan, made.value, end) or made.value
+    return _left_elsewhere(plan, compiled.value, end) or compiled.value
 
 
 def around(steps: Sequence[Step], inside: int) -> tuple[int, int]:
@@ -194,23 +196,26 @@ def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
     return shift(there, offset.parts, placed @ own @ np.linalg.inv(placed), BEFORE)
 
 
-def _left_elsewhere(plan: MotionPlan, made: Compiled, end: int) -> str:
+def _left_elsewhere(plan: MotionPlan, compiled: Compiled, end: int) -> str:
     """Return a text if a part ends up elsewhere than in the program without the shift; empty if none does."""
-    after, meant = followed_plan(made.plan), parts_before(plan, end)
+    after, meant = followed_plan(compiled.plan), parts_before(plan, end)
     if after is None or meant is None or are_same(after.end, meant):
         return ""
-    left = {one.name: one for one in after.end.items}
-    for one in meant.items:
-        other = left.pop(one.name, None)
-        if other is None or other.gripper != one.gripper:
-            return f"the gripper doesn't take or leave {one.name} as it does without the shift"
-        if not np.allclose(other.transform, one.transform, rtol=0.0, atol=1e-5):
-            return f"{one.name} stays where the shift has it, and the lines after the OFFSET are proved with it elsewhere"
+    left = {item.name: item for item in after.end.items}
+    for item in meant.items:
+        other = left.pop(item.name, None)
+        if other is None or other.gripper != item.gripper:
+            return f"the gripper doesn't take or leave {item.name} as it does without the shift"
+        if not np.allclose(other.transform, item.transform, rtol=0.0, atol=1e-5):
+            return (
+                f"{item.name} stays where the shift has it, and the lines after the OFFSET are proved with "
+                "it elsewhere"
+            )
     return "parts are left elsewhere than without the shift"
 
 
-def _told(one: Diagnostic, steps: Sequence[Step]) -> str:
+def _message(finding: Diagnostic, steps: Sequence[Step]) -> str:
     """Return the message of a finding, with the command that it is about."""
     origins = (step.origin for step in steps if isinstance(step, Motion | SetOutput))
-    label = next((at.label for at in origins if at.span == one.span and at.source is one.source), "")
-    return f"{label}: {one.message}" if label else one.message
+    label = next((at.label for at in origins if at.span == finding.span and at.source is finding.source), "")
+    return f"{label}: {finding.message}" if label else finding.message

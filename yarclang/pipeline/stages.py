@@ -16,6 +16,7 @@ from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.certifying import certify
 from yarclang.certify.claims import Claims
+from yarclang.certify.legs import strayed
 from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_order
 from yarclang.emitted.header import Header
 from yarclang.emitted.seal import sealed
@@ -123,7 +124,10 @@ def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
     settings = _settings(request)
     if settings.value is None:
         return Result(None, settings.diagnostics)
-    return plan(program, request.robot, settings.value)
+    planned = plan(program, request.robot, settings.value)
+    if planned.value is None or (fault := strayed(program, planned.value.program)) is None:
+        return planned
+    return Result(None, (*planned.diagnostics, fault))
 
 
 def shown_plan(program: Program, request: Request) -> MotionPlan | None:
@@ -165,14 +169,14 @@ def _shortened(program: Program) -> Program:
     """Return the part of a program with errors that is planned. Repeated lines in loops and SUBs are included
     only up to a number of motions.
     """
-    left, steps = ENOUGH_MOTIONS, list[Step]()
+    remaining, steps = ENOUGH_MOTIONS, list[Step]()
     for step in program.steps:
         if isinstance(step, Motion) and step.origin.place:
-            left -= 1
-            steps.append(step if left >= 0 else Gap())
+            remaining -= 1
+            steps.append(step if remaining >= 0 else Gap())
         else:
             steps.append(step)
-    return program if left >= 0 else replace(program, steps=tuple(steps), is_cut=True)
+    return program if remaining >= 0 else replace(program, steps=tuple(steps), is_cut=True)
 
 
 def compile_module(module: Module, request: Request) -> Result[Compiled]:
@@ -192,23 +196,23 @@ def certified_whole(planned: MotionPlan, request: Request) -> Result[Compiled]:
     """Certify a complete program: its text, and the ways out of its ONs from all places at which they may
     begin.
     """
-    made = certified(planned, request)
-    if made.value is None:
-        return made
+    compiled = certified(planned, request)
+    if compiled.value is None:
+        return compiled
 
-    asked = Request(
+    part_request = Request(
         request.robot, tm=request.tm, tolerance=request.tolerance, avoid_effort=request.avoid_effort
     )
 
     def refused(program: Program) -> str:
-        plan = plan_program(program, asked)
-        found = plan.diagnostics
+        plan = plan_program(program, part_request)
+        findings = plan.diagnostics
         if plan.value is not None:
-            found = (*found, *certified(plan.value, asked).diagnostics)
-        return next((one.message for one in found if one.is_error), "")
+            findings = (*findings, *certified(plan.value, part_request).diagnostics)
+        return next((one.message for one in findings if one.is_error), "")
 
-    found = tuple(unreachable_ways_out(planned, refused))
-    return Result(None, (*made.diagnostics, *found)) if found else made
+    findings = tuple(unreachable_ways_out(planned, refused))
+    return Result(None, (*compiled.diagnostics, *findings)) if findings else compiled
 
 
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
@@ -218,14 +222,14 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     backend = backend_of(planned.robot)
     if request.target and request.target not in backend.targets:
         return Result(None, (_no_target(backend, request.target),))
-    made = backend.write(planned, request.target or backend.targets[0], tolerance, request.memory)
-    if made.value is None:
-        return Result(None, made.diagnostics)
-    header = _header(made.value, planned, request)
+    written = backend.write(planned, request.target or backend.targets[0], tolerance, request.memory)
+    if written.value is None:
+        return Result(None, written.diagnostics)
+    header = _header(written.value, planned, request)
     tell("certifying: reading the text", 0)
-    text = made.value.text(header.lines())
+    text = written.value.text(header.lines())
     # For a long text, this takes as much memory as all data of the proof.
-    del made
+    del written
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
@@ -254,7 +258,10 @@ def _made_with(searches: bool) -> str:
     import pinocchio
     import scipy
 
-    packages = f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra {version('toppra')}"
+    packages = (
+        f"numpy {np.__version__}, pin {pinocchio.__version__}, scipy {scipy.__version__}, toppra "
+        f"{version('toppra')}"
+    )
     return f"{packages}, ompl {version('ompl')}" if searches else packages
 
 
@@ -266,7 +273,10 @@ def _no_target(backend: Backend, target: str) -> Diagnostic:
 def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
     """Return the header, which describes the text to a reader. Certificate and seal are added later."""
     robot = planned.robot
-    searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
+    searches = any(
+        isinstance(step, AvoidMove) or (isinstance(step, LineMove) and step.avoids)
+        for step in planned.source_program.steps
+    )
     return Header(
         version=__version__,
         source=_printable(PurePath(planned.program.source.name).name),
@@ -274,7 +284,7 @@ def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
         loading=written.loading,
         robot=robot.name,
         robot_fingerprint=robot.fingerprint,
-        program_fingerprint=fingerprint(planned.program, request.memory),
+        program_fingerprint=fingerprint(planned.source_program, request.memory),
         made_with=_made_with(searches),
         start=written.start,
         units=", ".join(dict.fromkeys(robot.axis_unit_names)),

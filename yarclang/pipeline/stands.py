@@ -29,14 +29,14 @@ def title_of(plan: MotionPlan, number: int) -> str:
     return f"{origin.label} {origin.name}" if origin.label else origin.name
 
 
-def way_out_from(plan: MotionPlan, way: WayOut, here: Array) -> Program:
+def way_out_from(plan: MotionPlan, way: WayOut, position: Array) -> Program:
     """Return a way out as a program of its own, from the robot's position (n,) [rad or m].
 
     During a way out, the watched inputs only hold the motion; they start no other way out.
     """
     whole = plan.program
     return Program(
-        whole.source, here, way.steps, whole.outputs, whole.cell, watches=only_holding(whole.watches)
+        whole.source, position, way.steps, whole.outputs, whole.cell, watches=only_holding(whole.watches)
     )
 
 
@@ -52,12 +52,14 @@ def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) ->
     stands = list(_stands(plan))
     for way in plan.program.ways_out:
         tried = ((number, refused(way_out_from(plan, way, start_of(plan, number)))) for number in stands)
-        failed = [(number, why) for number, why in tried if why]
+        failed = [(number, reason) for number, reason in tried if reason]
         if not failed:
             continue
-        number, why = failed[0]
+        number, reason = failed[0]
         more = f", and from {len(failed) - 1} more of {len(stands)} places" if len(failed) > 1 else ""
-        message = f"{way.name} can't be carried out from where {title_of(plan, number)} begins{more}: {why}"
+        message = (
+            f"{way.name} can't be carried out from where {title_of(plan, number)} begins{more}: {reason}"
+        )
         help_ = "let it begin with a motion that is free from each of these places, such as MOVEJ_AVOID"
         yield Diagnostic("Y0479", message, way.origin.source, way.origin.span, help=help_)
 
@@ -68,12 +70,12 @@ def _stands(plan: MotionPlan) -> Iterator[int]:
     After a search the inputs only hold, because the place at which the next motion begins isn't known.
     """
     searched = {one.step for one in searches_of(plan.program)}
-    known: set[bytes] = set()
+    places_so_far: set[bytes] = set()
     for number in range(len(plan.motions)):
         before = plan.motions[number - 1] if number else None
         if before is not None and (before.flows or before.step in searched):
             continue
         place = (start_of(plan, number).round(9) + 0.0).tobytes()
-        if place not in known:
-            known.add(place)
+        if place not in places_so_far:
+            places_so_far.add(place)
             yield number

@@ -91,12 +91,12 @@ def carried_parts(
     handling = handling_of(robot, program.cell, program.steps)
     if not handling.is_needed:
         return None
-    found = followed(handling, start, ends, left_out)
-    motions = found.before
+    handled = followed(handling, start, ends, left_out)
+    motions = handled.before
     states = [State(-1, handling.first().parts)]
-    states += [State(step, parts, step in motions) for step, parts in found.changes]
+    states += [State(step, parts, step in motions) for step, parts in handled.changes]
     names = {step: tuple(item.name for item in parts.held()) for step, parts in motions.items()}
-    return Carried(handling, _touching(states, found), found.grasps, found.removed, names)
+    return Carried(handling, _touching(states, handled), handled.grasps, handled.removed, names)
 
 
 def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
@@ -104,15 +104,15 @@ def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
     For states at rest, they are those of a neighbouring motion with no SET of a gripper in between.
     """
     motions = {step: _may_touch(cell) for step, cell in followed.cells.items()}
-    found: list[State] = []
-    for at, one in enumerate(states):
-        may = (
-            motions.get(one.step, _NOTHING)
-            if one.is_motion
+    states_found: list[State] = []
+    for at, state in enumerate(states):
+        may_touch = (
+            motions.get(state.step, _NOTHING)
+            if state.is_motion
             else _beside(states, at, motions, followed.grasps)
         )
-        found.append(State(one.step, one.parts, one.is_motion, *may))
-    return tuple(found)
+        states_found.append(State(state.step, state.parts, state.is_motion, *may_touch))
+    return tuple(states_found)
 
 
 _MayTouch = tuple[tuple[Touch, ...], frozenset[tuple[str, str]]]
@@ -129,15 +129,15 @@ def _beside(
     """Return the pairs that may touch while the robot rests in a state: those of the previous motion. If a
     gripper has moved since that motion, they are those of the next motion.
     """
-    for here in range(at, -1, -1):
-        if states[here].is_motion:
-            return motions[states[here].step]
-        if states[here].step in grasps:
+    for later in range(at, -1, -1):
+        if states[later].is_motion:
+            return motions[states[later].step]
+        if states[later].step in grasps:
             break
-    for here in range(at + 1, len(states)):
-        if states[here].is_motion:
-            return motions[states[here].step]
-        if states[here].step in grasps:
+    for later in range(at + 1, len(states)):
+        if states[later].is_motion:
+            return motions[states[later].step]
+        if states[later].step in grasps:
             break
     return _NOTHING
 

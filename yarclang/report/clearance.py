@@ -50,17 +50,17 @@ def _near(scene: Scene, q: Array) -> Near:
     gap = np.full((count, size), np.inf)
     placed = place(scene, q)
     at, pair = np.repeat(np.arange(count), size), np.tile(np.arange(size), count)
-    seen = relative(placed, at, pair)
-    bound = box_gaps(scene, pair, seen).reshape(count, size)
+    relative_poses = relative(placed, at, pair)
+    bound = box_gaps(scene, pair, relative_poses).reshape(count, size)
     if size:
         # First compute the most promising pair of each position: its distance rules out most of the others.
         first = np.arange(count) * size + bound.argmin(axis=1)
         rows = first[bound.ravel()[first] < SEEN]
-        gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
+        gap.ravel()[rows] = distances(scene, pair[rows], relative_poses.take(rows))
         least = np.minimum(gap.min(axis=1), SEEN)
         wanted = bound < np.maximum(least[:, None], scene.pairs.margin[None, :])
         rows = np.flatnonzero((wanted & ~np.isfinite(gap)).ravel())
-        gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
+        gap.ravel()[rows] = distances(scene, pair[rows], relative_poses.take(rows))
     return Near(*_least(gap, np.zeros(size)), *_least(gap, scene.pairs.margin))
 
 

@@ -46,4 +46,7 @@ def whole_tenths(distance: float) -> str:
 
 def _speed_text(speed: ZoneSpeed) -> str:
     where = "" if speed.of_motion else f" in {speed.zone}"
-    return f"{speed.part} at most {up(most(speed.largest, MM), 1)} mm/s{where}, where {speed.limit / MM:g} mm/s are allowed"
+    return (
+        f"{speed.part} at most {up(most(speed.largest, MM), 1)} mm/s{where}, where {speed.limit / MM:g} "
+        "mm/s are allowed"
+    )

@@ -49,15 +49,15 @@ def _excerpt(diagnostic: Diagnostic) -> list[str]:
     end = span.end_column if span.end_line == span.line else len(text) + 1
     start = span.column - 1
     first = max(0, start - _WIDEST // 2) if len(text) > _WIDEST else 0
-    shown = text[first : first + _WIDEST]
+    printable_line = text[first : first + _WIDEST]
     before, after = "…" * (first > 0), "…" * (first + _WIDEST < len(text))
-    shown = "".join(character if character.isprintable() else "·" for character in shown)
-    width = max(1, min(end - 1, first + len(shown)) - start)
+    printable_line = "".join(character if character.isprintable() else "·" for character in printable_line)
+    width = max(1, min(end - 1, first + len(printable_line)) - start)
     margin = f"{span.line:>5} | "
     carets = " " * (len(before) + start - first) + "^" * width
     colour = _COLOURS[diagnostic.severity]
     return [
-        f"{margin}{before}{shown}{after}",
+        f"{margin}{before}{printable_line}{after}",
         " " * (len(margin) - 2) + "| " + click.style(carets, fg=colour),
     ]
 

@@ -27,12 +27,12 @@ def findings_page(introduction: str) -> str:
     return "\n".join(parts).rstrip() + "\n"
 
 
-def _entry(one: Finding) -> list[str]:
-    read = next((_READS[rule.reads.__name__] for rule in rules() if rule.finding is one), None)
-    kind = f"{one.severity}, a rule that reads {read}" if read else one.severity
-    lines = [f"### {one.code} {one.name}", "", f"*{kind}*: {one.title}.", "", one.why, ""]
-    language = _FILES.get(one.family, "yarc")
-    for title, text in (("For example:", one.example), ("Better:", one.better)):
+def _entry(finding: Finding) -> list[str]:
+    read = next((_READS[rule.reads.__name__] for rule in rules() if rule.finding is finding), None)
+    kind = f"{finding.severity}, a rule that reads {read}" if read else finding.severity
+    lines = [f"### {finding.code} {finding.name}", "", f"*{kind}*: {finding.title}.", "", finding.why, ""]
+    language = _FILES.get(finding.family, "yarc")
+    for title, text in (("For example:", finding.example), ("Better:", finding.better)):
         if text:
             lines += [title, "", f"```{language}", text, "```", ""]
     return lines

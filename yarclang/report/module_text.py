@@ -195,16 +195,16 @@ def module_markdown(module: ModuleText) -> str:
 def _sub(statement: Statement, comments: dict[int, str], module: str) -> SubText:
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     head = [_head_name(value) for value in values]
-    name, wanted = (head[0], head[1:]) if head else ("", [])
+    name, operands = (head[0], head[1:]) if head else ("", [])
     purpose, meanings, example = _parts(_upwards(comments, statement.line - 1))
     parameters = tuple(
         ParameterText(one, meanings.get(_plain(one), ""), _default(value))
-        for one, value in zip(wanted, values[1:], strict=True)
+        for one, value in zip(operands, values[1:], strict=True)
     )
-    known = {_plain(one) for one in wanted}
+    known = {_plain(one) for one in operands}
     strangers = tuple(one for one in meanings if one not in known)
     # if the comment has no example of a call, use the parameters' names as arguments
-    example = example or " ".join(("CALL", f"{module}.{name}", *(one.split(" (")[0] for one in wanted)))
+    example = example or " ".join(("CALL", f"{module}.{name}", *(one.split(" (")[0] for one in operands)))
     return SubText(name, purpose, parameters, strangers, example)
 
 
@@ -288,12 +288,12 @@ def _marked(text: str) -> str:
     return re.sub(r"([*_|<>`\\])", r"\\\1", text)
 
 
-def _wrapped(text: str, first: str, then: str | None = None) -> list[str]:
+def _wrapped(text: str, first: str, following: str | None = None) -> list[str]:
     return wrap(
         text,
         WIDTH,
         initial_indent=first,
-        subsequent_indent=first if then is None else then,
+        subsequent_indent=first if following is None else following,
         break_long_words=False,
         break_on_hyphens=False,
     ) or ([first.rstrip()] if first.strip() else [])

@@ -78,15 +78,15 @@ def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) ->
         source = source_command(command)
         for place in measure.of(command):
             key = (*source, place.what)
-            known = worst.get(key)
-            if known is None or place.rank > known.rank:
+            previous = worst.get(key)
+            if previous is None or place.rank > previous.rank:
                 worst[key] = place
         if len(worst) > _MANY:
             worst = _foremost(worst)
     first: dict[str, _Found] = {}
     for place in worst.values():
-        known = first.get(place.what)
-        if known is None or place.rank > known.rank:
+        previous = first.get(place.what)
+        if previous is None or place.rank > previous.rank:
             first[place.what] = place
     chosen = nlargest(MOST, first.values(), key=_rank)
     rest = (place for place in worst.values() if place.share is not None and first[place.what] is not place)
@@ -105,12 +105,12 @@ def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str,
     by_quantity: dict[str, list[tuple[str, int, str, str]]] = {}
     for key in worst:
         by_quantity.setdefault(key[-1], []).append(key)
-    kept = {
+    nearest = {
         key
         for keys in by_quantity.values()
         for key in nlargest(MOST + 1, keys, key=lambda one: worst[one].rank)
     }
-    return {key: one for key, one in worst.items() if key in kept}
+    return {key: one for key, one in worst.items() if key in nearest}
 
 
 class _Found(NamedTuple):
@@ -149,7 +149,8 @@ class _Measure:
             ("velocity", "speed", _scale(names, limits.velocity / units, axis, "/s")),
             ("acceleration", "acceleration", _scale(names, limits.acceleration / units, axis, "/s^2")),
             ("jerk", "jerk", _scale(names, limits.jerk / units, axis, "/s^3")),
-            ("motor_velocity", "motor speed", _scale(motors, robot.actuation.velocity, ["counts"] * len(motors), "/s")),
+            ("motor_velocity", "motor speed",
+                _scale(motors, robot.actuation.velocity, ["counts"] * len(motors), "/s")),
             ("torque", "torque", _scale(names, effort, force, "")),
         )  # fmt: skip
         half = (limits.upper - limits.lower) / 2.0 / units
@@ -160,26 +161,28 @@ class _Measure:
         if name := command.position.name:
             share = command.position.share
             yield _Found(command, "position", share, share, _before_limit, (name, share, *self._halves[name]))
-        for key, what, scale in self._scales:
+        for key, quantity, scale in self._scales:
             load: Load = getattr(command, key) or IDLE
             if not load.name or (key == "jerk" and not command.jerk_judged):
                 continue
             form = ",.0f" if key == "motor_velocity" else ".4g"
-            yield _Found(command, what, load.share, load.share, _of_limit, (load, *scale[load.name], form))
+            yield _Found(
+                command, quantity, load.share, load.share, _of_limit, (load, *scale[load.name], form)
+            )
         tolerance = command.tolerance or self._tolerance
-        for what, value, limit, unit, called in (
+        for quantity, value, limit, unit, called in (
             ("path mm", command.deviation.position, tolerance.position, MM, "mm"),
             ("path deg", command.deviation.angle, tolerance.angle, DEG, "deg"),
         ):
             share = value / limit
-            yield _Found(command, what, share, share, _of_tolerance, (value, limit, unit, called))
+            yield _Found(command, quantity, share, share, _of_tolerance, (value, limit, unit, called))
         yield from self._distances(command)
         if (speed := command.zone_speed) is not None:
-            what = "speed ceiling" if speed.of_motion else "speed in zone"
-            yield _Found(command, what, speed.share, speed.share, _in_zone, (speed,))
+            quantity = "speed ceiling" if speed.of_motion else "speed in zone"
+            yield _Found(command, quantity, speed.share, speed.share, _in_zone, (speed,))
 
     def _distances(self, command: CommandCertificate) -> Iterator[_Found]:
-        for what, near, margins in (
+        for quantity, near, margins in (
             ("clearance", command.clearance, self._margins),
             ("own clearance", command.own_clearance, {}),
             ("zone border", command.zone_clearance, self._zone_margins),
@@ -189,7 +192,7 @@ class _Measure:
             margin = max(margins.get(near.first, 0.0), margins.get(near.second, 0.0))
             share = margin / near.distance if margin > 0.0 and near.distance > 0.0 else None
             rank = MM / max(near.distance, MM) if share is None else share
-            yield _Found(command, what, share, rank, _distance, (near, margin))
+            yield _Found(command, quantity, share, rank, _distance, (near, margin))
 
 
 def _before_limit(name: str, share: float, half: float, unit: str) -> str:

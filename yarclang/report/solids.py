@@ -51,6 +51,20 @@ def solid_of(shape: Shape) -> Solid | None:
             return _mesh(shape)
 
 
+def cone(angle: float, near: float, far: float) -> Solid:
+    """Return the surface of the points in a cone that are between two distances from its apex.
+
+    Args:
+        angle: angle between the axis, which is z, and the side [rad].
+        near: least distance from the apex [m].
+        far: largest distance [m].
+    """
+    turn = np.linspace(0.0, angle, _RINGS + 1)
+    distance = np.repeat([near, far], _RINGS + 1)
+    both = np.concatenate([turn, turn[::-1]])
+    return _turned(distance * np.sin(both), distance * np.cos(both))
+
+
 def _box(size: Array) -> Solid:
     vertices: list[Array] = []
     faces: list[list[int]] = []

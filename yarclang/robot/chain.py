@@ -22,12 +22,12 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
     """
     above = {joint.child: joint for joint in urdf.joints.values()}
     joints: list[Joint] = []
-    here = flange
-    while here != base:
-        if here not in above:
+    link = flange
+    while link != base:
+        if link not in above:
             return None
-        joints.append(above[here])
-        here = above[here].parent
+        joints.append(above[link])
+        link = above[link].parent
     return tuple(reversed(joints))
 
 

@@ -68,8 +68,8 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
         _check_joint(file, draft, name, table, kinds.get(name, "revolute" if chain is None else ""))
     if ("joints",) in draft.dropped or draft.table.joints is None:
         return tuple(kinds) if chain is not None else None
-    given = list(tables) + [str(path[1]) for path in draft.dropped if path[0] == "joints" and len(path) == 2]
-    names = tuple(kinds) if chain is not None else tuple(given)
+    listed = list(tables) + [str(path[1]) for path in draft.dropped if path[0] == "joints" and len(path) == 2]
+    names = tuple(kinds) if chain is not None else tuple(listed)
     if len(names) > MOST_JOINTS:
         message = f"The robot has {len(names)} joints, but a coordinate system has {MOST_JOINTS} axes."
         file.say(
@@ -77,14 +77,14 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
         )
     if chain is None:
         return names
-    missing = [name for name in names if name not in given]
-    for name in given:
+    missing = [name for name in names if name not in listed]
+    for name in listed:
         if name in kinds:
             continue
         remedy, subject = did_you_mean(name, missing or names)
         if subject.meant in missing:
             missing.remove(subject.meant)
-        elif len(missing) == 1 and len(given) == len(names):
+        elif len(missing) == 1 and len(listed) == len(names):
             remedy, subject = f"The joint without a table is {missing.pop()}.", Name(name)
         message = f"[joints.{name}] is no joint between the base and the flange of the URDF."
         file.say("Y1313", ("joints", name), message, remedy, subject, at_key=True)
@@ -154,17 +154,17 @@ def _check_names(file: TomlFile, draft: RobotDraft) -> None:
     named += [(("tools", name), name, "tool") for name in draft.table.tools]
     named += [(("positions", name), name, "position") for name in draft.table.positions or {}]
     first: dict[tuple[str, str], str] = {}
-    for path, name, what in named:
-        key = (what, name.upper())
+    for path, name, kind in named:
+        key = (kind, name.upper())
         if not _NAME.fullmatch(name) or _INDEX.fullmatch(name):
-            message = f'The {what} has the name "{name[:40]}", which a program can\'t write.'
+            message = f'The {kind} has the name "{name[:40]}", which a program can\'t write.'
             remedy = "Use ASCII letters, digits and _, not a digit first, and not P with digits only."
-            file.say("Y1310", path, message, remedy, at_key=what != "robot")
-        elif what == "frame" and name.upper() in RESERVED:
+            file.say("Y1310", path, message, remedy, at_key=kind != "robot")
+        elif kind == "frame" and name.upper() in RESERVED:
             message = f"The frame {name} can't be declared: every robot has it from its chain."
             file.say("Y1310", path, message, "Give the frame another name, for example TCP.", at_key=True)
         elif key in first:
-            message = f"The {what} {name} is there already as {first[key]}: names are read in any case."
+            message = f"The {kind} {name} is there already as {first[key]}: names are read in any case."
             file.say("Y1311", path, message, "Give one of the two another name.", at_key=True)
         first.setdefault(key, name)
 

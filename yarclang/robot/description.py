@@ -69,6 +69,9 @@ def load_robot(name_or_path: str) -> Result[Robot]:
     path, near = find_robot(name_or_path)
     if path is None:
         names = ", ".join(robot.name for robot in list_robots())
+        folder = name_or_path.lower()
+        if not near and Path(folder).name == folder and Path(folder, "robot.toml").is_file():
+            near = f"./{folder}"
         remedy = f"The robots are {names}; a robot of yours is named by its path."
         remedy = f"Did you mean {near}? {remedy}" if near else remedy
         message, subject = f"There is no robot {name_or_path[:80]!r}.", Name(name_or_path, near)
@@ -146,7 +149,7 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     if urdf is None or moving is None or has_errors(findings):
         return Result(None, in_order(findings))
     table = draft.table
-    chain = screws(urdf, _given(table.base), _given(table.flange), moving)
+    chain = screws(urdf, _required(table.base), _required(table.flange), moving)
     if chain is None:
         return Result(None, in_order([*findings, *urdf.findings]))
     allowed = allowed_pairs(file, folder, table, urdf)
@@ -154,13 +157,13 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     if has_errors(file.findings):
         return Result(None, in_order([*file.findings, *urdf.findings]))
     bodies = link_shapes(
-        urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving, table.collision.pieces
+        urdf, (folder / _required(table.urdf)).parent, _required(table.base), moving, table.collision.pieces
     )
     frames = flange_frames(table)
     tools = tools_of(file, table, frames, folder)
-    efforts = [_given(table.joints)[joint.name].effort for joint in moving]
+    efforts = [_required(table.joints)[joint.name].effort for joint in moving]
     said = (efforts, table.dynamics.gravity, table.dynamics.checked)
-    dynamics = dynamics_of(urdf, (_given(table.base), moving), chain, tools, said)
+    dynamics = dynamics_of(urdf, (_required(table.base), moving), chain, tools, said)
     robot = _assemble(folder, table, moving, chain, frames)
     fingerprint = _fingerprint(table, urdf, shapes, allowed, (tools, dynamics))
     written = Written(source.text, urdf.text)
@@ -230,14 +233,18 @@ def _assemble(
     frames: Mapping[str, Array],
 ) -> Robot:
     """Build the robot in SI, without its bodies, from tables without mistakes."""
-    actuation, motors, controller = _given(table.actuation), _given(table.motors), _given(table.controller)
+    actuation, motors, controller = (
+        _required(table.actuation),
+        _required(table.motors),
+        _required(table.controller),
+    )
     units = np.where(chain.is_prismatic, MM, DEG)
     size = len(joints)
     return Robot(
-        name=_given(table.name).upper(),
+        name=_required(table.name).upper(),
         title=table.title,
         folder=folder,
-        urdf=_given(table.urdf),
+        urdf=_required(table.urdf),
         joint_names=tuple(joint.name for joint in joints),
         joint_kinds=tuple(_kind(joint.kind) for joint in joints),
         chain=chain,
@@ -246,16 +253,16 @@ def _assemble(
         positions=MappingProxyType(
             {
                 name.upper(): frozen(np.array(values) * units)
-                for name, values in _given(table.positions).items()
+                for name, values in _required(table.positions).items()
             }
         ),
         actuation=Actuation(
-            gear=frozen(_given(actuation.K)),
-            coupling=frozen(_given(actuation.J)),
+            gear=frozen(_required(actuation.K)),
+            coupling=frozen(_required(actuation.J)),
             offset=frozen(actuation.a0 if actuation.a0 is not None else np.zeros(size)),
-            velocity=frozen(np.array(_given(motors.velocity)) / MS),
+            velocity=frozen(np.array(_required(motors.velocity)) / MS),
         ),
-        controller=_known(controller.kind).controller(controller, _given(motors.numbers)),
+        controller=_kind_of(controller.kind).controller(controller, _required(motors.numbers)),
         tolerance=Tolerance(table.tolerance.position * MM, table.tolerance.angle * DEG),
         fingerprint="",
         jog_speed=table.jog.speed * MM,
@@ -263,16 +270,16 @@ def _assemble(
 
 
 def _limits(table: RobotTable, joints: Sequence[Joint], units: Array) -> Limits:
-    rows = [_given(table.joints)[joint.name] for joint in joints]
+    rows = [_required(table.joints)[joint.name] for joint in joints]
     ends = [row.position if row.position is not None else [-np.inf, np.inf] for row in rows]
-    acceleration = [_given(row.acceleration) for row in rows]
+    acceleration = [_required(row.acceleration) for row in rows]
     stops = [row.stop_acceleration or own for row, own in zip(rows, acceleration, strict=True)]
     return Limits(
         lower=frozen(np.array([low for low, _ in ends]) * units),
         upper=frozen(np.array([high for _, high in ends]) * units),
-        velocity=frozen(np.array([_given(row.velocity) for row in rows]) * units),
+        velocity=frozen(np.array([_required(row.velocity) for row in rows]) * units),
         acceleration=frozen(np.array(acceleration) * units),
-        jerk=frozen(np.array([_given(row.jerk) for row in rows]) * units),
+        jerk=frozen(np.array([_required(row.jerk) for row in rows]) * units),
         stop_acceleration=frozen(np.array(stops) * units),
     )
 
@@ -327,12 +334,12 @@ def _kind(kind: str) -> JointKind:
     return "prismatic" if kind == "prismatic" else "continuous"
 
 
-def _known(kind: str) -> Kind:
+def _kind_of(kind: str) -> Kind:
     """Return the kind of controller of tables without mistakes."""
-    return _given(kind_of(kind))
+    return _required(kind_of(kind))
 
 
-def _given(value: T | None) -> T:
+def _required(value: T | None) -> T:
     """Return a required value of tables without mistakes."""
     if value is None:
         raise AssertionError("a required key passed the checks without a value")

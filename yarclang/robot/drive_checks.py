@@ -90,9 +90,9 @@ def _groups(
     """
     todo = [("row", at) for at in range(len(coupling))] + [("column", at) for at in range(len(coupling))]
     groups: list[tuple[list[int], list[int]]] = []
-    done: set[tuple[str, int]] = set()
+    grouped: set[tuple[str, int]] = set()
     for start in todo:
-        if start in done:
+        if start in grouped:
             continue
         group, front = {start}, [start]
         while front:
@@ -102,7 +102,7 @@ def _groups(
             new = {(other, int(index)) for index in np.flatnonzero(line)} - group
             group |= new
             front += new
-        done |= group
+        grouped |= group
         motors = sorted(at for kind, at in group if kind == "row")
         groups.append((motors, sorted(at for kind, at in group if kind == "column")))
     return groups
@@ -124,26 +124,26 @@ def _check_controller(file: TomlFile, draft: RobotDraft, size: int) -> None:
         known.check(file, controller, size)
 
 
-def check_twice(file: TomlFile, code: str, path: Path, what: str, names: Sequence[str]) -> None:
+def check_twice(file: TomlFile, code: str, path: Path, kind: str, names: Sequence[str]) -> None:
     """Report names that occur twice.
 
     Args:
         file: findings go to it.
         code: the code of the finding.
         path: the list in the file.
-        what: kind of the names, for the message.
+        kind: kind of the names, for the message.
         names: one name for each joint.
     """
     first: dict[str, int] = {}
     for at, name in enumerate(names):
         if name in first:
-            message = f"{what} {name[:20]} belongs to joint {first[name] + 1} and to joint {at + 1}."
+            message = f"{kind} {name[:20]} belongs to joint {first[name] + 1} and to joint {at + 1}."
             file.say(code, (*path, at), message, "Give each joint its own.")
         first.setdefault(name, at)
 
 
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'s' * (number != 1)}"
+def _count(number: int, kind: str) -> str:
+    return f"{number} {kind}{'s' * (number != 1)}"
 
 
 def _listed(indices: Iterable[int]) -> str:

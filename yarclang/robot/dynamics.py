@@ -82,17 +82,17 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
         moments.append(inertia @ spin_rate + _cross(spin, inertia @ spin) + _cross(center, force))
         arms.append(arm)
     # inward from the flange: each joint carries its link and all links after it
-    found = np.empty((size, count))
+    torques = np.empty((size, count))
     force, moment = forces[-1], moments[-1]
     for joint in reversed(range(size)):
-        found[joint] = links.turn[joint] * moment[2] + links.slide[joint] * force[2]
+        torques[joint] = links.turn[joint] * moment[2] + links.slide[joint] * force[2]
         if joint:
             force, moment = (
                 _out_of(links.step[joint], sin[joint], cos[joint], one) for one in (force, moment)
             )
             moment = moments[joint - 1] + moment + _cross(arms[joint], force)
             force = forces[joint - 1] + force
-    return found
+    return torques
 
 
 @frozen(eq=False)
@@ -141,25 +141,25 @@ def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
     return swung
 
 
-def _into(step: Array, sin: Array, cos: Array, one: Array) -> Array:
+def _into(step: Array, sin: Array, cos: Array, vectors: Array) -> Array:
     """Transform vectors (3, P) from the axes of the link before to the axes of a link."""
-    x, y, z = step.T @ one
+    x, y, z = step.T @ vectors
     return np.stack([cos * x + sin * y, cos * y - sin * x, z])
 
 
-def _out_of(step: Array, sin: Array, cos: Array, one: Array) -> Array:
+def _out_of(step: Array, sin: Array, cos: Array, vectors: Array) -> Array:
     """Transform vectors (3, P) from the axes of a link to the axes of the link before."""
-    x, y, z = one
+    x, y, z = vectors
     back: Array = step @ np.stack([cos * x - sin * y, sin * x + cos * y, z])
     return back
 
 
-def _cross(one: Array, other: Array) -> Array:
+def _cross(vectors: Array, other: Array) -> Array:
     """Return the cross products of (3, P) with (3, P) or (3, 1)."""
     return np.stack(
         [
-            one[1] * other[2] - one[2] * other[1],
-            one[2] * other[0] - one[0] * other[2],
-            one[0] * other[1] - one[1] * other[0],
+            vectors[1] * other[2] - vectors[2] * other[1],
+            vectors[2] * other[0] - vectors[0] * other[2],
+            vectors[0] * other[1] - vectors[1] * other[0],
         ]
     )

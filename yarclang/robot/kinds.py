@@ -27,8 +27,8 @@ def kind_of(name: str) -> Kind | None:
     """Return the kind of that name, or None if there is none."""
     if name in _plugged:
         return _loaded(_plugged[name])
-    if name in _own():
-        return _own()[name]
+    if name in _included():
+        return _included()[name]
     module = _elsewhere().get(name)
     return None if module is None else _loaded(module)
 
@@ -50,7 +50,7 @@ def title_of(name: str) -> str:
 
 def kind_names() -> tuple[str, ...]:
     """Return the names of all kinds in alphabetical order."""
-    return tuple(sorted({*_own(), *_elsewhere(), *_plugged}))
+    return tuple(sorted({*_included(), *_elsewhere(), *_plugged}))
 
 
 def module_of(name: str) -> str:
@@ -94,7 +94,7 @@ def _packages() -> tuple[str, ...]:
 
 
 @cache
-def _own() -> dict[str, Kind]:
+def _included() -> dict[str, Kind]:
     kinds = [(package, _loaded(f"{package}.kind")) for package in _packages()]
     return by_name("kind of controller", [(kind.name, package, kind) for package, kind in kinds])
 

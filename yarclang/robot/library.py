@@ -52,9 +52,9 @@ def find_robot(name_or_path: str) -> tuple[Path | None, str]:
     """
     robots = stdlib_folder() / "robots"
     names = [path.parent.name for path in robots.glob(f"*/{DESCRIPTION}")]
-    wanted = name_or_path.lower()
-    if wanted in names:
-        return robots / wanted / DESCRIPTION, ""
+    name = name_or_path.lower()
+    if name in names:
+        return robots / name / DESCRIPTION, ""
     try:
         path = Path(name_or_path)
         if is_folder(path):
@@ -63,7 +63,7 @@ def find_robot(name_or_path: str) -> tuple[Path | None, str]:
             return path, ""
     except (OSError, ValueError):
         pass
-    near = difflib.get_close_matches(wanted, names, 1, 0.5)
+    near = difflib.get_close_matches(name, names, 1, 0.5)
     return None, near[0].upper() if near else ""
 
 

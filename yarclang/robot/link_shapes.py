@@ -38,17 +38,17 @@ def link_shapes(
     """
     places = link_places(urdf, moving)
     base_from_root = np.linalg.inv(places[base][0])
-    found: list[LinkShape] = []
+    shapes: list[LinkShape] = []
     for name, link in urdf.links.items():
         root_from_link, joint = places[name]
         for body in link.all("collision"):
             origin = body.first("origin")
             placed = base_from_root @ root_from_link @ placed_at(urdf, origin)
-            shape = shape_of(urdf, _given(body.first("geometry")).children[0], folder)
+            shape = shape_of(urdf, _required(body.first("geometry")).children[0], folder)
             if isinstance(shape, Mesh):
                 shape = replace(shape, pieces=pieces.get(name, 0))
-            found.append(LinkShape(name, joint, constant(placed), shape))
-    return tuple(found)
+            shapes.append(LinkShape(name, joint, constant(placed), shape))
+    return tuple(shapes)
 
 
 def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
@@ -77,8 +77,8 @@ def placed_at(urdf: Urdf, origin: Element | None) -> Array:
     """Return link_from_it (4, 4) of an <origin> that was checked; the identity for None."""
     placed = np.eye(4)
     rpy = urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
-    placed[:3, :3] = rpy_rotation(np.array(_given(rpy)))
-    placed[:3, 3] = _given(urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)))
+    placed[:3, :3] = rpy_rotation(np.array(_required(rpy)))
+    placed[:3, 3] = _required(urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)))
     return placed
 
 
@@ -86,23 +86,23 @@ def shape_of(urdf: Urdf, shape: Element, folder: Path) -> Shape:
     """Return the shape of an element that was checked (urdf_shapes.py)."""
 
     def size(key: str) -> float:
-        return _given(urdf.numbers(shape, key, 1))[0]
+        return _required(urdf.numbers(shape, key, 1))[0]
 
     match shape.tag:
         case "box":
-            return Box(constant(np.array(_given(urdf.numbers(shape, "size", 3)))))
+            return Box(constant(np.array(_required(urdf.numbers(shape, "size", 3)))))
         case "sphere":
             return Sphere(size("radius"))
         case "cylinder":
             return Cylinder(size("radius"), size("length"))
         case "capsule":
             return Capsule(size("radius"), size("length"))
-    path = _given(mesh_path(shape.attributes["filename"], folder))
-    x, y, z = _given(urdf.numbers(shape, "scale", 3, (1.0, 1.0, 1.0)))
+    path = _required(mesh_path(shape.attributes["filename"], folder))
+    x, y, z = _required(urdf.numbers(shape, "scale", 3, (1.0, 1.0, 1.0)))
     return Mesh(path.absolute(), 1.0, digest(read_whole(path, LARGEST_MESH)), (x, y, z))
 
 
-def _given(value: T | None) -> T:
+def _required(value: T | None) -> T:
     if value is None:
         raise AssertionError("a URDF with errors has passed its checks")
     return value

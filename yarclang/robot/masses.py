@@ -48,7 +48,7 @@ def dynamics_of(
             (None: downwards), and True if torques are checked.
     """
     base, moving = ends
-    efforts, gravity, wanted = said
+    efforts, gravity, from_toml = said
     places = link_places(urdf, moving)
     base_from_root = np.linalg.inv(places[base][0]).astype(np.float64)
     size = len(moving)
@@ -63,7 +63,7 @@ def dynamics_of(
         constant(np.array([one.inertia for one in together]).reshape(size, 3, 3)),
         constant(down),
         constant(np.array([_effort(urdf, *one) for one in zip(moving, efforts, strict=True)])),
-        wanted,
+        from_toml,
     )
 
 
@@ -98,22 +98,22 @@ def _tools(tools: Sequence[Tool], chain: Chain) -> Iterator[_Lump]:
 
 def _together(lumps: Sequence[_Lump]) -> _Lump:
     """Combine bodies that never move relative to each other into one body."""
-    mass = sum(one.mass for one in lumps)
+    mass = sum(lump.mass for lump in lumps)
     if mass == 0.0:
-        return _Lump(0, 0.0, np.zeros(3), sum((one.inertia for one in lumps), np.zeros((3, 3))))
-    center = sum((one.mass * one.center for one in lumps), np.zeros(3)) / mass
+        return _Lump(0, 0.0, np.zeros(3), sum((lump.inertia for lump in lumps), np.zeros((3, 3))))
+    center = sum((lump.mass * lump.center for lump in lumps), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
-    for one in lumps:
+    for lump in lumps:
         # parallel axis theorem; the inertia of a body without mass doesn't depend on the body's place
-        away = one.center - center
-        inertia += one.inertia + one.mass * (away @ away * np.eye(3) - np.outer(away, away))
+        away = lump.center - center
+        inertia += lump.inertia + lump.mass * (away @ away * np.eye(3) - np.outer(away, away))
     return _Lump(lumps[0].joint, mass, center, inertia)
 
 
-def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
+def _effort(urdf: Urdf, joint: Joint, given_effort: float | None) -> float:
     """Return a joint's effort, infinite if it isn't known. CAD exports write 0 for an unknown effort."""
-    if said is not None:
-        return said
+    if given_effort is not None:
+        return given_effort
     limit = joint.element.first("limit")
     effort = urdf.numbers(limit, "effort", 1, (0.0,)) if limit else None
     return effort[0] if effort and effort[0] > 0.0 else np.inf

@@ -128,17 +128,17 @@ class Tolerance:
     angle: float = 0.002 * DEG
     """of the moving frame, and of revolute joints [rad]"""
 
-    def of_motion(self, told: float | None, *, leads_frame: bool) -> Tolerance:
+    def of_motion(self, distance: float | None, *, leads_frame: bool) -> Tolerance:
         """Return the tolerance of a motion.
 
         Args:
-            told: the distance that the motion allows [m], or None if it sets none.
+            distance: the distance that the motion allows [m], or None if it sets none.
             leads_frame: True if the motion moves the moving frame along a path. The frame may then also turn,
-                by one degree for each millimetre of `told`.
+                by one degree for each millimetre of `distance`.
         """
-        if told is None:
+        if distance is None:
             return self
-        return Tolerance(told, max(self.angle, told / MM * DEG) if leads_frame else self.angle)
+        return Tolerance(distance, max(self.angle, distance / MM * DEG) if leads_frame else self.angle)
 
 
 @frozen(eq=False)

@@ -78,7 +78,12 @@ def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) 
 
 
 def _worst_along(
-    chain: Chain, dynamics: Dynamics, q: Array, own: NDArray[np.intp], moved: int, limits: tuple[float, float]
+    chain: Chain,
+    dynamics: Dynamics,
+    q: Array,
+    joints: NDArray[np.intp],
+    moved: int,
+    limits: tuple[float, float],
 ) -> Array:
     """Return, for each row of joint positions, the position (R,) of one joint at which a torque is largest.
 
@@ -86,7 +91,7 @@ def _worst_along(
         chain: the arm, n joints.
         dynamics: its masses.
         q: (R, n) joint positions [rad or m].
-        own: (R,) for each row, the joint whose torque is maximized.
+        joints: (R,) for each row, the joint whose torque is maximized.
         moved: the joint that moves.
         limits: its lower and upper limit.
     """
@@ -96,7 +101,7 @@ def _worst_along(
     tried = np.repeat(q[None], 3, axis=0)
     tried[:, :, moved] = _THIRDS[:, None]
     values = holding_torques(chain, dynamics, tried.reshape(-1, q.shape[1])).reshape(3, *q.shape)
-    value = values[:, rows, own]  # (3, R)
+    value = values[:, rows, joints]  # (3, R)
     mean = value.mean(axis=0)
     cosine, sine = (2.0 / 3.0 * (wave @ value) for wave in (np.cos(_THIRDS), np.sin(_THIRDS)))
     # the extremes of the sine, with their repetitions within the limits; for a sliding joint they mean

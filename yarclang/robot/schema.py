@@ -197,7 +197,7 @@ class RobotTable(Document):
         "motors": "it needs numbers = [...] and velocity = [...] in counts/ms.",
         "controller": 'it needs axes = ["X", ...] and feedback = ["P1", ...].',
         "velocity": "for example velocity = 60, in deg/s or mm/s (counts/ms in [motors], a list).",
-        "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2; or [ramps] with rise, in ms, for all "
+        "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2; or [ramps] with rise, in ms, for all "  # noqa: E501
         "joints.",
         "jerk": "for example jerk = 2000, in deg/s^3 or mm/s^3; or [ramps] with ease, in ms, for all joints.",
         "HOME": "HOME = [...], one value a joint in deg or mm.",

@@ -96,7 +96,7 @@ def tools_of(
         name = str(body.tool).upper()
         made = _shape(file, body, ("bodies", at), folder)
         shapes[name].append(ToolShape(constant(frames[name] @ _transform(body.xyz, body.rpy)), made))
-    found = []
+    tools = []
     for name, tool in table.tools.items():
         frame = frames[name.upper()]
         turn = frame[:3, :3]
@@ -104,12 +104,12 @@ def tools_of(
         inertia = turn @ _tensor(tool.inertia or [0.0] * 6) @ turn.T
         own = tuple(shapes[name.upper()])
         mass = tool.mass or 0.0
-        found.append(
+        tools.append(
             Tool(
                 name.upper(), tool.mounted, mass, constant(center), constant(inertia), own, tool.frame.upper()
             )
         )
-    return tuple(found)
+    return tuple(tools)
 
 
 def _check_tool(

@@ -296,15 +296,15 @@ def _check_tree(urdf: Urdf) -> bool:
 
 def _loops(above: dict[str, Joint]) -> Iterator[list[Joint]]:
     """Yield the circles of joints, each once."""
-    seen: set[str] = set()
+    passed: set[str] = set()
     for link in above:
         path: dict[str, Joint] = {}
-        here = link
-        while here in above and here not in seen and here not in path:
-            path[here] = above[here]
-            here = above[here].parent
-        if here in path:
+        at = link
+        while at in above and at not in passed and at not in path:
+            path[at] = above[at]
+            at = above[at].parent
+        if at in path:
             chain = list(path.values())
-            start = list(path).index(here)
+            start = list(path).index(at)
             yield sorted(chain[start:], key=lambda joint: joint.element.start)
-        seen.update(path)
+        passed.update(path)

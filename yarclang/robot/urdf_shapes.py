@@ -49,14 +49,14 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
         urdf.say("Y1341", message, remedy, bodies[_MOST_SHAPES])
         return shapes
     for link in links:
-        found: list[str] = []
+        descriptions: list[str] = []
         for tag in ("visual", "collision"):
             for body in link.all(tag):
                 shape = _check_body(urdf, link, body, folder)
                 if tag == "collision":
-                    found.append(shape)
+                    descriptions.append(shape)
         _check_inertial(urdf, link)
-        shapes[link.attributes.get("name", "")] = found
+        shapes[link.attributes.get("name", "")] = descriptions
     _check_materials(urdf, urdf.root)
     return shapes
 
@@ -90,59 +90,62 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
         if "name" not in material.attributes:  # an empty one, as CAD exports write it, does no harm
             urdf.say("Y1342", "<material> has no name.", 'Write <material name="...">.', material)
         _check_color(urdf, material)
-    where = f"A <{body.tag}> of link {link.attributes.get('name', '')}"
-    known = ", ".join((*_SIZES, "mesh"))
+    subject = f"A <{body.tag}> of link {link.attributes.get('name', '')}"
+    kinds = ", ".join((*_SIZES, "mesh"))
     if geometry is None:
-        remedy = f"Add <geometry> with one of {known}, or remove the <{body.tag}>."
-        urdf.say("Y1356", f"{where} has no <geometry>.", remedy, body)
+        remedy = f"Add <geometry> with one of {kinds}, or remove the <{body.tag}>."
+        urdf.say("Y1356", f"{subject} has no <geometry>.", remedy, body)
         return ""
     if not geometry.children:
-        remedy = f"Put one of {known} into it, or remove the <{body.tag}>."
-        urdf.say("Y1356", f"{where} has an empty <geometry>.", remedy, geometry)
+        remedy = f"Put one of {kinds} into it, or remove the <{body.tag}>."
+        urdf.say("Y1356", f"{subject} has an empty <geometry>.", remedy, geometry)
         return ""
     for extra in geometry.children[1:]:
-        message = f"{where} has more than one shape, and readers of URDF take only the first."
+        message = f"{subject} has more than one shape, and readers of URDF take only the first."
         urdf.say("Y1361", message, f"Put <{extra.tag}> into a <{body.tag}> of its own.", extra)
     shape = geometry.children[0]
     if shape.tag == "mesh":
         # a missing visual mesh does no harm, a missing collision mesh does
         return (
-            f"mesh {_check_mesh(urdf, where, shape, folder if body.tag == 'collision' else None)} at {place}"
+            f"mesh {_check_mesh(urdf, subject, shape, folder if body.tag == 'collision' else None)} at "
+            f"{place}"
         )
     if shape.tag not in _SIZES:
-        message = f"{where} has the shape <{shape.tag}>, which URDF doesn't know."
-        urdf.say("Y1356", message, f"Use one of {known}.", shape)
+        message = f"{subject} has the shape <{shape.tag}>, which URDF doesn't know."
+        urdf.say("Y1356", message, f"Use one of {kinds}.", shape)
         return ""
     version = urdf.root.attributes.get("version", "1.0") if urdf.root else "1.0"
     if shape.tag == "capsule" and version == "1.0":
-        message = f"{where} is a <capsule>, which a URDF of version 1.0 doesn't have: the link would lose it."
+        message = (
+            f"{subject} is a <capsule>, which a URDF of version 1.0 doesn't have: the link would lose it."
+        )
         urdf.say("Y1358", message, 'Write <robot name="..." version="1.1">.', shape)
-    sizes = [_positive(urdf, where, shape, key, count) for key, count in _SIZES[shape.tag]]
+    sizes = [_positive(urdf, subject, shape, key, count) for key, count in _SIZES[shape.tag]]
     return f"{shape.tag} {sizes} at {place}"
 
 
-def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> tuple[float, ...] | None:
+def _positive(urdf: Urdf, place: str, shape: Element, key: str, count: int) -> tuple[float, ...] | None:
     """Return the sizes [m] of a shape, and report sizes that aren't positive."""
     sizes = urdf.numbers(shape, key, count)
     if sizes is not None and min(sizes) <= 0.0:
         message = (
-            f"{where} has the {key} {' '.join(f'{size:g}' for size in sizes)}, but each size must be above 0."
+            f"{place} has the {key} {' '.join(f'{size:g}' for size in sizes)}, but each size must be above 0."
         )
         urdf.say("Y1346", message, "Give sizes in m.", shape, key)
     return sizes
 
 
-def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> str:
+def _check_mesh(urdf: Urdf, place: str, mesh: Element, folder: Path | None) -> str:
     """Check a mesh, and return its scale and the SHA-256 of its file as a text. Without a folder, the file
     isn't searched for.
     """
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))
     if scale is not None and 0.0 in scale:
-        message = f"{where} has a mesh with the scale 0, which makes it flat."
+        message = f"{place} has a mesh with the scale 0, which makes it flat."
         urdf.say("Y1346", message, "Give three factors other than 0.", mesh, "scale")
     name = mesh.attributes.get("filename", "")
     if not name:
-        urdf.say("Y1342", f"{where} has a <mesh> without a filename.", 'Write <mesh filename="..."/>.', mesh)
+        urdf.say("Y1342", f"{place} has a <mesh> without a filename.", 'Write <mesh filename="..."/>.', mesh)
         return ""
     if folder is None:
         return ""
@@ -152,7 +155,7 @@ def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> s
     except (OSError, ValueError):
         path, content = None, b""
     if not content:
-        message = f"{where} has the mesh {name[:80]}, which {'is empty' if path else 'is not there'}."
+        message = f"{place} has the mesh {name[:80]}, which {'is empty' if path else 'is not there'}."
         remedy = "Put the file there; names are seen from the folder of the URDF."
         urdf.say("Y1357", message, remedy, mesh, "filename")
     return f"{scale} {hashlib.sha256(content).hexdigest()}"

@@ -199,15 +199,15 @@ class RunLog:
             What has happened to the file, as the end of a sentence; empty if all is well.
         """
         try:
-            found = self.path.stat()
+            status = self.path.stat()
         except (FileNotFoundError, NotADirectoryError):
             return "isn't there any more; it was removed or moved during the run"
         except OSError as error:
             return f"can't be looked at: {(error.strerror or str(error)).lower()}"
-        if not os.path.samestat(found, self._made):
+        if not os.path.samestat(status, self._made):
             return "is another file now; the log was removed or moved during the run"
-        if stat.S_ISREG(found.st_mode) and found.st_size < size:
-            return f"was cut during the run: {found.st_size:,} of {size:,} bytes are left"
+        if stat.S_ISREG(status.st_mode) and status.st_size < size:
+            return f"was cut during the run: {status.st_size:,} of {size:,} bytes are left"
         return ""
 
     def __enter__(self) -> RunLog:

@@ -125,14 +125,14 @@ class Record:
             case Sample():
                 self._message("positions", item.time, self._positions(item))
                 self._show(item)
-            case Changed(time=when, state=state, why=why):
-                self._message("state", when, {"state": state.value, "why": why})
-            case Progress(time=when):
+            case Changed(time=moment, state=state, why=why):
+                self._message("state", moment, {"state": state.value, "why": why})
+            case Progress(time=moment):
                 content = {"done_s": item.done, "left_s": item.left, "command": item.command}
-                self._message("progress", when, content | {"source_line": item.source_line})
-            case Remark(time=when, text=text):
+                self._message("progress", moment, content | {"source_line": item.source_line})
+            case Remark(time=moment, text=text):
                 kind = "warning" if item.warning else "pass" if item.begins_pass else "remark"
-                self._message("events", when, {"kind": kind, "text": text})
+                self._message("events", moment, {"kind": kind, "text": text})
             case OutputSet() | WaitBegan() | WaitEnded() | InputChanged():
                 content = {"kind": _KINDS[type(item)], **asdict(item)}
                 del content["time"]
@@ -145,8 +145,8 @@ class Record:
                     (f"{kind}-{number}.json", "application/json", certificate),
                 ):
                     self._writer.add_attachment(wall, wall, name, media_type, _clean(said).encode())
-            case Ordered(time=when, order=order):
-                self._message("events", when, {"kind": "order", "text": _order_text(order)})
+            case Ordered(time=moment, order=order):
+                self._message("events", moment, {"kind": "order", "text": _order_text(order)})
             case Begun(job=job):
                 self._message("jobs", self._last, self._begun(job))
             case Ended():
@@ -161,10 +161,10 @@ class Record:
             if np.isfinite(q).all():
                 self._add(TRANSFORMS, wall, self._scene.transforms(wall, q))
 
-    def _message(self, topic: str, when: float, content: dict[str, Any]) -> None:
-        self._last = when
-        wall = self._anchor.wall_at(when)
-        self._add(topic, wall, {"time_s": round(when - self._anchor.clock, _DIGITS), **content})
+    def _message(self, topic: str, moment: float, content: dict[str, Any]) -> None:
+        self._last = moment
+        wall = self._anchor.wall_at(moment)
+        self._add(topic, wall, {"time_s": round(moment - self._anchor.clock, _DIGITS), **content})
 
     def _add(self, topic: str, wall: int, content: dict[str, Any]) -> None:
         self._writer.add_message(self._channels[topic], wall, json.dumps(content).encode(), wall)

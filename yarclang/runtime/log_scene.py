@@ -65,11 +65,11 @@ class LoggedScene:
         frames = np.concatenate((frames @ self._zero, frames[-1:] @ chain.base_from_flange))
         steps = np.linalg.inv(frames[:-1]) @ frames[1:]
         names = self._names
-        found = [
+        placed = [
             (parent, child, _pose(step))
             for parent, child, step in zip(names[:-1], names[1:], steps, strict=True)
         ]
-        found += [("FLANGE", name, pose) for name, pose in self._on_flange]
+        placed += [("FLANGE", name, pose) for name, pose in self._on_flange]
         return {
             "transforms": [
                 {
@@ -79,7 +79,7 @@ class LoggedScene:
                     "translation": pose["position"],
                     "rotation": pose["orientation"],
                 }
-                for parent, child, pose in found
+                for parent, child, pose in placed
             ]
         }
 
@@ -90,13 +90,13 @@ class LoggedScene:
         """
         frames = self._names
         entities: dict[tuple[str, str], dict[str, Any]] = {}
-        left = _LARGEST_MESHES
+        remaining = _LARGEST_MESHES
         for name, frame, frame_from_shape, shape, colour in self._shapes():
             key = name, frames[frame]
             entity = entities.setdefault(key, _entity(wall, f"{name} ({frames[frame]})", frames[frame]))
-            for kind, primitive, size in _primitives(shape, frame_from_shape, colour, left):
+            for kind, primitive, size in _primitives(shape, frame_from_shape, colour, remaining):
                 entity[kind].append(primitive)
-                left -= size
+                remaining -= size
         return {"deletions": [], "entities": [one for one in entities.values() if any(map(one.get, _KINDS))]}
 
     def _shapes(self) -> Iterator[tuple[str, int, Array, Shape, tuple[float, float, float]]]:
@@ -146,10 +146,10 @@ def _entity(wall: int, name: str, frame: str) -> dict[str, Any]:
 
 
 def _primitives(
-    shape: Shape, placed: Array, colour: tuple[float, float, float], left: int
+    shape: Shape, placed: Array, colour: tuple[float, float, float], remaining: int
 ) -> Iterable[tuple[str, dict[str, Any], int]]:
     """Yield the primitives of a shape with their kinds, and the bytes of the mesh files that they contain. At
-    most `left` bytes may be used.
+    most `remaining` bytes may be used.
     """
     common = {"pose": _pose(placed), "color": dict(zip("rgba", (*colour, 1.0), strict=True))}
     match shape:
@@ -167,7 +167,7 @@ def _primitives(
                 yield "spheres", common | {"pose": _pose(end), "size": _vector(np.full(3, 2.0 * radius))}, 0
         case Mesh(path=path):
             media_type = _MEDIA_TYPES.get(path.suffix.lower())
-            content = _content(shape, min(_LARGEST_MESH, left)) if media_type else None
+            content = _content(shape, min(_LARGEST_MESH, remaining)) if media_type else None
             if content is not None:
                 yield (
                     "models",

@@ -128,20 +128,20 @@ class Operation:
         self._now = now
 
     def go(
-        self, event: Event, why: str = "", code: str = "", remedy: str = "", asks: Question | None = None
+        self, event: Event, reason: str = "", code: str = "", remedy: str = "", asks: Question | None = None
     ) -> None:
         """Change the state according to the table, and report it.
 
         Args:
             event: the event that changes the state.
-            why: reason in words.
+            reason: reason in words.
             code: code of the finding, if something went wrong.
             remedy: what to do then.
             asks: question to the operator.
         """
         before, self.state = self.state, after(self.state, event)
-        if self.state is not before or why:
-            self.notices.append(Changed(self.now, self.state, why, code, remedy, asks))
+        if self.state is not before or reason:
+            self.notices.append(Changed(self.now, self.state, reason, code, remedy, asks))
 
     def remark(self, text: str, *, warning: bool = False, begins_pass: bool = False) -> None:
         """Send a remark.

@@ -273,22 +273,22 @@ class Session:
             return str(error)
         return None
 
-    async def _teach(self, wanted: Teach) -> Outcome:
+    async def _teach(self, request: Teach) -> Outcome:
         """Store a place. A disk may be slow; everything else continues meanwhile."""
         if self.teacher is None:
             return "places are kept for programs in files"
         try:
-            return Told(await asyncio.get_running_loop().run_in_executor(None, self.teacher, wanted))
+            return Told(await asyncio.get_running_loop().run_in_executor(None, self.teacher, request))
         except OSError as error:
             return str(error)
 
-    async def _replan(self, wanted: Replan) -> Outcome:
+    async def _replan(self, request: Replan) -> Outcome:
         """Have an OFFSET, or the rest after a search, planned. The robot stands, and everything else
         continues meanwhile.
         """
         if self.replanner is None:
             return None
-        planning = asyncio.get_running_loop().run_in_executor(None, self.replanner, wanted)
+        planning = asyncio.get_running_loop().run_in_executor(None, self.replanner, request)
         try:
             return await asyncio.wait_for(planning, PLANNING_TIME)
         except TimeoutError:

@@ -54,26 +54,28 @@ def checked_values(
             NOT_WANTED,
         )
     ranges = {name: (low, high) for name, low, high in wanted.registers}
-    found = {}
-    for given, value in values.items():
-        name = given.upper()
-        if name not in ranges or name in found:
-            what = "stands twice" if name in found else "isn't filled from outside"
+    accepted = {}
+    for written_name, value in values.items():
+        name = written_name.upper()
+        if name not in ranges or name in accepted:
+            what = "stands twice" if name in accepted else "isn't filled from outside"
             raise Trouble(
-                f"{_shown(given)} {what}", f"{wanted.place} takes {range_text(wanted)}", NOT_UNDERSTOOD
+                f"{_one_line(written_name)} {what}",
+                f"{wanted.place} takes {range_text(wanted)}",
+                NOT_UNDERSTOOD,
             )
-        found[name] = _integer(name, value, *ranges[name])
-    if missing := [name for name in wanted.needed if name not in found]:
+        accepted[name] = _integer(name, value, *ranges[name])
+    if missing := [name for name in wanted.needed if name not in accepted]:
         raise Trouble(
             f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing",
             f"{wanted.place} waits for {', '.join(wanted.needed)}: send all of them in one message",
             NOT_UNDERSTOOD,
         )
-    if not found:
+    if not accepted:
         raise Trouble(
             "the message has no value", f"{wanted.place} takes {range_text(wanted)}", NOT_UNDERSTOOD
         )
-    return tuple(found.items())
+    return tuple(accepted.items())
 
 
 def _integer(name: str, value: Any, low: int, high: int) -> int:
@@ -83,13 +85,13 @@ def _integer(name: str, value: Any, low: int, high: int) -> int:
         return int(value)
     is_far = is_number and not low <= value <= high
     raise Trouble(
-        f"{name} can't be {_shown(value)}: it is an integer from {low} to {high}",
+        f"{name} can't be {_one_line(value)}: it is an integer from {low} to {high}",
         "look at what sends it",
         OUT_OF_RANGE if is_far else NOT_UNDERSTOOD,
     )
 
 
-def _shown(value: object) -> str:
+def _one_line(value: object) -> str:
     """Return a strange value as one short line of ASCII."""
     try:
         text = ascii(value)

@@ -148,7 +148,10 @@ def _keeps_to_groups(
             message = (
                 f"{one.name} is a group of {len(one.bits)} bits, and {statement.name.name} takes a single one"
             )
-            help_ = f"declare the bit by a name of its own; {shown_variable(one.variable)} is a number for SET, WHEN and CASE"
+            help_ = (
+                f"declare the bit by a name of its own; {shown_variable(one.variable)} is a number for SET, "
+                "WHEN and CASE"
+            )
             findings.add("Y0471", message, statement.whole_span, help_)
             return False
         number = next(value for value in values if isinstance(value, float))
@@ -248,8 +251,14 @@ def read_wait(
         findings.add_error(error, statement.span(error.place))
         return None
     if not inputs_of(condition) and not any(_is_outside(one, scope) for one in registers_of(condition)):
-        message = "no input stands in this condition, and no register that is filled from OUTSIDE: it doesn't change while the program waits"
-        help_ = "WHEN decides by registers; WAIT stands until an input changes, or a REGISTER ... OUTSIDE gets a value"
+        message = (
+            "no input stands in this condition, and no register that is filled from OUTSIDE: it doesn't "
+            "change while the program waits"
+        )
+        help_ = (
+            "WHEN decides by registers; WAIT stands until an input changes, or a REGISTER ... OUTSIDE gets "
+            "a value"
+        )
         findings.add("Y0440", message, statement.span(statement.expression.place), help_)
         return None
     seconds = _seconds(statement, ActionForm(time="may"), scope, defaults, findings)
@@ -310,12 +319,19 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
         if not inputs_of(value) and not registers_of(value) and isinstance(found, Register | Output):
             number = evaluated(value, {}, {})
             if isinstance(found, Output):
-                help_ = f"SET {word.text} {'ON' if number == 1.0 else 'OFF' if number == 0.0 else f'{number:.9g}'} has no equals sign"
+                help_ = (
+                    f"SET {word.text} "
+                    f"{'ON' if number == 1.0 else 'OFF' if number == 0.0 else f'{number:.9g}'} has no "
+                    "equals sign"
+                )
                 findings.add("Y0209", f"{word.text} is an output, not a register", span, help_)
             else:
                 _check_range(number, found, statement, findings)
         elif isinstance(found, Output) and found.step is not None:
-            message = f"{word.text} is analogue: what is known only when the program runs isn't counted in its steps"
+            message = (
+                f"{word.text} is analogue: what is known only when the program runs isn't counted in its "
+                "steps"
+            )
             findings.add("Y0472", message, span, f"write SET {word.text} and a number")
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))

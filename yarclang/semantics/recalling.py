@@ -215,7 +215,9 @@ _LOST = (-1, False, "")
 
 
 def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> _Link | None:
-    """Return the scope and the name under which a frame was looked up; _LOST if it wasn't looked up by name."""
+    """Return the scope and the name under which a frame was looked up; _LOST if it wasn't looked up by
+    name.
+    """
     if link is None:
         return None
     for number, one in enumerate(watched):

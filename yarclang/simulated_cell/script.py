@@ -186,7 +186,10 @@ def _group_fault(name: str, variable: str, number: float, *, toggles: bool = Fal
         return f"{name} is a group of bits, and only a single input toggles."
     if number.is_integer() and 0 <= number <= largest_of(variable):
         return ""
-    return f"{name} is {number:.15g}, but a group of {len(bits_of(variable))} bits is an integer from 0 to {largest_of(variable)}."
+    return (
+        f"{name} is {number:.15g}, but a group of {len(bits_of(variable))} bits is an integer from 0 to "
+        f"{largest_of(variable)}."
+    )
 
 
 def read_setting(text: str, known: Known) -> Result[tuple[Change, ...]]:

@@ -47,9 +47,9 @@ class Beside:
         """Assign a value to a variable."""
         self._machine.variables.write(variable[0], int(variable[1:]), value, _SYSTEM)
 
-    def watch(self, variable: str, heard: Callable[[float], None]) -> None:
+    def watch(self, variable: str, callback: Callable[[float], None]) -> None:
         """Call a function with each value that is assigned to a variable."""
-        self._machine.variables.watch(variable[0], int(variable[1:]), heard)
+        self._machine.variables.watch(variable[0], int(variable[1:]), callback)
 
     def positions(self, motors: Sequence[int]) -> Array:
         """Return the commanded positions of motors (n,) [counts]."""

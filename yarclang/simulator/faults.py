@@ -99,17 +99,17 @@ def parse_fault(text: str) -> Fault:
     kind, rest = shape["kind"], shape["rest"]
     if kind not in _READERS:
         raise ValueError(f"{text!r}: there is no fault {kind!r}; there are {', '.join(_READERS)}")
-    when = When(
+    condition = When(
         None if shape["seconds"] is None else _number(text, shape["seconds"]),
         None if shape["lines"] is None else int(shape["lines"]),
     )
     needs_time, form, values = _READERS[kind]
-    if needs_time and when == When():
+    if needs_time and condition == When():
         raise ValueError(f"{text!r} must say when: {kind}@SECONDS or {kind}@lineNUMBER")
     found = values.fullmatch(rest or "")
     if found is None:
         raise ValueError(f"{text!r}: it is written {form}")
-    return _fault(text, kind, when, found.groupdict())
+    return _fault(text, kind, condition, found.groupdict())
 
 
 _NUMBER = r"[0-9]*\.?[0-9]+"
@@ -269,7 +269,7 @@ def _number(text: str, digits: str) -> float:
     return float(digits)
 
 
-def _fault(text: str, kind: str, when: When, values: dict[str, str | None]) -> Fault:
+def _fault(text: str, kind: str, condition: When, values: dict[str, str | None]) -> Fault:
     motor = int(values.get("motor") or 0)
     if "motor" in values and not 1 <= motor <= MOTORS:
         raise ValueError(f"{text!r}: motors are 1 to {MOTORS}")
@@ -282,7 +282,7 @@ def _fault(text: str, kind: str, when: When, values: dict[str, str | None]) -> F
         raise ValueError(f"{text!r}: the larger delay comes second")
     return Fault(
         kind,  # type: ignore[arg-type]  # _READERS has only kinds
-        when,
+        condition,
         seconds=seconds,
         most=most,
         share=share,

@@ -118,14 +118,14 @@ class Machine:
         self._now = end
 
     def _next_event(self) -> float:
-        when = self.plcs.next_event
+        event_time = self.plcs.next_event
         for motor in self.under_way.values():
-            when = min(when, motor.next_event)
+            event_time = min(event_time, motor.next_event)
         for system in self._used:
-            when = min(when, system.next_event)
+            event_time = min(event_time, system.next_event)
         for companion in self.companions:
-            when = min(when, companion.next_event)
-        return when
+            event_time = min(event_time, companion.next_event)
+        return event_time
 
     def _handle(self) -> None:
         now = self._now
@@ -290,7 +290,7 @@ class Machine:
         """Execute SAVE."""
         self._saved = saved(self.variables, self.programs, self.plcs, self.systems)
 
-    def _power_up(self, kept: Saved | None) -> None:
+    def _power_up(self, saved: Saved | None) -> None:
         """Restart with a saved state, or with defaults (None)."""
         self.variables.initialise()
         self.buffers.forget()
@@ -302,8 +302,8 @@ class Machine:
             motor.clear()
         for system in self.systems.values():
             system.clear()
-        if kept is not None:
-            restore(kept, self.variables, self.programs, self.plcs, self.systems, self.motors)
+        if saved is not None:
+            restore(saved, self.variables, self.programs, self.plcs, self.systems, self.motors)
         self.defined()
         self.plcs.changed()
         self.changed(list(self.motors.values()))

@@ -220,7 +220,10 @@ class _Arrangement:
             return
         block = self.open[-1]
         message = f"{word} can't stand in a block: the {block.word} of line {block.line} is open here"
-        help_ = f"move it above line {self.open[0].line}; blocks hold commands, FRAME, POSE, JOINTS, LET and blocks other than SUB"
+        help_ = (
+            f"move it above line {self.open[0].line}; blocks hold commands, FRAME, POSE, JOINTS, LET and "
+            "blocks other than SUB"
+        )
         self._refuse("Y0116", message, statement, help_)
 
     def _close(self, before: str) -> None:

@@ -177,7 +177,10 @@ def _help(found: _Found) -> str:
         return "take it away: it can't be seen"
     if put is not None:
         return f"write `{put}`"
-    return "code has the letters A to Z, digits, and the signs of ASCII; other characters stand in comments and in texts"
+    return (
+        "code has the letters A to Z, digits, and the signs of ASCII; other characters stand in comments "
+        "and in texts"
+    )
 
 
 def _ends(row: str) -> frozenset[int]:

@@ -89,7 +89,10 @@ def _cut_frame(row: str, place: Place) -> Fault | None:
     if match is None:
         return None
     here = Place(place.row, match.end(1), match.end(1) + 1)
-    help_ = "a frame's name has letters, digits and `_`, and the module's name before a point: {TABLE}, {PALLET.CORNER}"
+    help_ = (
+        "a frame's name has letters, digits and `_`, and the module's name before a point: {TABLE}, "
+        "{PALLET.CORNER}"
+    )
     if match[1].endswith('"'):
         return Fault("Y0101", '`"` starts a text, and no text can stand in braces', help_, here)
     return Fault("Y0102", "`!` starts a comment, and the `{` before it is not closed", help_, here)

@@ -77,7 +77,10 @@ def text_before(program: Program, after: int) -> str:
         head, otherwise = block.head, block.otherwise_head
         word = head.name.name
         if word == "SUB":
-            what = f"line {after} is in the SUB of line {head.line}: where the robot is before depends on the CALL"
+            what = (
+                f"line {after} is in the SUB of line {head.line}: where the robot is before depends on the "
+                "CALL"
+            )
             raise Trouble(what, "teach a MOVEL in a frame of the SUB, or teach outside of it", "before")
         open_blocks += 1
         values = [value.text for point in head.waypoints for value in point.values]

@@ -114,7 +114,10 @@ class Around:
             what = f"{{{name}}} is a parameter of {symbol.inside}: where it is depends on the CALL"
             raise Trouble(what, "teach outside of the SUB, or in another frame", "frame")
         if symbol is not None and not self._is_outside(symbol.statement):
-            what = f"{{{name}}} is declared in a block, in line {symbol.span.line}: it may be another one in each round"
+            what = (
+                f"{{{name}}} is declared in a block, in line {symbol.span.line}: it may be another one in "
+                "each round"
+            )
             raise Trouble(what, "teach in a frame that is declared outside of blocks", "frame")
         found = self.scope.frame(name)
         declared = self.program.sketch.names.declared(name, True)
@@ -125,7 +128,10 @@ class Around:
             what = f"the frame {{{name}}} can't be resolved: no frame of this name can be read"
             raise Trouble(what, "look at its declaration, the CELL line and the modules", "frame")
         if found.on_flange != moves:
-            what = f"{{{name}}} {'stands still: it is' if moves else 'moves with the robot: it is'} no {'moving' if moves else 'base'} frame"
+            what = (
+                f"{{{name}}} {'stands still: it is' if moves else 'moves with the robot: it is'} no "
+                f"{'moving' if moves else 'base'} frame"
+            )
             raise Trouble(what, "name another frame in the line or DEFAULT", "frame")
         return found
 

@@ -194,7 +194,10 @@ def _why_not(program: Program, statement: Statement, number: int) -> str:
         symbol = program.sketch.names.meant(word.name, False, statement.line)
         if symbol is None:
             return f"{word.name} isn't declared in this file"
-        return f"{word.name} is a {'parameter' if symbol.kind == 'parameter' else 'name'} that isn't declared as numbers outside of blocks"
+        return (
+            f"{word.name} is a {'parameter' if symbol.kind == 'parameter' else 'name'} that isn't declared "
+            "as numbers outside of blocks"
+        )
     return "its target isn't written as numbers"
 
 

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from yarclang.diagnostics import has_errors
+from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.inputs import Options
+from yarclang.robot.checklist.geometry import outwards
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians
 from yarclang.robot.library import list_robots, stdlib_folder
 from yarclang.robot.model import Array, Robot
@@ -264,9 +265,11 @@ def _ready(robot: Robot) -> tuple[Array, float]:
     scaled = jacobians.copy()
     scaled[:, :3] /= reach
     singular = np.linalg.svd(scaled, compute_uv=False)[:, min(6, robot.size) - 1]
-    outward = poses[:, :3, :3] @ tip[:3, 3]
-    length = float(np.linalg.norm(tip[:3, 3]))
-    down = -outward[:, 2] / length if length > 1e-6 else np.zeros(len(tried))
+    out = outwards(robot)
+    down = np.zeros(len(tried))
+    if out is not None:  # poses turn with TCP's axes, in which `out` is the same in all positions
+        at_zero = robot.chain.base_from_flange[:3, :3] @ tip[:3, :3]
+        down = -(poses[:, :3, :3] @ (at_zero.T @ out))[:, 2]
     bent = np.abs((tried - middle) / np.where(width > 0, width, 1.0)).mean(axis=1)
     score = 3.0 * np.minimum(singular, 0.2) + 0.5 * down - 0.4 * bent
     score -= 2.0 * (flat < 0.3 * reach)
@@ -288,7 +291,7 @@ def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str
     Raises:
         Trouble: a value isn't allowed, or no places were found for which the program can be proved.
     """
-    first = ""
+    first: Diagnostic | None = None
     for share in _SHARES:
         text = filled(name, robot, fields, share)
         told = check_text(
@@ -298,10 +301,10 @@ def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str
         )
         if not has_errors(told.diagnostics):
             return text
-        error = next(one for one in told.diagnostics if one.is_error)
-        first = first or error.message
+        first = first or next(one for one in told.diagnostics if one.is_error)
+    why, help_ = (first.message, first.help) if first else ("", "")
     raise Trouble(
-        f"no places for {name} could be proved for {robot.name}: {first}",
-        "teach the program by hand",
+        f"no places for {name} could be proved for {robot.name}: {why}",
+        f"{help_}{'; or ' * bool(help_)}begin with the template empty, and teach the places",
         "template",
     )

@@ -22,7 +22,7 @@ largest third derivative, which is at most the sum of reach (W^3 + 3 W A + J, le
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from math import isqrt
@@ -43,38 +43,36 @@ PARTS = 64
 class Stretch:
     """A stretch of the text, as a room, or as a curve.
 
+    A gap falls below its least value at `links` by at most a bound of its derivative of this `order`, times a
+    `part` of the duration: of the first order over the way in a room, of the second over time on a curve.
+
     Attributes:
         links: the links in the middle of the room, or at both ends of the curve.
-        w: half the widths of the room, or bounds of |q'|.
-        a: bounds of |q''|; for a curve only.
-        j: bounds of |q'''|; for a curve only.
-        square: d^2 / 8; 0 for a room.
+        rates: for each joint, half the widths of the room, or bounds of its first three derivatives.
+        order: 1 for a room, 2 for a curve.
+        part: 1 for a room, d^2 / 8 for a curve.
     """
 
     links: list[list[Frame]]
-    w: list[int]
-    a: list[int] = field(default_factory=list)
-    j: list[int] = field(default_factory=list)
-    square: int = 0
+    rates: list[list[int]]
+    order: int
+    part: int
 
     def gap(self, one: Body | Border, other: Body, normal: Sequence[Fraction], turns: Sequence[bool]) -> int:
         """Return the least gap of a pair on the whole stretch, along a normal in the first body's link."""
         gap = min(_gap(one, other, links, normal) for links in self.links)
-        if self.square:
-            return gap - times(self._bend(2, one.joint, other, turns), self.square)
-        for joint in range(one.joint, other.joint):
-            gap -= times(other.reach[joint] if turns[joint] else ONE, self.w[joint])
-        return gap
+        return gap - self._rest(self.order, one.joint, other, turns)
 
     def speed(self, other: Body, turns: Sequence[bool]) -> int:
         """Return a bound of the speeds of a body's points on a curve."""
         fastest = max(other.fastest(links[other.joint]) for links in self.links)
-        return fastest + times(self._bend(3, 0, other, turns), self.square)
+        return fastest + self._rest(3, 0, other, turns)
 
-    def _bend(self, order: int, first: int, other: Body, turns: Sequence[bool]) -> int:
-        """Return an upper bound of a derivative of a body's points that the joints from `first` on move."""
+    def _rest(self, order: int, first: int, other: Body, turns: Sequence[bool]) -> int:
+        """Bound what a derivative of a body's points adds, which the joints from `first` on move."""
         own = slice(first, other.joint)
-        return derivative(order, turns[own], other.reach[own], self.w[own], self.a[own], self.j[own])[0]
+        bound, _ = derivative(order, turns[own], other.reach[own], *(rate[own] for rate in self.rates))
+        return times(bound, self.part)
 
 
 class Timeline:
@@ -125,7 +123,8 @@ class Timeline:
             high = [max(pair) for pair in zip(high or own[0], *own, strict=True)]
         middle = [in_si(a + b, 2 * PRINTED, t) for a, b, t in zip(low, high, self.arm.turns, strict=True)]
         half = [in_si(b - a, 2 * PRINTED, t) + 4 for a, b, t in zip(low, high, self.arm.turns, strict=True)]
-        return Stretch([self.arm.links(middle, [0] * len(middle))], half)
+        still = [0] * len(middle)
+        return Stretch([self.arm.links(middle, still)], [half, still, still], 1, ONE)
 
     def _control(self, first: int, last: int) -> Iterator[list[tuple[int, ...]]]:
         for row, begin in zip(self.rows, self.begins, strict=False):
@@ -140,10 +139,8 @@ class Timeline:
         need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")
         links = [self.links_at(row.run, Fraction(one - self.offsets[row.run], PARTS)) for one in (begin, end)]
         bounds = [self.bounds(segment) for segment in range(first, last + 1)]
-        w, a, j = (
-            [max(column) for column in zip(*found, strict=True)] for found in zip(*bounds, strict=True)
-        )
-        return Stretch(links, w, a, j, above(((end - begin) * row.seconds / PARTS) ** 2 / 8))
+        rates = [[max(column) for column in zip(*found, strict=True)] for found in zip(*bounds, strict=True)]
+        return Stretch(links, rates, 2, above(((end - begin) * row.seconds / PARTS) ** 2 / 8))
 
 
 def check_apart(

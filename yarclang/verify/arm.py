@@ -152,7 +152,7 @@ class Arm:
 def derivative(
     order: int, turns: Sequence[bool], reach: Sequence[int], *rates: Sequence[int]
 ) -> tuple[int, int]:
-    """Bound the second, third or fourth derivative of a point, and of the turn, that joints move.
+    """Bound the derivative of order 1 to 4 of a point, and of the turn, that joints move.
 
     Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most its `rates`. By Faa di Bruno's
     formula, with the sums W, A, J of these up to a turning joint, the complete Bell polynomial B of W, A, J

@@ -16,10 +16,10 @@ from itertools import chain as joined
 from itertools import pairwise
 from typing import Any
 
-from yarclang.verify.arm import Arm, Vector, in_si, placed
+from yarclang.verify.arm import Arm, Frame, Step, Vector, beyond, derivative, dot, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import BITS, ONE, PI, SLACK, RefusedError, fixed, length, need, times, whole
-from yarclang.verify.joints import Joints, Spline, Straight, in_joints
+from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
+from yarclang.verify.joints import Joints, Pieces, in_joints, through, timetable
 from yarclang.verify.paths import (
     SHARE,
     FramePath,
@@ -36,17 +36,18 @@ from yarclang.verify.paths import (
     span_of,
     speeds_on,
 )
+from yarclang.verify.poses import PoseSpline
 from yarclang.verify.reader import PRINTED, STEPS
 
 Told = dict[str, Any]
 Link = tuple[Moved, Told]
-FRAMED = ("line", "arc")
+FRAMED = ("line", "arc", "spline of poses")
 """Motions along the path of a frame; the others are those of joints."""
-_FASTER = 1 + Fraction(1, 1000)
 _CHOSEN = Fraction(1, 1000)
 """Largest distance between a corner's pose and the joints that were chosen for it [mm or deg]."""
 _CORNER = 32
-"""Pieces of a straight way of joints near a corner."""
+"""Pieces of the part of a path beside a corner that isn't followed."""
+_STILL: Vector = [0, 0, 0]
 
 
 @dataclass
@@ -68,7 +69,7 @@ class Followed:
     motion: Motion
     told: Told
     what: Frames | Joints
-    path: FramePath | Straight | Spline
+    path: FramePath | PoseSpline | Pieces
     begin: Fraction
     end: Fraction
     shares: tuple[int, int]
@@ -96,15 +97,19 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
     for row, told in chain:
         if told.get("unchecked"):
             return str(told["unchecked"])
-        if len(chain) > 1 and (told["move"] == "spline" or not row.control):
-            return "a spline among them, or a motion that leads nowhere"
+        if len(chain) > 1 and not row.control:
+            return "a motion among them that leads nowhere"
+        strange = not {"speed", "ceiling", "blend"}.isdisjoint(told)
+        if told["move"] == "timetable" and (strange or len(chain) > 1 or not row.control):
+            return "a timetable with a speed, or that a motion flows into, or that leads nowhere"
         if row.control and str(row.entry.step) not in proofs:
             return "its path, of which the proof says nothing"
-        if not row.control and told["move"] == "arc":
-            return "an arc that leads nowhere"
+        if not row.control and told["move"] in FRAMED[1:]:
+            return f"its path, {told['move']}, which leads nowhere"
     for (_, one), (_, other) in pairwise(chain):
-        if {one["move"], other["move"]} <= set(FRAMED) and one["tool"] != other["tool"]:
-            return "another frame goes on"
+        changes = {one["move"], other["move"]} <= set(FRAMED) and one["tool"] != other["tool"]
+        if changes and not {"speed", "ceiling"}.isdisjoint({*one, *other}):
+            return "another frame goes on, with a speed or a ceiling"
     return ""
 
 
@@ -125,6 +130,9 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
         if not row.control:
             _stays(row, told, arm)
             return
+        if told["move"] == "timetable":
+            _on_time(row, told, proofs[str(row.entry.step)], arm)
+            return
         found.append(_follow(row, told, proofs[str(row.entry.step)], arm, found[-1] if found else None))
     first, last = found[0], found[-1]
     begins = first.begin == chain[0][0].first and first.shares[0] == 0
@@ -143,6 +151,41 @@ def _stays(row: Moved, told: Told, arm: Arm) -> None:
     for point in _goals(row, told, {}, arm):
         there = zip(point, here, _per_joint(told["tolerance"], arm), strict=True)
         need(all(abs(a - b) <= allowed for a, b, allowed in there), f"{title}: it doesn't move")
+
+
+def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
+    """Check that each joint is where a timetable has it at the same time, within its own part of `within`.
+
+    Pieces end at the rows as well. The text's segments take the table's time but for the rounding of TM, over
+    which they are spread evenly.
+    """
+    title, motion, rows = row.entry.title, Motion(row, arm), told["rows"]
+    table, size = (
+        timetable(in_joints(row.begin, PRINTED, arm.turns), rows, arm.turns),
+        motion.end - motion.begin,
+    )
+    need(
+        abs(told["duration"] - rows[-1]["at"]) < Fraction(1, 10**9), f"{title}: its table takes another time"
+    )
+    limits, most = in_joints(told["within"], 1, arm.turns), _per_joint(told["tolerance"], arm)
+    need(
+        all(a <= b for a, b in zip(limits, most, strict=True)),
+        f"{title}: a joint's part beyond its tolerance",
+    )
+    if rows[0]["q"] is not None:  # where the table begins, the robot stands
+        stands = zip(in_joints(rows[0]["q"], 1, arm.turns), table.at(0), strict=True)
+        _within(
+            Joints(motion), limits, [abs(a - b) for a, ((b,), _) in stands], f"{title}, from its first row"
+        )
+    at_rows = [motion.begin + size * Fraction(edge, ONE) for edge in table.edges]
+    places = sorted({*cut(motion.begin, motion.end, whole(proof["pieces"])), *at_rows})
+    rate = above(1 / (size * row.seconds))
+    what, pieces = Joints(motion), list[Piece]()
+    for begin, end in pairwise(places):
+        s = fixed((begin - motion.begin) / size), fixed((end - motion.begin) / size)
+        pieces.append(Piece((end - begin) * row.seconds, s, (rate, rate), (rate, 0, 0), int(begin), end))
+    for piece in distances(what, table, pieces, what.at(motion.begin)):
+        _within(what, limits, piece.off, f"{title}, from its timetable")
 
 
 def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
@@ -188,17 +231,19 @@ def _follow(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | No
         proof[name] = [whole(one) for one in proof[name]]
     begin, end = span_of(motion, proof)
     what: Frames | Joints
-    path: FramePath | Straight | Spline
+    path: FramePath | PoseSpline | Pieces
     if told["move"] in FRAMED:
-        tool = placed(told["tool"])
-        here = None if before is None else before.path
-        if isinstance(here, FramePath):
-            start = here.goal
+        tool, still = placed(told["tool"]), [0] * len(arm.turns)
+        if before is None:
+            frame = arm.frame(in_joints(row.begin, PRINTED, arm.turns), still, tool)
+        elif isinstance(before.path, Pieces):
+            frame = arm.frame(before.path.goal, still, tool)
         else:
-            q = in_joints(row.begin, PRINTED, arm.turns) if here is None else here.goal
-            frame = arm.frame(q, [0] * len(q), tool)
-            start = frame.axes, frame.origin
-        what, path = Frames(arm, tool, motion), FramePath(start, told, proof)
+            axes, origin = before.path.goal
+            frame = beyond(Frame(origin, axes, _STILL, _STILL), _seen_from(before.told, tool))
+        start = frame.axes, frame.origin
+        curve = PoseSpline if told["move"] == "spline of poses" else FramePath
+        what, path = Frames(arm, tool, motion), curve(start, told, proof)
         limits = [in_si(told["tolerance"][0], 1, False), chord_of(in_si(told["tolerance"][1], 1, True))]
     else:
         what, path = Joints(motion), _of_joints(row, told, proof, arm, before)
@@ -234,14 +279,14 @@ def _within(what: Frames | Joints, limits: Sequence[int], off: Sequence[int], wh
         need(one <= limit, f"{where}: {who} away")
 
 
-def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Straight | Spline:
+def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed | None) -> Pieces:
     """Return the path of a motion of joints.
 
     After a motion of a frame it begins at joint positions that the proof has chosen for the frame's goal.
     """
     if before is None:
         start = in_joints(row.begin, PRINTED, arm.turns)
-    elif isinstance(before.path, FramePath):
+    elif isinstance(before.path, FramePath | PoseSpline):
         start = in_joints(proof["start"], 1, arm.turns)
         what = f"{row.entry.title}: the joints that were chosen for the corner before, where the frame"
         _near(arm, start, before.told, [_CHOSEN, _CHOSEN], what)
@@ -249,7 +294,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
         start = before.path.goal
     points = [start, *_goals(row, told, proof, arm)]
     need(told["move"] == "spline" or len(points) == 2, f"{row.entry.title}: a straight way has one goal")
-    return Spline(points) if told["move"] == "spline" else Straight(*points)
+    return through(points)
 
 
 class _Corner:
@@ -306,28 +351,20 @@ def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, i
     return speeds
 
 
-class _Way:
-    """A straight way of joints, as a motion that takes a second."""
-
-    def __init__(self, start: Vector, goal: Vector) -> None:
-        self._start, self._way = start, [b - a for a, b in zip(start, goal, strict=True)]
-        self.travel = [max(abs(a), abs(b)) for a, b in zip(start, goal, strict=True)]
-
-    def at(self, place: Fraction) -> tuple[Vector, Vector]:
-        """Return joint positions and velocities."""
-        share = fixed(place)
-        return [a + (share * way >> BITS) for a, way in zip(self._start, self._way, strict=True)], self._way
-
-    def bounds(self, _: int) -> tuple[Vector, Vector, Vector]:
-        """Return bounds of the joints' first to third derivatives."""
-        still = [0] * len(self._way)
-        return list(map(abs, self._way)), still, still
+def _seen_from(told: Told, tool: Step) -> Step:
+    """Return a frame on the flange as the frame of a motion sees it."""
+    axes, origin = placed(told["tool"])
+    away = [b - a for a, b in zip(origin, tool[1], strict=True)]
+    return [[dot(axis, column) for axis in axes] for column in tool[0]], [dot(axis, away) for axis in axes]
 
 
 def _left_out(
     left: Followed, share: int, end: int, one: Followed, corner: _Corner, limits: Sequence[int], where: str
 ) -> int:
     """Check that the part of a path that isn't followed is in the corner's ball; return what it turns there.
+
+    The part is cut into pieces. On each, a place is off the straight line between the ends by at most the
+    square of the piece's size, times 1 / 8 of the second derivative.
 
     Args:
         left: the motion along this path.
@@ -338,24 +375,44 @@ def _left_out(
         limits: the ball.
         where: the place, for a message.
     """
-    missing = abs(end - share)
-    if isinstance(left.path, FramePath):  # an arc of at most half a turn is farthest at its end
-        need(missing * left.path.sweep >> BITS <= PI, f"{where}: more than half a turn isn't followed")
-        off = error(left.path.at(share)[:1], corner.at(0)[:1], 0)
-        _within(one.what, limits[:1], [length(*off[0][0]) + SLACK], where)
-        return missing * left.path.turn.angle >> BITS
-    if isinstance(left.path, Spline):
-        raise RefusedError(f"{where}: a spline")
-    ways = [abs(way) * missing >> BITS for way in left.path.way]
-    if isinstance(one.what, Joints):
-        _within(one.what, limits, [way + SLACK for way in ways], where)
-        return 0
-    way = _Way(*([at[0] for at, _ in left.path.at(u)] for u in (share, end)))
-    moved = Frames(left.motion.arm, one.what.tool, way)
-    pieces = _still([Fraction(k, _CORNER) for k in range(_CORNER + 1)], Fraction(1))
-    for piece in distances(moved, corner, pieces, moved.at(Fraction(0))):
-        _within(one.what, limits[:1], piece.off[:1], where)
-    return sum(one for one, turns in zip(ways, left.motion.arm.turns, strict=True) if turns)
+    arm, size, turned = left.motion.arm, abs(end - share) // _CORNER + 1, 0
+    ends = [share + (end - share) * k // _CORNER for k in range(_CORNER + 1)]
+    states = [left.path.at(s) for s in ends]
+    parts = [left.path.bends((min(pair), max(pair))) for pair in pairwise(ends)]
+    bends = [max(bend[0] for bend in group) for group in zip(*parts, strict=True)]
+    if isinstance(left.path, FramePath | PoseSpline) and isinstance(one.what, Frames):
+        chords = (zip(a[1][0], b[1][0], strict=True) for a, b in pairwise(states))
+        turned = sum(length(*(b - a for a, b in chord)) for chord in chords) * 7071 // 10000
+        _, offset = _seen_from(left.told, one.what.tool)
+        states = [[(_moved(state, offset), [])] for state in states]
+        bends = [bends[0] + times(bends[1], length(*offset))]
+    elif isinstance(one.what, Frames):
+        fast = [
+            max(abs(slope) for _, (slope,) in joint) + times(bend, size)
+            for joint, bend in zip(zip(*states, strict=True), bends, strict=True)
+        ]
+        most = [max(abs(q) for (q,), _ in joint) for joint in zip(*states, strict=True)]
+        slides = [a + times(b, size) for a, b in zip(most, fast, strict=True)]
+        reach = arm.reaches(len(fast), arm.to_flange(one.what.tool[1]), slides)
+        for joint in range(len(fast)):
+            ways = (abs(b[joint][0][0] - a[joint][0][0]) for a, b in pairwise(states))
+            turned += sum(ways) if arm.turns[joint] else 0
+        bends = [derivative(2, arm.turns, reach, fast, bends, bends)[0]]
+        places = ([q for (q,), _ in state] for state in states)
+        states = [[(arm.frame(q, [0] * len(q), one.what.tool).origin, [])] for q in places]
+    off = []
+    for group, bend in enumerate(bends):
+        meant, _ = corner.at(0)[group]
+        far = max(length(*(a - b for a, b in zip(state[group][0], meant, strict=True))) for state in states)
+        off.append(far + times(bend, size, size) // 8 + SLACK)
+    _within(one.what, limits[: len(off)], off, where)
+    return turned
+
+
+def _moved(state: State, offset: Vector) -> Vector:
+    """Return the place of a point that is given in a frame."""
+    (origin, _), (axes, _) = state
+    return [o + dot(axes[k::3], offset) for k, o in enumerate(origin)]
 
 
 def _speeds(
@@ -368,16 +425,12 @@ def _speeds(
         if told["move"] not in FRAMED:
             yield from _speed_of_joints(path, proofs[str(row.entry.step)], len(chain) == 1)
             continue
-        pairs = list(zip(path.segments, path.speeds, strict=True))
-        for limit, near in (
-            (around[number - 1] if number else {}, [speed for segment, speed in pairs if segment < begin]),
-            (
-                around[number] if number < len(around) else {},
-                [speed for segment, speed in pairs if segment >= end],
-            ),
-        ):
-            _hold(limit, near, row.entry.title)
-        own = [speed for segment, speed in pairs if begin <= segment < end]
+        own = []
+        for segment, speed in zip(path.segments, path.speeds, strict=True):
+            if begin <= segment < end:
+                own.append(speed)
+            else:
+                check_speeds(around[number - (segment < begin)], [speed], f"{row.entry.title}, in a blend")
         if own:
             before = number > 0 and not balls[number - 1] and _is_slower(told, chain[number - 1][1])
             behind = number < len(balls) and not balls[number] and _is_slower(told, chain[number + 1][1])
@@ -387,7 +440,8 @@ def _speeds(
         if slow:
             yield f"{row.entry.title}: {slow}"
     for (row, _), limit, speeds in zip(chain, around, balls, strict=False):
-        _hold(limit, speeds, row.entry.title)
+        if speeds:
+            check_speeds(limit, speeds, f"{row.entry.title}, in a blend")
 
 
 def _speed_of_joints(path: Followed, proof: Told, alone: bool) -> Iterator[str]:
@@ -418,17 +472,9 @@ def _speed(told: Told) -> Fraction | None:
 
 
 def _larger(one: Told, other: Told) -> dict[str, Fraction]:
-    """Return the larger speed and ceiling of two motions of a frame [mm/s], if both have one."""
-    found = {}
-    if "ceiling" in one and "ceiling" in other and {one["move"], other["move"]} <= set(FRAMED):
-        found["ceiling"] = max(one["ceiling"], other["ceiling"])
+    """Return the ceiling in a blend of two motions [mm/s]: the larger speed or ceiling, if both have one."""
     own, besides = _speed(one), _speed(other)
-    if own is not None and besides is not None:
-        found["speed"] = max(own, besides)
-    return found
-
-
-def _hold(limit: dict[str, Fraction], speeds: Sequence[tuple[int, int]], title: str) -> None:
-    most = max((high for _, high in speeds), default=0)
-    for name, top in limit.items():
-        need(most <= fixed(top / 1000 * _FASTER), f"{title}: faster than its {name} in a blend")
+    tops = [] if own is None or besides is None else [max(own, besides)]
+    if "ceiling" in one and "ceiling" in other and {one["move"], other["move"]} <= set(FRAMED):
+        tops.append(max(one["ceiling"], other["ceiling"]))
+    return {"ceiling": min(tops)} if tops else {}

@@ -9,14 +9,14 @@ cubic, plus d^4 / 384 times its largest fourth derivative. This is at most the a
 derivatives over s.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, pairwise
 from math import ceil, floor, isqrt
 from typing import Any
 
-from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Step, Vector, cross, dot, in_si, placed
+from yarclang.verify.arm import Arm, Step, Vector, cross, dot, in_si, placed
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import (
     BITS,
@@ -210,81 +210,60 @@ def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: 
     return max(length(*e), length(*inner), length(*outer), length(*f)) + SLACK
 
 
-class Turn:
-    """A turn from one rotation to another about a given axis by a given angle of at most half a turn."""
+class Curve:
+    """The curve middle + s way + cos(s angle) spoke + sin(s angle) side, for s from 0 to 1.
 
-    def __init__(
-        self, start: list[Vector], goal: list[Vector], axis: Sequence[Fraction], angle: Fraction
-    ) -> None:
-        self.axis, self.angle = [fixed(one) for one in axis], fixed(angle)
-        need(
-            abs(dot(self.axis, self.axis) - ONE) < _SAME and 0 <= self.angle <= PI + _SAME,
-            "a turn without an axis",
-        )
-        self.start = start
-        self.once = [cross(self.axis, column) for column in start]
-        self.twice = [cross(self.axis, column) for column in self.once]
-        for column, meant in zip(self.at(ONE)[0], goal, strict=True):
-            need(
-                max(abs(a - b) for a, b in zip(column, meant, strict=True)) < _SAME,
-                "a turn doesn't lead to its goal",
-            )
-        self.derivatives = [times(SQUARE_ROOT_OF_2, *[self.angle + _SAME] * k) for k in (2, 3, 4)]
+    It is a line or an arc of a point, or the columns of a frame that turns about an axis. `bends` are bounds
+    of its derivatives over s of order 2 to 4, and of the jumps of the third.
+    """
 
-    def at(self, s: int) -> tuple[list[Vector], list[Vector]]:
-        """Return the columns of R0 + sin K R0 + (1 - cos) K^2 R0 at s, and their derivatives over s."""
+    def __init__(self, middle: Vector, way: Vector, spoke: Vector, side: Vector, angle: int) -> None:
+        self.angle, self._parts = angle, list(zip(middle, way, spoke, side, strict=True))
+        size = length(*spoke, *side)
+        self.bends = [*(times(size, *[angle + 1] * k) for k in (2, 3, 4)), 0]
+
+    def at(self, s: int) -> tuple[Vector, Vector]:
+        """Return the place at s, and the derivative over s."""
         sine, cosine = sine_and_cosine(s * self.angle >> BITS)
-        columns, slopes = [], []
-        for base, once, twice in zip(self.start, self.once, self.twice, strict=True):
-            columns.append(
-                [
-                    a + ((b * sine + c * (ONE - cosine)) >> BITS)
-                    for a, b, c in zip(base, once, twice, strict=True)
-                ]
-            )
-            slopes.append(
-                [
-                    ((b * cosine + c * sine) >> BITS) * self.angle >> BITS
-                    for b, c in zip(once, twice, strict=True)
-                ]
-            )
-        return columns, slopes
+        place = [m + ((s * w + cosine * a + sine * b) >> BITS) for m, w, a, b in self._parts]
+        return place, [
+            w + ((cosine * b - sine * a >> BITS) * self.angle >> BITS) for _, w, a, b in self._parts
+        ]
+
+    def leads(self, s: int, meant: Sequence[int], most: int, what: str) -> None:
+        """Refuse a curve that at s is farther away than `most` from where it is meant to be."""
+        off = length(*(a - b for a, b in zip(self.at(s)[0], meant, strict=True)))
+        need(off < most, f"{what}: it is {off / ONE:.3g} away from where it is to be")
 
 
-Place = Callable[[int], tuple[Vector, Vector]]
-"""A path of the origin: a function that returns its place at s, and the derivative over s."""
+def line(start: Vector, goal: Vector) -> Curve:
+    """Return a straight line."""
+    return Curve(start, [b - a for a, b in zip(start, goal, strict=True)], [0] * 3, [0] * 3, 0)
 
 
-def line(start: Vector, goal: Vector) -> tuple[Place, list[int]]:
-    """Return a straight line, and its second to fourth derivatives, which are zero."""
-    way = [b - a for a, b in zip(start, goal, strict=True)]
-    return lambda s: ([a + (s * w >> BITS) for a, w in zip(start, way, strict=True)], way), [0, 0, 0]
-
-
-def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple[Place, list[int]]:
+def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> Curve:
     """Return an arc of less than a full turn by centre, spoke, side and sweep; check that it passes `via`."""
     centre, spoke, side = ([fixed(x) for x in told[name]] for name in ("centre", "spoke", "side"))
-    sweep = fixed(told["sweep"])
-    radius = length(*spoke)
-    need(
-        0 < sweep < 2 * PI - _OPEN
-        and Fraction(1, 100) < told["via"] < Fraction(99, 100)
-        and radius < 64 * ONE,
-        "an arc has other numbers than it should",
-    )
+    share, sweep = told["via"], fixed(told["sweep"])
+    defined = Fraction(1, 100) < share < Fraction(99, 100) and 0 < sweep < 2 * PI - _OPEN
+    need(defined and length(*spoke) < 64 * ONE, "an arc has other numbers than it should")
     need(abs(dot(spoke, side)) < _ROUND, "an arc isn't a circle's")
     need(abs(dot(spoke, spoke) - dot(side, side)) < _ROUND, "an arc isn't a circle's")
+    found = Curve(centre, [0] * 3, spoke, side, sweep)
+    for s, meant in ((0, start), (fixed(share), via), (ONE, goal)):
+        found.leads(s, meant, _ROUND, "an arc")
+    return found
 
-    def at(s: int) -> tuple[Vector, Vector]:
-        sine, cosine = sine_and_cosine(s * sweep >> BITS)
-        triple = list(zip(centre, spoke, side, strict=True))
-        place = [c + ((cosine * a + sine * b) >> BITS) for c, a, b in triple]
-        return place, [((cosine * b - sine * a) >> BITS) * sweep >> BITS for _, a, b in triple]
 
-    for s, meant in ((0, start), (fixed(told["via"]), via), (ONE, goal)):
-        off = length(*(a - b for a, b in zip(at(s)[0], meant, strict=True)))
-        need(off < _ROUND, f"an arc isn't where it is to be: {off / ONE:.3g} m away")
-    return at, [times(radius + _SAME, *[sweep + 1] * k) for k in (2, 3, 4)]
+def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> Curve:
+    """Return the columns of R + sin K R + (1 - cos) K^2 R: a turn about an axis, of at most half a turn."""
+    need(abs(dot(axis, axis) - ONE) < _SAME and 0 <= angle <= PI + _SAME, "a turn without an axis")
+    once = [cross(axis, column) for column in start]
+    twice = [one for column in once for one in cross(axis, column)]
+    middle = [a + b for a, b in zip(chain(*start), twice, strict=True)]
+    found = Curve(middle, [0] * 9, [-one for one in twice], list(chain(*once)), angle)
+    found.leads(ONE, list(chain(*goal)), _SAME, "a turn")
+    return found
 
 
 class FramePath:
@@ -295,22 +274,19 @@ class FramePath:
 
     def __init__(self, start: Step, told: dict[str, Any], proof: dict[str, Any]) -> None:
         self.goal = placed(told["pose"])
-        self.turn = Turn(start[0], self.goal[0], proof["axis"], proof["angle"])
-        self.sweep = fixed(proof["sweep"]) if told["move"] == "arc" else 0
+        self.turn = turn(start[0], self.goal[0], [fixed(one) for one in proof["axis"]], fixed(proof["angle"]))
         if told["move"] == "arc":
-            self.place, bends = arc(start[1], self.goal[1], proof, [fixed(x) for x in told["via"]])
+            self.origin = arc(start[1], self.goal[1], proof, [fixed(x) for x in told["via"]])
         else:
-            self.place, bends = line(start[1], self.goal[1])
-        self._bends = [(*one, 0) for one in (bends, self.turn.derivatives)]
+            self.origin = line(start[1], self.goal[1])
 
     def at(self, s: int) -> State:
         """Return origin and rotation at s, and their derivatives over s."""
-        columns, slopes = self.turn.at(s)
-        return [self.place(s), (list(chain(*columns)), list(chain(*slopes)))]
+        return [self.origin.at(s), self.turn.at(s)]
 
     def bends(self, _: tuple[int, int]) -> Sequence[Sequence[int]]:
         """Return bounds of the derivatives over s of order 2 to 4, and of the jumps of the third."""
-        return self._bends
+        return [self.origin.bends, self.turn.bends]
 
 
 class Frames:

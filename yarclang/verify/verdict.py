@@ -29,8 +29,9 @@ _OF_PROGRAM = "start outputs safe registers course steps"
 _OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unchecked "
 _OF_JOINTS = "through tool tolerance_of"
 _OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": _OF_JOINTS, "spline": _OF_JOINTS}
-_OF_GOAL = "q pose tool"
-FORM = 3
+_OF_MOVE |= {"timetable": "rows within", "spline of poses": "pose tool poses"}
+_OF_GOAL = "q pose tool at v a"
+FORM = 4
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
     "torques",
@@ -146,55 +147,54 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.told.append(f"program {name}: {_shown(program[name])}")
     verdict.told += [f"between motions: {deed}" for deed in done if not deed.startswith("move ")]
     _check_motions(rows, program, proof, arm, verdict)
-    if any(line.startswith("; search") for line in content.registers):
+    _list_later(content.registers, verdict)
+    _check_bodies(rows, done, proof, arm, verdict)
+    _list_rules(content.registers, proof["cell"]["bodies"], verdict)
+    verdict.unchecked += ALWAYS_UNCHECKED
+
+
+def _list_later(lines: list[str], verdict: Verdict) -> None:
+    """List what is planned and proved when the text runs."""
+    kinds = [line.split(" ")[1] for line in lines]
+    if "search" in kinds:
         verdict.unchecked.append(
             "what follows a motion that an input ends: it is planned and proved when it runs"
         )
-    for line in content.registers:
+    for line in lines:
         if line.startswith("; watch") and " then " in line:
             name = line.split(" then ")[1].split(" ")[0]
             verdict.unchecked.append(
                 f"the way on which the robot leaves ({name}): it is planned and proved when it runs"
             )
-    if any(line.startswith("; offset") for line in content.registers):
+    if "offset" in kinds:
         verdict.unchecked.append(
             "what is given in a frame that registers shift: proved here without a shift; where the frame "
             "is, it is planned and proved when it runs"
         )
-    _check_bodies(rows, done, proof, arm, verdict)
-    _list_allowed(content.registers, proof["cell"]["bodies"], verdict)
-    _list_kept(content.registers, verdict)
-    verdict.unchecked += ALWAYS_UNCHECKED
 
 
-def _list_kept(lines: list[str], verdict: Verdict) -> None:
-    """List the rules (KEEP) of commands: their angles and distances aren't checked."""
-    found = dict[str, list[str]]()
-    for line in lines:
-        if line.startswith("; keep"):
-            words = line.split(" ")
-            need(len(words) == 4 and words[2].isdecimal(), f"{line!r} doesn't name a command and a rule")
-            found.setdefault(unquote(words[3]), []).append(words[2])
-    for rule, steps in found.items():
-        verdict.unchecked.append(f"that commands {', '.join(steps)} of the map keep to {rule}")
-
-
-def _list_allowed(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:
-    """List the bodies that may touch because the text's map says so: their distance isn't checked."""
+def _list_rules(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:
+    """List what isn't checked because of the map: bodies that it lets touch, and rules (KEEP) of commands."""
     known = {name for body in bodies for name in (body["name"].upper(), body["name"].upper().split(" ")[0])}
-    found = dict[str, list[str]]()
+    found = dict[tuple[str, ...], list[str]]()
     for line in lines:
-        if line.startswith("; allow"):
-            words = line.split(" ")
-            need(len(words) == 5 and words[2].isdecimal(), f"{line!r} doesn't name a command and two bodies")
-            names = [unquote(word) for word in words[3:]]
-            need(known.issuperset(names), f"{line!r} names bodies that the proof doesn't tell of")
-            found.setdefault(f"{names[0]} and {names[1]}", []).append(words[2])
-    for pair, steps in found.items():
-        verdict.unchecked.append(
-            f"that {pair} keep apart during commands {', '.join(steps)} of the map: "
-            "the program lets them touch"
-        )
+        _, kind, *words = line.split(" ")
+        if kind in ("allow", "keep"):
+            least = {"allow": 3, "keep": 2}[kind]
+            need(len(words) == least and words[0].isdecimal(), f"{line!r} doesn't name a command and a rule")
+            names = [unquote(word) for word in words[1:]]
+            need(
+                kind == "keep" or known.issuperset(names),
+                f"{line!r} names bodies that the proof doesn't tell of",
+            )
+            found.setdefault((kind, *names), []).append(words[0])
+    for (kind, *names), steps in found.items():
+        commands = f"commands {', '.join(steps)} of the map"
+        if kind == "allow":
+            pair = f"that {names[0]} and {names[1]} keep apart during {commands}"
+            verdict.unchecked.append(f"{pair}: the program lets them touch")
+        else:
+            verdict.unchecked.append(f"that {commands} keep to {names[0]}")
 
 
 def _check_bodies(
@@ -273,7 +273,7 @@ def _check_motions(
         _tell(title, told, verdict)
         names = _OF_STEP + _OF_MOVE.get(told["move"], "poses") if "move" in told else "title unchecked"
         strange = unknown(told, names) or unknown(
-            {name: 0 for goal in told.get("through", []) for name in goal}, _OF_GOAL
+            {name: 0 for goal in (*told.get("through", []), *told.get("rows", [])) for name in goal}, _OF_GOAL
         )
         known = told.get("move", "line") in _OF_MOVE or told.get("unchecked")
         need(bool(known), f"{title}: a motion of a kind that isn't known")

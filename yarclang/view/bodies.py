@@ -11,7 +11,7 @@ from yarclang.cell.model import Cell, HalfSpace, ShapeRegion, Zone
 from yarclang.hir import FrameLink, Gap, Program
 from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.model import Array, Robot
-from yarclang.robot.visuals import visual_shapes
+from yarclang.robot.visuals import sticks, visual_shapes
 from yarclang.view import colours
 from yarclang.view.stage import Axes, Colour, Item
 
@@ -26,7 +26,7 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return the items of a robot, and notes about shapes that can't be read.
 
     The items are the visual shapes of the links, or their collision shapes if there are none, and the mounted
-    tools.
+    tools. If no link has a shape, bars from joint to joint show the arm.
     """
     visuals: dict[str, list[Item]] = {}
     spoilt: set[str] = set()
@@ -49,6 +49,14 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
             continue
         colour = _link_colour(link.joint)
         items.append(Item(link.link, "robot", link.joint, link.base_from_shape, solid, colour, 1.0))
+    if not items and not robot.shapes:
+        for bar in sticks(robot):
+            solid = solid_of(bar.shape)
+            if solid is not None:
+                colour = _link_colour(bar.joint)
+                items.append(Item(bar.link, "robot", bar.joint, bar.base_from_shape, solid, colour, 1.0))
+        if items:
+            notes.append("bars lead from joint to joint: no link of the robot has a shape that can be read")
     for tool in robot.tools:
         for part in tool.shapes if tool.mounted else ():
             solid = solid_of(part.shape)
@@ -112,12 +120,19 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
         items.append(Item(one.name, kind, joint, placed, solid, colour, 1.0))  # type: ignore[arg-type]
     for zone in cell.zones:
         border = _border(zone)
-        if border is None:
+        if border is None and zone.keep is not None:
+            notes.append(rule_note(zone))
+        elif border is None:
             notes.append(f"zone {zone.name} is a window of the joints, which has no place to be shown")
         else:
             placed, solid = border
             items.append(Item(zone.name, "zone", 0, placed, solid, colours.ZONES[zone.rule], 0.16))
     return tuple(items), tuple(notes)
+
+
+def rule_note(zone: Zone) -> str:
+    """Return the note about a rule in a picture that shows no rules of directions."""
+    return f"the rule {zone.name} is about directions, which have no place to be shown"
 
 
 def _border(zone: Zone) -> tuple[Array, Solid] | None:

@@ -104,11 +104,11 @@ def _picture(curve: Curve) -> str:
         )
     zero = _HEIGHT * curve.high / (curve.high - curve.low)
     return (
-        f'<div style="font-size:11px;padding:4px 10px 0;height:{_GAP - 4:.0f}px;line-height:{_GAP - 4:.0f}px">'
+        f'<div style="font-size:11px;padding:4px 10px 0;height:{_GAP - 4:.0f}px;line-height:{_GAP - 4:.0f}px">'  # noqa: E501
         f"{escape(curve.title)}</div>"
-        f'<div style="padding:0 10px"><svg viewBox="0 0 {_WIDTH:.0f} {_HEIGHT:.0f}" preserveAspectRatio="none" '
-        f'style="width:100%;height:{_HEIGHT:.0f}px;display:block;border:1px solid #ddd;box-sizing:border-box">'
-        f'<line x1="0" x2="{_WIDTH:.0f}" y1="{zero:.1f}" y2="{zero:.1f}" stroke="#ccc"/>{"".join(lines)}</svg></div>'
+        f'<div style="padding:0 10px"><svg viewBox="0 0 {_WIDTH:.0f} {_HEIGHT:.0f}" preserveAspectRatio="none" '  # noqa: E501
+        f'style="width:100%;height:{_HEIGHT:.0f}px;display:block;border:1px solid #ddd;box-sizing:border-box">'  # noqa: E501
+        f'<line x1="0" x2="{_WIDTH:.0f}" y1="{zero:.1f}" y2="{zero:.1f}" stroke="#ccc"/>{"".join(lines)}</svg></div>'  # noqa: E501
     )
 
 

@@ -74,7 +74,13 @@ class Draggable:
         if not self.in_cell:
             return f"FRAME {{{self.name}}} {' '.join(numbers)} (mm,deg) {{{self.parent}}}"
         place, turn = ", ".join(numbers[:3]), ", ".join(numbers[3:])
-        return f'[frames.{self.name}]\nparent = "{self.parent}"\nunits = "mm,deg"\nxyz = [{place}]\nrpy = [{turn}]'
+        return (
+            f"[frames.{self.name}]\n"
+            f'parent = "{self.parent}"\n'
+            'units = "mm,deg"\n'
+            f"xyz = [{place}]\n"
+            f"rpy = [{turn}]"
+        )
 
 
 def draggables_of(robot: Robot, program: Program, base_from_new: Array) -> tuple[Draggable, ...]:

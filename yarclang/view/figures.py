@@ -17,6 +17,7 @@ from yarclang.robot.model import Array
 from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM
 from yarclang.view import colours
+from yarclang.view.rules import MOST_SHOWN
 from yarclang.view.stage import Colour, Mark, Piece, Stage
 from yarclang.view.track import followed
 
@@ -28,7 +29,7 @@ STYLE = """<style>
 .mantine-Button-label { white-space: normal; overflow: visible; overflow-wrap: anywhere; text-align: left; line-height: 1.3; height: auto; }
 [data-dock-tab] { padding-inline: 0.45em !important; }
 .mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
-</style>"""
+</style>"""  # noqa: E501
 """Style of buttons and tabs. Buttons show their whole text, since viser cuts off what doesn't fit on a line;
 tabs fit on one line.
 """
@@ -51,6 +52,7 @@ def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
     rows.append(("speed", f"{speed / MM:.1f} mm/s"))
     if nearest is not None:
         rows.append(("nearest bodies", nearest))
+    rows += rule_rows(stage, time, q[0])
     if stage.ghost is not None:
         wanted = stage.ghost.at(times)[0]
         there = tool_poses(robot.chain, np.vstack([q, wanted]), stage.flange_from_frame)[:, :3, 3]
@@ -68,6 +70,20 @@ def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
         zip(robot.joint_names, (q / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
     )
     return [("joints", joints), (f"{{{stage.frame}}} in {{B}}", _pose(stage, q[None]))]
+
+
+def rule_rows(stage: Stage, time: float, q: Array) -> list[tuple[str, str]]:
+    """Return the rules that hold at a time [s], with their angles and distances at joint positions (n,)."""
+    holds = stage.rules.at(time)
+    rows = []
+    for number in holds[:MOST_SHOWN]:
+        rule = stage.rules.shown[number]
+        now = rule.at(stage.robot, q)
+        broken = "" if now.is_kept else ", BROKEN"
+        rows.append(("keeps to", f"{rule.keep.words}: {now.figures}{broken}"))
+    if len(holds) > MOST_SHOWN:
+        rows.append(("keeps to", f"{len(holds) - MOST_SHOWN} more rules, which aren't shown"))
+    return rows
 
 
 def _pose(stage: Stage, q: Array) -> str:
@@ -166,6 +182,8 @@ def key_html(stage: Stage) -> str:
         entries.append((colours.OBSTACLE, "obstacles"))
     shown = {item.colour for item in stage.items if item.kind == "zone"}
     entries += [(colour, f"zone: {rule}") for rule, colour in colours.ZONES.items() if colour in shown]
+    if stage.rules.held:
+        entries.append((colours.ZONES["allowed"], "rules of KEEP that hold; red where one is broken"))
     severities = dict.fromkeys(mark.severity for mark in stage.marks if mark.place is not None)
     entries += [(colours.SEVERITIES[one], f"{one} on the path") for one in severities]
     return _BLOCK.format("<br>".join(_swatch(colour, text) for colour, text in entries))
@@ -179,7 +197,10 @@ def _swatch(colour: Colour, text: str) -> str:
 def rows_html(rows: Iterable[tuple[str, str]]) -> str:
     """Return a table of names and values."""
     cells = (
-        f'<tr><td style="color:#777;white-space:nowrap;vertical-align:top">{escape(name)}</td><td>{escape(value)}</td></tr>'
+        (
+            "<tr><td "
+            f'style="color:#777;white-space:nowrap;vertical-align:top">{escape(name)}</td><td>{escape(value)}</td></tr>'
+        )
         for name, value in rows
     )
     return _TABLE.format("".join(cells))

@@ -40,14 +40,17 @@ from yarclang.progress import each
 from yarclang.report.carried import Carried, carried_in_plan
 from yarclang.report.clearance import near
 from yarclang.report.distances import distances_of
+from yarclang.report.kept import held_rules
 from yarclang.report.nearest import nearest_places
 from yarclang.report.pictures.drawn_frame import drawn_frame
 from yarclang.report.pictures.plot import time_facts
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
+from yarclang.view.bodies import rule_note
 from yarclang.view.dragging import draggables_of
 from yarclang.view.parts import facts_of_motion, facts_of_set, parts_of_plan, with_parts
+from yarclang.view.rules import rules_of
 from yarclang.view.stage import Later, Mark, Piece, Scenes, Stage, Worst
 from yarclang.view.surroundings import surroundings_of
 from yarclang.view.track import Curves, way_of_curves
@@ -86,7 +89,11 @@ def stage_of_program(
     way = way_of_curves(curves, robot.chain, frame.flange_from_frame, owners)
     around = surroundings_of(robot, program, frame.name)
     unplanned = sum(isinstance(step, Motion) for step in program.steps) - len(plan.motions)
-    notes = around.notes
+    # rules are drawn while they hold, and not as zones
+    of_rules = [zone for zone in (around.cell.zones if around.cell is not None else ()) if zone.keep]
+    names, unshown = {zone.name for zone in of_rules}, {rule_note(zone) for zone in of_rules}
+    items = tuple(one for one in around.items if one.kind != "zone" or one.name not in names)
+    notes = tuple(one for one in around.notes if one not in unshown)
     if unplanned and any(one.is_error for one in findings):
         notes = (
             f"{unplanned} motion{'s' * (unplanned != 1)} can't be planned; the path shows the others",
@@ -103,7 +110,7 @@ def stage_of_program(
         subtitle=" · ".join((robot.name, *time_facts(plan.lasting, plan.duration), motions)),
         notes=notes,
         robot=robot,
-        items=around.items,
+        items=items,
         axes=around.axes,
         frame=frame.name,
         flange_from_frame=frame.flange_from_frame,
@@ -116,6 +123,7 @@ def stage_of_program(
         scene=around.scene,
         duration=plan.duration,
         cell=around.cell,
+        rules=rules_of(held_rules(plan), robot, around.cell),
         worst=_worst(certificate, robot, around.cell, number_of),
         draggable=draggables_of(
             robot, program, tool_poses(robot.chain, program.start[None], frame.flange_from_frame)[0]
@@ -133,7 +141,8 @@ def _worst(
     return tuple(
         Worst(
             number_of[one.command.step],
-            f"{'' if one.share is None else f'{percent(one.share)} % '}{one.what}: {one.figure}, {one.command.index or one.command.name}",
+            f"{'' if one.share is None else f'{percent(one.share)} % '}{one.what}: {one.figure}, "
+            f"{one.command.index or one.command.name}",
         )
         for one in nearest_places(certificate, robot, cell)
     )

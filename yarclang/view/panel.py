@@ -258,7 +258,7 @@ def _where(one: Draggable) -> str:
 
 _NOTHING = "none"
 _DRAG = (
-    '<div style="font-size:12px;padding:2px 10px">Choose a frame, drag it by its arrows, rings and squares, and copy '
+    '<div style="font-size:12px;padding:2px 10px">Choose a frame, drag it by its arrows, rings and squares, and copy '  # noqa: E501
     "its line. No file is changed. A frame on the robot moves with it.</div>"
 )
 _NEAREST = (

@@ -18,6 +18,7 @@ from yarclang.view.detail import FINEST, drawn_lines, exact_lines
 from yarclang.view.labels import SHARE, Label, spots
 from yarclang.view.lettering import Lettering, short
 from yarclang.view.placing import move_nodes, position_and_turn
+from yarclang.view.rule_nodes import RuleNodes
 from yarclang.view.stage import Item, Rows, Stage, Way, moved_by
 from yarclang.view.switches import OFF_AT_FIRST, Parts, Switches
 from yarclang.view.triads import names_of, triads_of
@@ -78,6 +79,7 @@ class Picture:
         for number, item in enumerate(shapes, len(stage.items)):
             self._draw_item(number, item)
         self._count = len(stage.items) + len(shapes)
+        self._rules = RuleNodes(server.scene, stage, self.switches)
         self._draw_axes()
         self._way = self._draw_way("way", stage.way, _WIDTH)
         self._first = exact_lines(stage.way)
@@ -103,7 +105,9 @@ class Picture:
         """Move the bodies to their places at a time [s]."""
         times, chain = np.array([time]), self._stage.robot.chain
         with self._server.atomic():
-            move_nodes(self._joints, moved_by(chain, self._stage.track.at(times)[0][0]))
+            q = self._stage.track.at(times)[0][0]
+            move_nodes(self._joints, moved_by(chain, q))
+            self._rules.move_to(time, q)
             if self._stage.ghost is not None:
                 move_nodes(self._ghosts, moved_by(chain, self._stage.ghost.at(times)[0][0]))
             self._parts.move_to(time)

@@ -70,7 +70,10 @@ class _Guard:
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         address, port = str(here[0]), int(here[1])
         if len(hosts) != 1 or not is_called(hosts[0], port, self._names | {address}):
-            return f"yarc view is not known by this name. On this machine it is at http://localhost:{port}; start it with --host NAME for another name."
+            return (
+                f"yarc view is not known by this name. On this machine it is at http://localhost:{port}; "
+                "start it with --host NAME for another name."
+            )
         if len(origins) > 1 or not is_own(origins[0] if origins else None, hosts[0]):
             return "pages of other sites are refused"
         return ""

@@ -21,6 +21,7 @@ from yarclang.report.solids import Solid
 from yarclang.robot.kinematics.fk import joint_transform
 from yarclang.robot.model import Array, Chain, Robot
 from yarclang.view.dragging import Draggable
+from yarclang.view.rules import NO_RULES, Rules
 
 Colour = tuple[int, int, int]
 Kind = Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
@@ -240,6 +241,7 @@ class Stage:
         scenes: bodies of the collision check over time; None if they are always those of `scene`.
         worst: places nearest to their limits, beginning with the nearest; empty for a short program.
         draggable: frames that can be dragged. The line that declares a dragged frame is shown.
+        rules: rules of the program's motions over time.
     """
 
     title: str
@@ -262,6 +264,7 @@ class Stage:
     scenes: Scenes | None = None
     worst: tuple[Worst, ...] = ()
     draggable: tuple[Draggable, ...] = ()
+    rules: Rules = NO_RULES
 
     def scene_at(self, time: float) -> Scene | None:
         """Return the bodies of the collision check at a time [s]."""

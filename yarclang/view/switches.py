@@ -16,6 +16,7 @@ GROUPS = {
     "obstacle": "obstacles",
     "part": "parts",
     "zone": "zones",
+    "rule": "rules (KEEP)",
     "shape": "collision shapes",
     "axes": "frames",
     "other_axes": "other frames",
@@ -41,11 +42,16 @@ class Switches:
     def __init__(self, hidden: Iterable[str] = OFF_AT_FIRST) -> None:
         self._hidden = set(hidden)
         self._nodes: dict[str, list[tuple[Any, tuple[str, ...]]]] = {name: [] for name in GROUPS}
+        self._offered: set[str] = set()
+
+    def offer(self, name: str) -> None:
+        """Have a switch for a group that has no node yet."""
+        self._offered.add(name)
 
     @property
     def groups(self) -> dict[str, str]:
-        """Return the groups that have nodes, with their names for people."""
-        found = {name: text for name, text in GROUPS.items() if self._nodes[name]}
+        """Return the groups that have nodes or will have some, with their names for people."""
+        found = {name: text for name, text in GROUPS.items() if self._nodes[name] or name in self._offered}
         return found | {name: text for name, text in _OF_RUN.items() if "planned" in found and name in found}
 
     @property

@@ -55,6 +55,7 @@ class WordSpec:
         declares: kind of the name after it; empty without one. Names that are never used are reported.
         proposes: kind of names that completion proposes after it.
         slots: kinds of its values, if each line has the same number of them.
+        first: words that may be its first value, each with one line about it.
         wants: description of these values.
     """
 
@@ -72,4 +73,5 @@ class WordSpec:
     declares: Literal["", "name", "frame"] = ""
     proposes: Literal["", "robots", "modules", "joints", "frames", "arguments", "values"] = ""
     slots: tuple[Slot, ...] = ()
+    first: tuple[tuple[str, str], ...] = ()
     wants: str = ""

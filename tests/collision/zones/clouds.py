@@ -1,4 +1,6 @@
-"""Points of bodies, placed by Pinocchio, and zones by their plain definitions: they share nothing with yarclang's proofs."""
+"""Points of bodies, placed by Pinocchio, and zones by their plain definitions: they share nothing with
+yarclang's proofs.
+"""
 
 import coal
 import numpy as np
@@ -51,7 +53,9 @@ def cloud(shape, random, count=400):
 
 
 class Clouds:
-    """What zones watch, as points: the bodies of a robot and of what it carries, the elbow, and a frame on the flange."""
+    """What zones watch, as points: the bodies of a robot and of what it carries, the elbow, and a frame on
+    the flange.
+    """
 
     def __init__(self, robot, cell, flange_from_moving, random):
         self.dense = Dense(robot, cell)

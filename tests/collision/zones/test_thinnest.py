@@ -1,4 +1,6 @@
-"""The thinnest zones that a cell may have are seen by the proof, wherever a motion crosses them; what a cell refuses may be crossed unseen."""
+"""The thinnest zones that a cell may have are seen by the proof, wherever a motion crosses them; what a
+cell refuses may be crossed unseen.
+"""
 
 import numpy as np
 from floors import exercises

@@ -1,4 +1,6 @@
-"""Zones to stay in and out of: no breach is missed, by points of bodies that Pinocchio places; distances by other ways."""
+"""Zones to stay in and out of: no breach is missed, by points of bodies that Pinocchio places; distances
+by other ways.
+"""
 
 import os
 from dataclasses import replace
@@ -89,7 +91,9 @@ def test_what_is_told_is_true(first):
 
 
 def look_whether_it_is_true(tally, seed):
-    """Check that a breach that is told is one, and that the distance that is told isn't above any that is seen."""
+    """Check that a breach that is told is one, and that the distance that is told isn't above any that is
+    seen.
+    """
     random = np.random.default_rng(seed + 10_000)
     robot = load_robot(ROBOTS[seed % 2]).value
     cell = zoned(random)
@@ -137,7 +141,9 @@ def test_depths_are_those_of_points(seed):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_signed_distances(seed):
-    """They are 1-Lipschitz and convex, agree with membership, and grow along `direction`; no point reaches beyond `reach`."""
+    """They are 1-Lipschitz and convex, agree with membership, and grow along `direction`; no point reaches
+    beyond `reach`.
+    """
     random = np.random.default_rng(seed)
     region = drawn_region(random)
     one, other = random.uniform(-2, 2, (2, 500, 3))
@@ -176,7 +182,9 @@ def test_rates_bound_all_points(robot):
 
 
 def test_along_a_border_is_settled_quickly(industrial6):
-    """A motion that lies in a border, to the last bit, keeps it; a hundredth of a millimetre beyond, it doesn't."""
+    """A motion that lies in a border, to the last bit, keeps it; a hundredth of a millimetre beyond, it
+    doesn't.
+    """
     turn = np.zeros((40, 6))
     turn[:, 0] = np.linspace(-1, 1, 40)
     course = motion(turn, 4.0)

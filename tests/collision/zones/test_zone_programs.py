@@ -1,4 +1,6 @@
-"""Whatever compiles in a cell with zones keeps them: random programs in random zones, by an independent reading of the text and clouds of points."""
+"""Whatever compiles in a cell with zones keeps them: random programs in random zones, by an independent
+reading of the text and clouds of points.
+"""
 
 import os
 
@@ -93,7 +95,9 @@ def look_for_a_violation(tally, seed):
 
 
 def _has_a_breach(robot, around, text, name, random):
-    """What is refused for its zones only does break them: without them it compiles, and some point is where it mustn't be, or near."""
+    """What is refused for its zones only does break them: without them it compiles, and some point is
+    where it mustn't be, or near.
+    """
     bare = type(around)(around.source, {}, {}, {}, {}, around.obstacles, (), {})
     value, found = compiled(text, name, load_cell=lambda *_: Result(bare, ()))
     assert value is not None, (found, text)

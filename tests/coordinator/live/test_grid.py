@@ -1,4 +1,6 @@
-"""Control points of live motions: limits hold for all inputs, what is wanted is reached, and rest always is."""
+"""Control points of live motions: limits hold for all inputs, what is wanted is reached, and rest always
+is.
+"""
 
 import numpy as np
 from hypothesis import example, given, settings

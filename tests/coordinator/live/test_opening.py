@@ -79,7 +79,9 @@ BESIDE = st.lists(st.floats(-0.5, 0.5), min_size=6, max_size=6)
 
 @contextmanager
 def admitted():
-    """Where live motions begin, and all lines that their judges admit: their control points, in order [rad or m]."""
+    """Where live motions begin, and all lines that their judges admit: their control points, in order [rad
+    or m].
+    """
     points = []
 
     class Seen(Judge):
@@ -101,7 +103,9 @@ def admitted():
 @settings(max_examples=12, deadline=None, phases=QUICK)
 @given(BESIDE, SPEEDS, st.sampled_from([0.004, 0.01, 0.02, 0.05]))
 def test_what_moves_is_what_was_proved(beside, speeds, segment):
-    """Wherever between two counts the motors stand: from the first instant on the robot is on the proved curve, to a step of the registers."""
+    """Wherever between two counts the motors stand: from the first instant on the robot is on the proved
+    curve, to a step of the registers.
+    """
 
     async def session(points):
         async with coordinating(joints=START, record=True) as (world, _, client):
@@ -182,7 +186,9 @@ def test_who_stands_at_a_limit_may_leave_it(side):
 
 
 def test_where_a_command_has_ended_nearly_is_not_where_a_jog_begins():
-    """A command begins where the one before was planned to end, if it stands there to a count; a jog where it stands."""
+    """A command begins where the one before was planned to end, if it stands there to a count; a jog where
+    it stands.
+    """
 
     async def session():
         async with coordinating(joints=START) as (world, _, client):
@@ -209,7 +215,9 @@ def jerking(share):
 
 
 def test_what_the_start_may_be_off_by_counts_where_it_matters():
-    """Near the limit of jerk there is no room for a robot that stands beside its start; behind the start there is."""
+    """Near the limit of jerk there is no room for a robot that stands beside its start; behind the start
+    there is.
+    """
     robot, judge = judge_at()
     assert judge.objection(text(robot, jerking(0.9)), ()) == ""
     assert "jerk limit" in judge.objection(text(robot, jerking(0.99)), ())

@@ -1,4 +1,6 @@
-"""The judge of live motions knows nothing of the generator: it refuses whatever breaks a limit, on the printed numbers."""
+"""The judge of live motions knows nothing of the generator: it refuses whatever breaks a limit, on the
+printed numbers.
+"""
 
 import numpy as np
 import pytest

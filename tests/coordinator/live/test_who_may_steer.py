@@ -1,4 +1,6 @@
-"""Who may steer a robot from outside: forged callers of all kinds against a robot that only notes what reaches it."""
+"""Who may steer a robot from outside: forged callers of all kinds against a robot that only notes what
+reaches it.
+"""
 
 import asyncio
 import contextlib
@@ -100,7 +102,9 @@ def token(server):
 
 
 def meeting(work, door, patience=QUICK):
-    """Do some work with a server that listens at a door; the robot behind it, and how long the event loop was busy at most [s]."""
+    """Do some work with a server that listens at a door; the robot behind it, and how long the event loop
+    was busy at most [s].
+    """
 
     async def whole():
         robot, worst = Robot(), 0.0
@@ -221,7 +225,7 @@ def test_another_user_is_refused_even_where_the_file_lets_it_in():
 
 
 REQUESTS = [
-    b"POST / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nContent-Type: text/plain\r\nContent-Length: 60\r\nA: b\r\nC: d\r\nE: f\r\nG: h\r\nI: j\r\n\r\n",
+    b"POST / HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nContent-Type: text/plain\r\nContent-Length: 60\r\nA: b\r\nC: d\r\nE: f\r\nG: h\r\nI: j\r\n\r\n",  # noqa: E501
     b"GET / HTTP/1.1\r\nUpgrade: websocket\r\n\r\n",
     b"OPTIONS /a HTTP/1.0\r\n\r\n",
     b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",

@@ -42,7 +42,8 @@ def test_a_tool_that_points_the_wrong_way_is_the_cause(ur5):
     (one,) = said(text, table, robot=ur5)
     assert one.code == "Y0925"
     assert one.help.startswith(
-        "the tool's z may point the wrong way: it would be free with the tool turned by 180 deg about its x (500 0 120 180 0 0 in mm and deg)"
+        "the tool's z may point the wrong way: it would be free with the tool turned by 180 deg about its "
+        "x (500 0 120 180 0 0 in mm and deg)"
     )
     assert (one.fix.title, one.fix.by_choice) == ("turn the tool by 180 deg about its x", True)
     assert "P0010 MOVEJ_RPY 500 0 120 180 0 0\n" in applied(HEAD + text, one.fix)

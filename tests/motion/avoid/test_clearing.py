@@ -43,7 +43,9 @@ def drawn_lines(robot, count, seed):
 
 
 def test_a_post_in_the_way_of_the_elbow_is_passed(panda):
-    """Small posts where the upper arm would come: most are passed, and what is found is free, on the line, and begins where the robot stands."""
+    """Small posts where the upper arm would come: most are passed, and what is found is free, on the line,
+    and begins where the robot stands.
+    """
     _, _, step = solver_and_goal(panda, FAR)
     scene = Solver(panda, cell_of(FAR)).room(step).scene
     links = [

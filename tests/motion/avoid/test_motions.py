@@ -1,4 +1,6 @@
-"""MOVEJ_AVOID in programs: certified with every profile and time, in chains, to poses; its fixes, and what is said where it can't be done."""
+"""MOVEJ_AVOID in programs: certified with every profile and time, in chains, to poses; its fixes, and what
+is said where it can't be done.
+"""
 
 import numpy as np
 import pytest
@@ -85,7 +87,11 @@ def test_its_fix_writes_the_very_same_way(line, name):
 
 
 def test_it_flows_into_its_neighbours():
-    text = f"P0010 MOVEJ -50 25 -20 0 -30 0 BLEND 3\nP0020 MOVEJ_AVOID {GO} BLEND 3\nP0030 MOVEJ 70 20 -20 0 -30 0"
+    text = (
+        "P0010 MOVEJ -50 25 -20 0 -30 0 BLEND 3\n"
+        f"P0020 MOVEJ_AVOID {GO} BLEND 3\n"
+        "P0030 MOVEJ 70 20 -20 0 -30 0"
+    )
     value, found = made(text)
     assert not [one for one in found if one.is_error], found
     assert [motion.flows for motion in value.plan.motions] == [True, True, False]
@@ -135,7 +141,15 @@ def test_nothing_found_is_said_with_the_samples(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "name", ["MOVEL_AVOID", "MOVEJ_LSPB_AVOID", "MOVEJ_AVOID_RPY", "DMOVEJ_AVOID", "MOVEJ_AVOID_AVOID"]
+    "name",
+    [
+        "MOVEC_AVOID",
+        "MOVEL_AVOID_RPY",
+        "MOVEJ_LSPB_AVOID",
+        "MOVEJ_AVOID_RPY",
+        "DMOVEJ_AVOID",
+        "MOVEJ_AVOID_AVOID",
+    ],
 )
 def test_it_stands_only_where_it_belongs(name):
     assert codes(planned(f"DEFAULT {{TCP}} [9] (mm,deg,s) {{B}}\nP0010 {name} 1 2 3 4 5 6")[1]) == ["Y0203"]

@@ -1,4 +1,6 @@
-"""Where there is no way, or none is found: zones that part start and target are seen at once, and a search that failed says how far it came."""
+"""Where there is no way, or none is found: zones that part start and target are seen at once, and a search
+that failed says how far it came.
+"""
 
 from dataclasses import replace
 
@@ -48,7 +50,10 @@ def test_a_zone_that_the_arm_cannot_reach_past_is_seen_without_a_search(monkeypa
     said = no_way(ROBOT, why, ORIGIN)
     assert said[:2] == (
         "Y0923",
-        "there is no way to the joint positions of the target: zone CURTAIN, which the arm can't reach past, lies between where {TCP} is and where it shall be",
+        (
+            "there is no way to the joint positions of the target: zone CURTAIN, which the arm can't reach "
+            "past, lies between where {TCP} is and where it shall be"
+        ),
     )
 
 

@@ -1,4 +1,6 @@
-"""An arm with seven joints moves out of the way with its flange at rest, before a pose is said to be blocked."""
+"""An arm with seven joints moves out of the way with its flange at rest, before a pose is said to be
+blocked.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,11 @@ def panda(tmp_path_factory):
 
 def solver_and_goal(panda, obstacle):
     """A solver among bodies, and the pose at which the robot stands."""
-    text = f'ROBOT "{panda.folder}"\nDEFAULT {{FLANGE}} [MIN] (mm,deg,s) {{B}}\nP0010 MOVEJ_RPY 400 0 500 180 0 0\n'
+    text = (
+        f'ROBOT "{panda.folder}"\n'
+        f"DEFAULT {{FLANGE}} [MIN] (mm,deg,s) {{B}}\n"
+        "P0010 MOVEJ_RPY 400 0 500 180 0 0\n"
+    )
     opened = open_source(SourceFile("line.yarc", text), panda.folder, Options()).value
     step = check_program(opened.module, opened.request).value.steps[0]
     pose = flange_poses(panda.chain, panda.home[None])[0]

@@ -1,4 +1,6 @@
-"""Ways that are shortened in time: the quickest of several searches is free, no slower than the first, and the same each time."""
+"""Ways that are shortened in time: the quickest of several searches is free, no slower than the first, and
+the same each time.
+"""
 
 from itertools import pairwise
 
@@ -50,7 +52,9 @@ def test_all_places_of_a_piece_are_looked_at_the_middle_early(count):
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_a_shortened_way_is_free_and_no_longer(tally, seed):
-    """A ball of radius 1 stands in the way; a way by chance outside of a ball that is a little larger goes round it."""
+    """A ball of radius 1 stands in the way; a way by chance outside of a ball that is a little larger goes
+    round it.
+    """
     random = np.random.default_rng(seed)
     corners = random.normal(size=(12, 3))
     corners *= random.uniform(2.0, 4.0, (12, 1)) / np.linalg.norm(corners, axis=1)[:, None]
@@ -108,7 +112,12 @@ frame = "B"
 xyz = [0, 700, 900]
 size = [120, 120, 1800]
 """
-PROGRAM = 'ROBOT INDUSTRIAL6\nCELL "c.toml"\nSTART -60 20 -20 0 -30 0 (deg)\nP0010 MOVEJ_AVOID 60 20 -20 0 -30 0 [MIN] (deg,s)\n'
+PROGRAM = (
+    "ROBOT INDUSTRIAL6\n"
+    'CELL "c.toml"\n'
+    "START -60 20 -20 0 -30 0 (deg)\n"
+    "P0010 MOVEJ_AVOID 60 20 -20 0 -30 0 [MIN] (deg,s)\n"
+)
 LINE = "; ways round: the quickest of 3 searches"
 
 

@@ -1,4 +1,6 @@
-"""Ways out of tight places: the tool is drawn out along its axes before a way is searched for, and what is found is free by other geometry."""
+"""Ways out of tight places: the tool is drawn out along its axes before a way is searched for, and what is
+found is free by other geometry.
+"""
 
 import numpy as np
 import pytest
@@ -102,7 +104,10 @@ def test_a_window_of_one_joint_between_start_and_goal_is_seen_without_a_search(m
     said = no_way(ROBOT, why, Origin("P0010", "MOVEJ_AVOID", SourceFile("a.yarc", ""), Span.on_line(1, 1, 2)))
     assert said[:2] == (
         "Y0923",
-        "there is no way to the joint positions of the target: zone GATE forbids J1 from -10 to 10 deg, and start and target are on either side of it",
+        (
+            "there is no way to the joint positions of the target: zone GATE forbids J1 from -10 to 10 deg, "
+            "and start and target are on either side of it"
+        ),
     )
 
 

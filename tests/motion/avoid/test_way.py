@@ -1,4 +1,6 @@
-"""A way round is free wherever one looks, is the straight one where that is free, and the same in every process; without one it is said why."""
+"""A way round is free wherever one looks, is the straight one where that is free, and the same in every
+process; without one it is said why.
+"""
 
 import subprocess
 import sys
@@ -26,7 +28,9 @@ def executed(start, way, count=2000):
 
 
 def worst(q, *obstacles):
-    """The smallest room that a pair has at joint positions, by geometry that shares nothing with the search."""
+    """The smallest room that a pair has at joint positions, by geometry that shares nothing with the
+    search.
+    """
     dense = Dense(ROBOT, cell_of(*obstacles))
     wanted = np.array([dense.wanted(pair) for pair in range(len(dense.pairs))])
     return float((dense.distances(q) - wanted).min())

@@ -1,6 +1,8 @@
-"""Motions that flow into each other: where the path is left, how long each takes, and that limits hold in between.
+"""Motions that flow into each other: where the path is left, how long each takes, and that limits hold in
+between.
 
-Densely sampled; tests/test_random_programs.py does the same with programs by chance and from the emitted text.
+Densely sampled; tests/test_random_programs.py does the same with programs by chance and from the emitted
+text.
 """
 
 from itertools import pairwise
@@ -158,7 +160,8 @@ def test_blending_is_quicker_than_stopping():
 
 def test_times_without_a_common_part_are_rounded_where_they_meet_and_told():
     plan, found = chain(
-        "P0010 MOVEL 50 1174.4 1176 0 0 0 [0.99991] BLEND 10\nP0020 MOVEL 50 1174.4 1226 0 0 0 [1.00007] BLEND 10\n"
+        "P0010 MOVEL 50 1174.4 1176 0 0 0 [0.99991] BLEND 10\n"
+        "P0020 MOVEL 50 1174.4 1226 0 0 0 [1.00007] BLEND 10\n"
         "P0030 MOVEL 0 1174.4 1226 0 0 0 [1.00013]\n"
     )
     assert found == ["Y0609"]
@@ -261,9 +264,17 @@ def test_the_same_program_gives_the_same_curves():
         assert np.array_equal(first.curve.points, second.curve.points)
 
 
-ZIGZAG = "P0010 MOVEL 20 1174.4 1176 0 0 0 {0} BLEND 4\nP0020 MOVEL 20 1194.4 1176 0 0 0 {0} BLEND 4\nP0030 MOVEL 50 1194.4 1176 0 0 0 {0}\n"
+ZIGZAG = (
+    "P0010 MOVEL 20 1174.4 1176 0 0 0 {0} BLEND 4\n"
+    "P0020 MOVEL 20 1194.4 1176 0 0 0 {0} BLEND 4\n"
+    "P0030 MOVEL 50 1194.4 1176 0 0 0 {0}\n"
+)
 TURNS = ZIGZAG.replace("MOVEL 20 1194.4 1176", "MOVEC 30 1184.4 1176; 20 1194.4 1176")
-JOINT_TURNS = "P0010 MOVEJ 0 0 0 0 30 0 [MIN] BLEND 4\nP0020 MOVEJ 20 0 0 0 30 0 [MIN] BLEND 4\nP0030 MOVEJ 20 9 0 0 0 0 [MIN]\n"
+JOINT_TURNS = (
+    "P0010 MOVEJ 0 0 0 0 30 0 [MIN] BLEND 4\n"
+    "P0020 MOVEJ 20 0 0 0 30 0 [MIN] BLEND 4\n"
+    "P0030 MOVEJ 20 9 0 0 0 0 [MIN]\n"
+)
 
 
 @pytest.mark.parametrize(
@@ -310,3 +321,30 @@ def test_a_speed_changes_where_one_line_goes_on_as_the_next(speeds):
         rates = np.diff(places) / (curve.duration / (len(q) - 1))
         inside = (places[:-1] >= 50 * (number - 1) + 0.01) & (places[1:] <= 50 * number - 0.01)
         assert rates[inside].max() == pytest.approx(speed, rel=2e-3)
+
+
+LINES_IN_A_LINE = """P0020 MOVEL -37.7272 1261.8414 1557.8784 16.4477 -8.1157 4.0371 [MIN] TOL 0.05 BLEND 0
+P0030 MOVEL -38.3332 1261.9510 1558.7356 16.4477 -8.1157 4.0371 [MIN] TOL 0.05 BLEND 0
+P0040 MOVEL -39.6513 1262.1959 1560.6193 16.4477 -8.1157 4.0371 [MIN] TOL 0.05
+"""
+
+
+@pytest.mark.parametrize("lines", [*CHAINS.values(), LINES_IN_A_LINE])
+def test_a_stop_in_a_chain_has_three_equal_points(lines):
+    """An overlap is corrected at the points around it as well, but not across a stop."""
+    head = "DEFAULT {TCP} [2] (mm,deg,s) {B}\nP0001 MOVEJ 0 -5 -20 10 40 0 [MIN]\n"
+    begin = head if lines is LINES_IN_A_LINE else HEAD
+    made, found = compiled(begin + lines)
+    assert [one for one in found if one.is_error] == []
+    motions = made.plan.motions
+    assert motions[0].overlap is None
+    assert motions[-1].overlap is None
+    for one, other in pairwise(motions):
+        np.testing.assert_array_equal(one.curve.points[-3:], other.curve.points[:3])
+    for motion in motions:
+        if motion.overlap is None:
+            end = np.tile(motion.curve.points[-1], (3, 1))
+            np.testing.assert_array_equal(motion.curve.points[-3:], end)
+            np.testing.assert_allclose(end[0], motion.path.end, atol=1e-15)
+    if lines is LINES_IN_A_LINE:
+        assert [motion.overlap is None for motion in motions] == [True, True, False, True]

@@ -1,4 +1,6 @@
-"""Long chains as one path, from the emitted text: where the paths are left, how fast the tool goes, and that limits hold; laws and means by themselves."""
+"""Long chains as one path, from the emitted text: where the paths are left, how fast the tool goes, and
+that limits hold; laws and means by themselves.
+"""
 
 import numpy as np
 import pytest
@@ -61,7 +63,9 @@ def to_segments(p, a, b):
 
 
 def looked_at(text, robot, points, speed, ball, tolerance):
-    """Hold a text against its way-points; return the mean share of the speed from the first to the last time that it is reached."""
+    """Hold a text against its way-points; return the mean share of the speed from the first to the last
+    time that it is reached.
+    """
     arm = Arm.in_folder(robot_of(robot).folder)
     _, commands = read(text)
     corners = np.array(BEGIN[robot]) + points
@@ -180,7 +184,9 @@ def test_turns(seed):
 
 @pytest.mark.parametrize("ball", [0.0, 0.3])
 def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
-    """The means of a law that gets slower at a corner are faster behind it, if the law isn't slower before."""
+    """The means of a law that gets slower at a corner are faster behind it, if the law isn't slower
+    before.
+    """
     at = np.arange(50) * 2.0
     heading = np.radians(2.0) * np.sin(at / 40.0)
     ways = 2.0 * np.stack((np.cos(heading), np.sin(heading), 0.0 * at), axis=1)
@@ -205,3 +211,37 @@ def test_a_slower_speed_on_the_way_is_kept_from_its_corner_on(ball):
         assert went.max() <= allowed * 1.002
         if 18 <= step <= 30:
             assert went.min() >= 0.99 * speeds[step - 1]
+
+
+STRAIGHT_ON = """DEFAULT {TCP} (mm,deg,s) {B}
+P0490 MOVEL -44.6059 857.5660 689.5432 -90.0000 0.0000 0.0000 [V 50] TOL 0.05 BLEND 0.3
+P0510 MOVEL -45.6450 856.4820 693.4410 -90.0000 0.0000 0.0000 [MIN] TOL 0.05
+"""
+AFTER_AN_ARC = """DEFAULT {TCP} (mm,deg,s) {B}
+P0001 MOVEJ 0.0000 -5.0000 -20.0000 10.0000 40.0000 0.0000 [MIN]
+P0020 MOVEL -36.2322 1259.9130 1556.8441 14.6624 -9.0548 4.2617 [V 20] TOL 0.05 BLEND 0
+P0030 MOVEL -34.7717 1258.0041 1555.7996 14.6624 -9.0548 4.2617 [V 20] TOL 0.05 BLEND 0
+P0300 MOVEC -2.6430 1212.5835 1528.1192; -1.5881 1211.0991 1527.2198 14.6624 -9.0548 4.2617 [V 50] TOL 0.05 BLEND 0
+P0470 MOVEL 19.3535 1182.9156 1511.1275 14.6624 -9.0548 4.2617 [V 50] TOL 0.05 BLEND 0
+P0480 MOVEL 20.3733 1181.4566 1510.2253 14.6624 -9.0548 4.2617 [MIN] TOL 0.05 BLEND 0
+P0490 MOVEL 21.2390 1180.1922 1509.4236 14.6624 -9.0548 4.2617 [MIN] TOL 0.05
+"""  # noqa: E501
+
+
+@pytest.mark.parametrize(
+    ("lines", "robot", "step"),
+    [(STRAIGHT_ON, "TRACKED_MANIPULATOR", 0), (AFTER_AN_ARC, "INDUSTRIAL6", 4)],
+)
+def test_a_faster_motion_begins_only_after_the_slower_one(lines, robot, step):
+    """Where no blend is done, the speed of the first motion holds up to its last segment."""
+    made, found = compiled(lines, robot)
+    assert made is not None, [(one.code, one.message) for one in found if one.is_error]
+    motion = made.plan.motions[step]
+    assert motion.overlap == 0
+    arm = Arm.in_folder(robot_of(robot).folder)
+    _, commands = read(made.text)
+    executed = commands[motion.step]
+    p, _ = arm.poses(executed.sample())
+    speeds = np.linalg.norm(np.diff(p, axis=0), axis=1) / (executed.segment / 8)
+    assert 0.9 * 50 < speeds[-1] < 50 * (1 + 1e-3)
+    assert speeds.max() < 50 * (1 + 1e-3)

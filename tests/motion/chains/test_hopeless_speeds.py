@@ -14,7 +14,9 @@ P0020 CALL WEAVE.SINE {TCP} {SEAM} 12 1 2 4
 
 
 def test_few_laws_are_tried_where_the_way_itself_asks_too_much(monkeypatch):
-    """Four waves a second of 2 mm to each side: the limits leave a fifteenth of that. It took two minutes and 17,000 laws."""
+    """Four waves a second of 2 mm to each side: the limits leave a fifteenth of that. It took two minutes
+    and 17,000 laws.
+    """
     laws = []
     tried = Between._tried
 

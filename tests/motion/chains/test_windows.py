@@ -1,4 +1,6 @@
-"""Long chains in windows: what is made and proved of one depends on it alone, and is what is made and proved of the whole."""
+"""Long chains in windows: what is made and proved of one depends on it alone, and is what is made and
+proved of the whole.
+"""
 
 from contextlib import contextmanager
 from itertools import pairwise

@@ -42,7 +42,8 @@ def test_the_arc_goes_through_three_points_in_their_order(first, via, last, turn
     away = np.linalg.norm(places[:, :3, 3] - via, axis=1)
     assert away.min() < arc.length / 20000 + 1e-9
     assert 0 < away.argmin() < 20000
-    # one circle, gone once: the same distance from its centre, the same way each step, and together the length
+    # one circle, gone once: the same distance from its centre, the same way each step, and together the
+    # length
     assert np.linalg.norm(places[:, :3, 3] - arc.centre, axis=1) == pytest.approx(arc.radius, rel=1e-9)
     steps = np.linalg.norm(np.diff(places[:, :3, 3], axis=0), axis=1)
     assert steps.max() - steps.min() < 1e-9 + 1e-6 * steps.max()

@@ -8,7 +8,9 @@ from yarclang.motion.paths.line import line_between, lines_between, poses_along
 
 
 def pairs(random, size):
-    """Return the poses (12, 4, 4) where some lines begin and end, turned by about `size` [rad]; one stands still, one turns by half a turn."""
+    """Return the poses (12, 4, 4) where some lines begin and end, turned by about `size` [rad]; one stands
+    still, one turns by half a turn.
+    """
     starts, ends = np.tile(np.eye(4), (2, 12, 1, 1))
     starts[:, :3, :3] = Rotation.random(12, random_state=random).as_matrix()
     ends[:, :3, :3] = Rotation.from_rotvec(random.normal(size=(12, 3)) * size).as_matrix() @ starts[:, :3, :3]

@@ -12,7 +12,9 @@ KNOWN = {
     ("motion/profile.py", "SCURVE"),  # the law of ways that are too short for their speed
 }
 SPOKEN_OF = ("findings/", "lint/rules/", "commands/builtin/", "motion/profiles/", "campaign/", "independent/")
-"""Where programs stand as examples, or are drawn, and the independent reading, which knows what laws promise."""
+"""Where programs stand as examples, or are drawn, and the independent reading, which knows what laws
+promise.
+"""
 
 
 def named():

@@ -10,10 +10,10 @@ from yarclang.robot.description import load_robot
 LINE = "P0020 MOVEL_TOPP 200 1074.4 1326 10 -5 20 [MIN]"
 PROGRAMS = {
     "joints": "P0020 MOVEJ_TOPP 60 10 -20 30 40 -50 [MIN]",
-    "spline": "P0020 MOVEJ_SPLINE_TOPP 10 0 5 0 10 0; 40 25 -30 20 60 50; 10 -20 0 0 30 0; 60 0 0 0 -30 90 [MIN]",
+    "spline": "P0020 MOVEJ_SPLINE_TOPP 10 0 5 0 10 0; 40 25 -30 20 60 50; 10 -20 0 0 30 0; 60 0 0 0 -30 90 [MIN]",  # noqa: E501
     "line": LINE,
     "arc": "P0020 MOVEC_TOPP 60 1134.4 1176; 120 1174.4 1176 0 0 20 [MIN]",
-    "poses": "P0020 MOVEL_SPLINE_TOPP 60 1134.4 1176 0 0 10; 120 1174.4 1226 0 0 20; 180 1174.4 1126 5 0 0 [MIN]",
+    "poses": "P0020 MOVEL_SPLINE_TOPP 60 1134.4 1176 0 0 10; 120 1174.4 1226 0 0 20; 180 1174.4 1126 5 0 0 [MIN]",  # noqa: E501
 }
 
 
@@ -26,7 +26,9 @@ def motion(line, robot="INDUSTRIAL6"):
 
 
 def shares(curve, robot):
-    """The share of the nearest limit at each of many instants, limits of velocity, motor speed and acceleration."""
+    """The share of the nearest limit at each of many instants, limits of velocity, motor speed and
+    acceleration.
+    """
     _, v, a = curve.sample(np.linspace(0, curve.duration, 40 * curve.segments + 1))
     return np.stack(
         [
@@ -123,7 +125,9 @@ def test_a_line_of_a_micrometre_in_too_short_a_time_is_told_one_that_works():
 @pytest.mark.parametrize("way", ["6 0 0", "0 6 0", "0 0 6"])
 @pytest.mark.parametrize("time", ["[MIN]", "[99%]"])
 def test_beside_a_singularity_it_takes_about_as_long_as_the_wrist_needs(j5, way, time):
-    """J4 turns by 90 deg at most, in about 1.8 s at 60 deg/s. Other laws take minutes there, since theirs isn't fitted to the turn."""
+    """J4 turns by 90 deg at most, in about 1.8 s at 60 deg/s. Other laws take minutes there, since theirs
+    isn't fitted to the turn.
+    """
     start = f"START 10 10 -20 0 {j5:.7f} 0 (deg)\n"
     duration = shortest(f"{start}P0010 DMOVE_TOPP {way} 0 0 0 {time}\n")
     assert duration < 5.0

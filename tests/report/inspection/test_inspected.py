@@ -164,8 +164,15 @@ def test_a_solution_from_which_the_next_line_fails_is_told():
 
 def test_the_way_into_the_second_way_of_a_when():
     text = (
-        "INPUT DOOR M11\nP0005 MOVEJ 5 0 0 0 0 0\nWHEN DOOR ON\nP0010 MOVEJ 20 0 0 0 0 0\nP0020 MOVEJ 0 0 0 0 0 0\nELSE\n"
-        "P0030 MOVEJ 30 0 0 0 0 0 [0.01]\nP0040 MOVEJ 0 0 0 0 0 0\nEND\n"
+        "INPUT DOOR M11\n"
+        "P0005 MOVEJ 5 0 0 0 0 0\n"
+        "WHEN DOOR ON\n"
+        "P0010 MOVEJ 20 0 0 0 0 0\n"
+        "P0020 MOVEJ 0 0 0 0 0 0\n"
+        "ELSE\n"
+        "P0030 MOVEJ 30 0 0 0 0 0 [0.01]\n"
+        "P0040 MOVEJ 0 0 0 0 0 0\n"
+        "END\n"
     )
     found = inspected(text, "P0030")
     assert found.start[0] == pytest.approx(5 * DEG)

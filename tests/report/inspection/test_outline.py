@@ -50,7 +50,8 @@ def test_ways_and_loops_stand_inside_each_other():
 
 def test_both_ways_have_their_times():
     rows = tree(
-        "CASE JOB", "OF 1", f"P10 {OUT}", f"P20 {HOME} [2]", "OF 2..3", 'P30 SAY "{N}"', "ELSE", "P40 STOP", "END",
+        "CASE JOB", "OF 1", f"P10 {OUT}", f"P20 {HOME} [2]", "OF 2..3", 'P30 SAY "{N}"', "ELSE", "P40 STOP",
+            "END",
     )  # fmt: skip
     ways = [one for one in shown(rows) if one[1].startswith(("OF", "ELSE"))]
     assert ways == [

@@ -311,7 +311,10 @@ def test_a_program_without_motion(tmp_path: Path) -> None:
 
 
 def test_the_same_bytes_in_another_process(two: MotionPlan, program: Path) -> None:
-    code = "import sys; from yarclang.cli.yarc import main\nfor file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"
+    code = (
+        "import sys; from yarclang.cli.yarc import main\n"
+        "for file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"
+    )
     formats = ("png", "svg", "pdf")
     # a user's own settings must not matter, nor what was drawn before
     for number, order in enumerate((formats, formats[::-1])):
@@ -330,7 +333,10 @@ def test_the_same_bytes_in_another_process(two: MotionPlan, program: Path) -> No
 
 
 def test_the_commands_list_needs_no_matplotlib() -> None:
-    code = "import sys, yarclang.cli.yarc, yarclang.cli.commands.plot, yarclang.report.pictures.plot; print('matplotlib' in sys.modules)"
+    code = (
+        "import sys, yarclang.cli.yarc, yarclang.cli.commands.plot, yarclang.report.pictures.plot; "
+        "print('matplotlib' in sys.modules)"
+    )
     assert (
         subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
         == "False\n"

@@ -1,4 +1,6 @@
-"""What a plan's picture says beside the joints: the robot in its cell, waits, outputs, clearance, and the sorts of motions."""
+"""What a plan's picture says beside the joints: the robot in its cell, waits, outputs, clearance, and the
+sorts of motions.
+"""
 
 from __future__ import annotations
 
@@ -293,7 +295,9 @@ def test_no_text_lies_on_another(which: str, acts: MotionPlan, tmp_path: Path) -
 
 
 def overlaps(figure: object) -> list[tuple[str, str]]:
-    """Return the texts that lie on others, except for numbers and names in space; and those beyond the figure."""
+    """Return the texts that lie on others, except for numbers and names in space; and those beyond the
+    figure.
+    """
     from matplotlib.text import Text
 
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]

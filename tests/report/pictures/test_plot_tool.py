@@ -1,4 +1,6 @@
-"""`yarc plot`: the frame that is followed, its speed, how near to a singularity, and corners that are passed in motion."""
+"""`yarc plot`: the frame that is followed, its speed, how near to a singularity, and corners that are
+passed in motion.
+"""
 
 from __future__ import annotations
 

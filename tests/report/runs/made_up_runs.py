@@ -52,7 +52,9 @@ def made(
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of one pass and the truth behind them: program times (N,), and the joints that were commanded (N, n) [rad or m]."""
+    """Samples of one pass and the truth behind them: program times (N,), and the joints that were
+    commanded (N, n) [rad or m].
+    """
 
     notices: tuple[Notice, ...]
     times: np.ndarray

@@ -337,7 +337,10 @@ def test_options_of_programs_are_wrong_for_a_log(good, option):
 
 def test_equal_logs_give_equal_bytes(held, tmp_path):
     """Whatever a user's own settings are, and whatever was drawn before."""
-    code = "import sys; from yarclang.cli.yarc import main\nfor file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"
+    code = (
+        "import sys; from yarclang.cli.yarc import main\n"
+        "for file in sys.argv[2:]: main(['plot', sys.argv[1], '-o', file], standalone_mode=False)"
+    )
     formats = ("png", "svg", "pdf")
     for number, order in enumerate((formats, formats[::-1])):
         (tmp_path / "matplotlibrc").write_text(f"font.size: {10 + 2 * number}\nbackend: TkAgg\n")

@@ -1,4 +1,6 @@
-"""When in the program a sample was taken, and how far the robot was off: against runs whose truth is known."""
+"""When in the program a sample was taken, and how far the robot was off: against runs whose truth is
+known.
+"""
 
 import numpy as np
 import pytest
@@ -151,7 +153,8 @@ def test_times_are_found_whatever_the_pace(tmp_path_factory, rate, seed):
     speed = np.linalg.norm(plan.sample(truth.times)[1], axis=1) / DEG
     late = np.abs(tracking.times - truth.times)
     assert (late < 0.2).all()
-    # where it turns slowly, a count or so decides; where a record ends in a turn, or in a hold within one, what was told does
+    # where it turns slowly, a count or so decides; where a record ends in a turn, or in a hold within one,
+    # what was told does
     moves = np.append(np.diff(truth.times) > 0.0, False)
     ends = run.times[moves][-1] if moves.any() else run.times[-1]
     inside = run.times < ends - 1.0

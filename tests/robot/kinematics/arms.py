@@ -137,7 +137,9 @@ def slider9() -> tuple[Chain, Limits]:
 
 
 def of_dh(rows, *, modified=False) -> Chain:
-    """A chain from Denavit and Hartenberg's a, alpha, d, theta at zero [m, rad], as makers publish them; `modified`: Craig's, where a and alpha come first."""
+    """A chain from Denavit and Hartenberg's a, alpha, d, theta at zero [m, rad], as makers publish them;
+    `modified`: Craig's, where a and alpha come first.
+    """
     frame, screws = np.eye(4), []
     for a, alpha, d, theta in rows:
         across, along = np.eye(4), np.eye(4)
@@ -313,7 +315,9 @@ def random6(rng) -> Chain:
 
 
 def parallel6(rng) -> Chain:
-    """Six turns by chance, axes 2, 3 and 4 parallel in one sense or the other, axes 5 and 6 with a common point."""
+    """Six turns by chance, axes 2, 3 and 4 parallel in one sense or the other, axes 5 and 6 with a common
+    point.
+    """
     axes = rng.normal(size=(6, 3))
     axes[2], axes[3] = (rng.choice([-1.0, 1.0]) * axes[1] for _ in range(2))
     axes /= np.linalg.norm(axes, axis=1)[:, None]

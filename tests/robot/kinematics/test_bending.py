@@ -66,7 +66,9 @@ def test_a_joint_keeps_out_of_where_it_was(name):
 
 
 def test_property_of_all_ways():
-    """Whatever the cost: each way keeps the poses, the start and the limits, and costs less than the one known."""
+    """Whatever the cost: each way keeps the poses, the start and the limits, and costs less than the one
+    known.
+    """
     seen = {"ways": 0}
 
     @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
@@ -117,7 +119,9 @@ def test_an_arm_without_a_spare_joint_has_no_other_way():
 
 @pytest.mark.parametrize("name", ["panda", "slider9"])
 def test_what_is_not_found_is_not_looked_for_endlessly(name):
-    """A cost that goes down a little everywhere and never to nothing: about as many joint positions are asked as for others, however long the line and however many joints."""
+    """A cost that goes down a little everywhere and never to nothing: about as many joint positions are
+    asked as for others, however long the line and however many joints.
+    """
     exercised = 0
     for chain, limits, pose_at, known in lines(ARMS[name], 12, 5, length=0.5):
         asked = [0]

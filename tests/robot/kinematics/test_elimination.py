@@ -1,4 +1,6 @@
-"""All solutions of arms of six turning joints: by elimination, with three parallel axes, and of calibrated arms."""
+"""All solutions of arms of six turning joints: by elimination, with three parallel axes, and of calibrated
+arms.
+"""
 
 from __future__ import annotations
 
@@ -277,7 +279,9 @@ def test_lines_of_three_parallel_axes_are_those_that_iteration_follows():
 
 @pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-7])
 def test_a_line_that_begins_where_the_last_axis_is_parallel_to_the_three(bend):
-    """Sideways from there the hand would have to swing; in the plane across the parallel axes nothing changes."""
+    """Sideways from there the hand would have to swing; in the plane across the parallel axes nothing
+    changes.
+    """
     chain = arms.COBOTS["ur5"]
     limits = arms.limits_of(np.full(6, -6.2), np.full(6, 6.2))
     q = np.array([0.0, -1.2, 1.4, 0.5, bend, 0.7])

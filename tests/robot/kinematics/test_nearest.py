@@ -66,7 +66,8 @@ def test_home_is_home():
     for q4 in (0.0, 0.4, -1.0):
         home = np.array([0, 0, 0, q4, 0, -q4])
         found = nearest_solutions(chain, limits, chain.base_from_flange, home)
-        # where both wrist axes are one, a rounding of 1e-16 in the pose is one of 1e-11 in them, on some processors
+        # where both wrist axes are one, a rounding of 1e-16 in the pose is one of 1e-11 in them, on some
+        # processors
         np.testing.assert_allclose(found.q[0], home, atol=1e-10)
         # the two wrists have become one
         assert np.abs(np.diff(found.q, axis=0)).max(axis=1).min() > 1e-3

@@ -37,7 +37,9 @@ def tasks(arm, count, seed):
 
 @pytest.mark.parametrize("name", ["yumi", "base", "slider9"])
 def test_no_joint_position_near_the_found_one_is_nearer(name):
-    """At the nearest solution the way to the reference has no share in the null space, but for joints at their limits."""
+    """At the nearest solution the way to the reference has no share in the null space, but for joints at
+    their limits.
+    """
     chain, limits, q, poses, near = tasks(ARMS[name], 12, 0)
     free = 0
     for given_, pose, reference in zip(q, poses, near, strict=True):
@@ -93,7 +95,9 @@ def test_seeds_nearly_reach_the_pose(name):
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**6))
 def test_arms_by_chance(seed):
-    """Seven joints by chance, some of them slides: what is found reaches the pose within limits, and a pose that was made is found."""
+    """Seven joints by chance, some of them slides: what is found reaches the pose within limits, and a
+    pose that was made is found.
+    """
     rng = np.random.default_rng(seed)
     axes = rng.normal(size=(7, 3))
     axes /= np.linalg.norm(axes, axis=1)[:, None]

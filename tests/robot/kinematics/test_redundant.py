@@ -53,7 +53,9 @@ def test_the_flange_stays_where_it_is(arm):
 
 
 def test_it_goes_all_round_as_far_as_limits_allow():
-    """With shoulder, elbow and wrist in line the elbow of seven joints goes round a circle: both ends are limits of joints, or all of it is seen."""
+    """With shoulder, elbow and wrist in line the elbow of seven joints goes round a circle: both ends are
+    limits of joints, or all of it is seen.
+    """
     chain, limits = arms.seven7()
     free = arms.limits_of(np.full(7, -np.inf), np.full(7, np.inf))
     q = np.array([0.2, 0.5, 0.3, 1.2, -0.4, 0.8, 0.1])
@@ -96,7 +98,9 @@ def test_lines_keep_within_limits_by_the_null_space():
 
 @pytest.mark.parametrize("arm", [arms.slider9, arms.on_base, lambda: arms.seven("panda")])
 def test_joints_at_their_limits_stay_there_and_the_others_make_up_for_it(arm):
-    """Lines that begin next to limits, of slides above all: found where neither the least motion nor that away from limits keeps within them."""
+    """Lines that begin next to limits, of slides above all: found where neither the least motion nor that
+    away from limits keeps within them.
+    """
     chain, limits, starting, rng = starts(arm, 24, 7)
     slides = np.flatnonzero(chain.is_prismatic)
     more = 0

@@ -1,4 +1,6 @@
-"""Arms with one joint more than a pose needs: their closed form with that joint held, and the nearest solutions by it."""
+"""Arms with one joint more than a pose needs: their closed form with that joint held, and the nearest
+solutions by it.
+"""
 
 from __future__ import annotations
 
@@ -141,7 +143,9 @@ def test_where_it_stands_is_nearest(name):
 
 
 def test_a_pose_that_leaves_more_joints_free_is_searched_as_well(monkeypatch):
-    """An arm stretched out in line leaves several joints free at once: the closed form, which holds them, isn't all there is."""
+    """An arm stretched out in line leaves several joints free at once: the closed form, which holds them,
+    isn't all there is.
+    """
     chain, limits = ARMS["iiwa14"]
     pose = flange_poses(chain, np.zeros((1, 7)))[0]
     reference = np.array([1.0, 0.1, 0.5, 0.1, -0.5, 0.1, 0.3])

@@ -215,7 +215,9 @@ def test_broken_by_a_singularity_at_the_start(way, amount):
 
 @pytest.mark.parametrize("length", [1e-8, 1e-6, 1e-4, 1e-3, 5e-3, 0.05, 0.2])
 def test_a_singularity_at_the_start_breaks_short_ways_as_it_does_long_ones(length):
-    """A short way has samples within the few 1e-10 rad in which the held angle goes over to the one that the pose determines."""
+    """A short way has samples within the few 1e-10 rad in which the held angle goes over to the one that
+    the pose determines.
+    """
     chain, limits = arms.industrial6()
     pose_at = line(chain.base_from_flange, moved(chain.base_from_flange, (length, 0, 0)))
     found = track(chain, limits, pose_at, np.zeros(6))
@@ -434,7 +436,9 @@ def test_may_start_on_a_limit():
 
 @pytest.mark.parametrize("arm", [arms.industrial6, arms.offset6, arms.skewed6, arms.seven7, arms.slider9])
 def test_paths_that_are_followed_together_end_as_one_by_one(arm):
-    """Lines of all lengths from random places: those of `track`, of which some break at limits, others of reach."""
+    """Lines of all lengths from random places: those of `track`, of which some break at limits, others of
+    reach.
+    """
     chain, limits = arm()
     random = np.random.default_rng(5)
     low, high = np.maximum(limits.lower, -2.0), np.minimum(limits.upper, 2.0)

@@ -1,6 +1,7 @@
 """A client of the ROS 1 node, run by the Python that has rospy: JSON lines come in and go out.
 
-Each line is `{"do": ..., ...}`; the answer is one line with `answer` or `error`. Goals go through actionlib's client; topics are recorded from when they are first asked for.
+Each line is `{"do": ..., ...}`; the answer is one line with `answer` or `error`. Goals go through actionlib's
+client; topics are recorded from when they are first asked for.
 """
 
 import json
@@ -171,7 +172,9 @@ class Client:
         return kept[-1][1]
 
     def drawn(self, topic, there=True, within=WITHIN):
-        """The markers of a topic behind the one that deletes those before, as soon as there are any, or none."""
+        """The markers of a topic behind the one that deletes those before, as soon as there are any, or
+        none.
+        """
         kept = self.record(topic)
         self.wait(lambda: kept and (len(kept[-1][1]["markers"]) > 1) == there, within)
         return kept[-1][1]["markers"][1:]

@@ -1,4 +1,6 @@
-"""A ROS master, `yarc serve`, the node and a client, each a process of its own, for all tests of this folder."""
+"""A ROS master, `yarc serve`, the node and a client, each a process of its own, for all tests of this
+folder.
+"""
 
 import contextlib
 import json
@@ -41,7 +43,10 @@ def ros_or_skip():
         )
         if not tried.returncode:
             return
-    reason = "there is no ROS 1 (Debian: apt-get install python3-rospy python3-rosmaster python3-actionlib python3-sensor-msgs python3-std-srvs python3-trajectory-msgs python3-visualization-msgs)"
+    reason = (
+        "there is no ROS 1 (Debian: apt-get install python3-rospy python3-rosmaster python3-actionlib "
+        "python3-sensor-msgs python3-std-srvs python3-trajectory-msgs python3-visualization-msgs)"
+    )
     if os.environ.get("YARCLANG_REQUIRE_TOOLS") == "1":
         pytest.fail(reason, pytrace=False)
     pytest.skip(reason)
@@ -109,7 +114,8 @@ class Stage:
             "ROS_LOG_DIR": str(folder / "ros" / "log"),
             "PYTHONPATH": str(ROOT),
             "XDG_RUNTIME_DIR": str(folder),
-            SPACE: folder.name,  # the robot is served between the tests, too, and must not keep others from theirs
+            SPACE: folder.name,
+            # the robot is served between the tests, too, and must not keep others from theirs
         }
         self.master = self.serve = self.node = self.client = None
 

@@ -1,4 +1,6 @@
-"""The ROS 1 node as people run it: a master, `yarc serve` with a simulated robot, the node, and a client of actionlib."""
+"""The ROS 1 node as people run it: a master, `yarc serve` with a simulated robot, the node, and a client
+of actionlib.
+"""
 
 import itertools
 import math
@@ -60,7 +62,9 @@ def shares(start, end, found):
 
 
 def assert_rests_on_path(ros, start, end):
-    """The robot rests between start and end, on the straight line: a stop off the path would leave joints at different shares."""
+    """The robot rests between start and end, on the straight line: a stop off the path would leave joints
+    at different shares.
+    """
     ros.until(topic="robot_status", field="in_motion.val", value=0)
     found = shares(start, end, standing(ros))
     assert min(found) > 0.005

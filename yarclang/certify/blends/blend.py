@@ -98,8 +98,9 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
         judged.find(
             "Y1166",
             f"in the blend after it {robot.joint_names[joint]} is up to {worst[joint] / unit:.6g} "
-            f"{robot.axis_unit_names[joint]} from the corner, {_how(away[joint], left[joint], joined[joint])}: "
-            f"{(worst - allowed)[joint] / unit:.3g} more than the {allowed[joint] / unit:.6g} that are allowed",
+            f"{robot.axis_unit_names[joint]} from the corner, "
+            f"{_how(away[joint], left[joint], joined[joint])}: {(worst - allowed)[joint] / unit:.3g} more "
+            f"than the {allowed[joint] / unit:.6g} that are allowed",
             layout.places[corner.first].step,
         )
     most, bound = by_kind(allowed, robot), by_kind(worst, robot)
@@ -182,14 +183,15 @@ def _of_frames(
             judged.find(
                 "Y1166",
                 f"in the blend after it the moving frame is up to {most / MM:.6g} mm from the corner, "
-                f"{_how(*parts)}: {(most - radius[i]) / MM:.3g} more than the {radius[i] / MM:.6g} that are allowed",
+                f"{_how(*parts)}: {(most - radius[i]) / MM:.3g} more than the {radius[i] / MM:.6g} that are "
+                "allowed",
                 step,
             )
         elif not angle[i] <= together.angle[i]:
             judged.find(
                 "Y1166",
-                f"in the blend after it the moving frame is turned by up to {angle[i] / DEG:.6g} deg from its orientation in "
-                f"the corner; both motions turn by {turn[i] / DEG:.6g} deg there",
+                f"in the blend after it the moving frame is turned by up to {angle[i] / DEG:.6g} deg from "
+                f"its orientation in the corner; both motions turn by {turn[i] / DEG:.6g} deg there",
                 step,
             )
         yield step, Blended(ball.corner.segments, float(radius[i]), float(turn[i]), most, float(angle[i]))

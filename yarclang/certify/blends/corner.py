@@ -202,7 +202,8 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
         if position > tolerance.position or angle > tolerance.angle:
             judged.find(
                 "Y1161",
-                f"the joint positions planned for its end are {shown(float(position), float(angle))} from there",
+                f"the joint positions planned for its end are {shown(float(position), float(angle))} from "
+                "there",
                 place.step,
             )
         end: Array = claimed[0]

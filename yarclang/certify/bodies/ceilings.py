@@ -140,7 +140,7 @@ def _stretches(places: list[Place], neighbours: dict[int, tuple[float, float]]) 
 def _too_fast(place: Place, robot: Robot, speed: ZoneSpeed, after: float, q: Array) -> Diagnostic:
     origin = place.motion.origin
     message = (
-        f"{speed.part} goes at {up_to(most(speed.largest, MM), 6)} mm/s, and [V<=...] allows {speed.limit / MM:.6g} mm/s, "
-        f"{after:.3f} s after its start, {pose_text(robot, origin, q)}"
+        f"{speed.part} goes at {up_to(most(speed.largest, MM), 6)} mm/s, and [V<=...] allows "
+        f"{speed.limit / MM:.6g} mm/s, {after:.3f} s after its start, {pose_text(robot, origin, q)}"
     )
     return Diagnostic("Y1167", message, origin.source, origin.span, "", None, place=origin.place)

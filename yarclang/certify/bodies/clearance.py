@@ -113,8 +113,9 @@ def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
     moving, other = scene.names(place.pair)
     origin = sweep.places[place.motion].motion.origin
     message = (
-        f"{moving} and {other} are {place.distance / MM:.5g} mm apart {place.time - sweep.starts(place.motion):.3f} s after its start, "
-        f"where {place.reported / MM:.5g} mm were reported: the two proofs of clearances disagree"
+        f"{moving} and {other} are {place.distance / MM:.5g} mm apart "
+        f"{place.time - sweep.starts(place.motion):.3f} s after its start, where {place.reported / MM:.5g} "
+        "mm were reported: the two proofs of clearances disagree"
     )
     help_ = (
         "nothing is written: this is an error of yarclang; please report it with the program, robot and cell"
@@ -180,8 +181,20 @@ def _finding(
 
 
 _REMEDIES = {
-    "Y0901": "go round it: a via pose, another order, or NEAR for another configuration; or correct the obstacle in the cell.toml",
-    "Y0902": "choose another configuration (NEAR) or a via pose; where these links always touch, `yarc robot check` says what to write into robot.toml",
-    "Y0930": "keep a little farther away, or draw what it passes with boxes, cylinders, spheres and capsules: past these the proof is sharper than along a hollow mesh",
-    "Y0903": "keep away by its margin: a via pose or a slower approach elsewhere; or make the margin smaller in the cell.toml",
+    "Y0901": (
+        "go round it: a via pose, another order, or NEAR for another configuration; or correct the "
+        "obstacle in the cell.toml"
+    ),
+    "Y0902": (
+        "choose another configuration (NEAR) or a via pose; where these links always touch, `yarc robot "
+        "check` says what to write into robot.toml"
+    ),
+    "Y0930": (
+        "keep a little farther away, or draw what it passes with boxes, cylinders, spheres and capsules: "
+        "past these the proof is sharper than along a hollow mesh"
+    ),
+    "Y0903": (
+        "keep away by its margin: a via pose or a slower approach elsewhere; or make the margin smaller in "
+        "the cell.toml"
+    ),
 }

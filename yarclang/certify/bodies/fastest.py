@@ -6,7 +6,7 @@ Pieces of segments are halved until each is proved to be outside of the zone, or
 speed, or is too short to decide. Three bounds settle a piece of duration d. A point moves by at most V d. In
 any direction, a point is lower than the lowest of its places at both ends and in the middle by at most A d^2
 / 32. Its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three
-derivatives of all points of the body (`_derivatives`).
+derivatives of all points of the body (`derivatives`).
 """
 
 from __future__ import annotations
@@ -100,7 +100,9 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Bound the speeds (P,) [m/s] of a body's points; the bound is exact for a body without round parts."""
+        """Bound the speeds (P,) [m/s] of a body's points; the bound is exact for a body without round
+        parts.
+        """
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
             x, y, z = self.point(own)
@@ -139,7 +141,9 @@ class Motions:
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return the bodies moved by the first `joint` joints, at the begins and at the ends of all segments."""
+        """Return the bodies moved by the first `joint` joints, at the begins and at the ends of all
+        segments.
+        """
         found, stops = self._ends
         arm = _of(found, joint)
         return arm.take(np.arange(len(stops))), arm.take(stops)
@@ -173,7 +177,7 @@ class _Search:
 
     def __init__(self, motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> None:
         self.all, self.region, self.margin, self.item = motions_, region, margin, item
-        self.first, self.second, self.third = _derivatives(motions_.chain, motions_.cubics, item)
+        self.first, self.second, self.third = derivatives(motions_.chain, motions_.cubics, item)
         count = len(motions_.spans)
         self.motion = np.repeat(np.arange(count), np.diff(motions_.spans, axis=1)[:, 0])
         self.best, self.time = np.zeros(count), np.zeros(count)
@@ -306,7 +310,7 @@ class _Search:
         self.best = most
 
 
-def _derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array, Array]:
+def derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array, Array]:
     """Bound |p'|, |p''| and |p'''| of all points p of a body on N segments, (N,) each [m/s, m/s^2, m/s^3].
 
     A point is the sum of steps from axis to axis, each of a fixed length and turned by the joints before it.

@@ -1,4 +1,6 @@
-"""Places of the cell's parts while a text runs, and checks that parts are picked up and put down correctly."""
+"""Places of the cell's parts while a text runs, and checks that parts are picked up and put down
+correctly.
+"""
 
 from __future__ import annotations
 
@@ -101,7 +103,10 @@ def _findings(
         if len(unsure) > MOST_UNSURE:
             command = handling.steps[step]
             assert isinstance(command, hir.Motion)
-            message = f"after the WHENs before it the robot may hold any of {len(unsure)} parts, more than {MOST_UNSURE}"
+            message = (
+                f"after the WHENs before it the robot may hold any of {len(unsure)} parts, more than "
+                f"{MOST_UNSURE}"
+            )
             found.append(_finding("Y0945", message, command.origin, _UNSURE))
             break
     return list(grouped(found))
@@ -118,7 +123,10 @@ def _computed(handling: Handling) -> list[Diagnostic]:
         if isinstance(step, hir.Assign) and not isinstance(step.target, str):
             for bit in step.target.bits:
                 if bit.variable in moving:
-                    message = f"{step.target.name} moves parts ({bit.variable}), and its value is known only when the program runs"
+                    message = (
+                        f"{step.target.name} moves parts ({bit.variable}), and its value is known only when "
+                        "the program runs"
+                    )
                     found.append(
                         _finding(
                             "Y0949", message, step.origin, "set it ON or OFF, in the ways of a WHEN or CASE"
@@ -136,7 +144,10 @@ def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagno
     for number, name in unlike.items():
         step = handling.steps[number]
         assert isinstance(step, hir.NextPass)  # only NextPass repeats a loop
-        message = f"{name} isn't where it was when the loop began: its next pass would be another one than what is proved"
+        message = (
+            f"{name} isn't where it was when the loop began: its next pass would be another one than what "
+            "is proved"
+        )
         found.append(_finding("Y0948", message, step.origin, _AS_BEFORE))
     return list(grouped(found))
 
@@ -234,12 +245,18 @@ def _left_over(handling: Handling, grasps: Mapping[int, Grasp], end: Parts) -> l
     return list(grouped(found))
 
 
-_AS_BEFORE = "a loop leaves parts as it finds them: a machine takes away what it puts down (an output with removes in cell.toml); or write the passes one by one, with REPEAT and a number"
+_AS_BEFORE = (
+    "a loop leaves parts as it finds them: a machine takes away what it puts down (an output with removes "
+    "in cell.toml); or write the passes one by one, with REPEAT and a number"
+)
 _REST = "remove BLEND from the motion before it: parts are taken and put down at rest"
 _NEARER = "lead the gripper's frame to the part, or correct where the part lies, or reach, in the cell.toml"
 _INTO = "put it down higher, or correct the shapes in the cell.toml"
 _AIR = "put it down lower, or add to the cell.toml what it stands on"
 _DOWN = "open the gripper before the program ends; if another program does, this is as it should be"
 _START = "correct frame or xyz of the part in the cell.toml, or add what it lies on"
-_DEEP = "the part's or the gripper's frame may be wrong by about {}; fingers on two sides of a part are best described as two bodies"
+_DEEP = (
+    "the part's or the gripper's frame may be wrong by about {}; fingers on two sides of a part are best "
+    "described as two bodies"
+)
 _UNSURE = "end the ways of a WHEN with the same parts in the grippers"

@@ -54,7 +54,10 @@ def incomplete(robot: Robot, cell: Cell | None, source: SourceFile) -> Iterator[
             yield Diagnostic("Y0961", message, source, help=_REPORT)
 
 
-_REPORT = "nothing is written: this is an error of yarclang; please report it with the mesh, and remove pieces until it is corrected"
+_REPORT = (
+    "nothing is written: this is an error of yarclang; please report it with the mesh, and remove pieces "
+    "until it is corrected"
+)
 
 
 @lru_cache(maxsize=64)

@@ -31,9 +31,15 @@ def remedy(
     if when[1] >= lasts - _EDGE:
         chooses = isinstance(motion, hir.JointMove) and isinstance(motion.goal, hir.PoseGoal)
         other = ", take another configuration (NEAR)" if chooses else ""
-        text = f"its target is there, so that no way round helps: move the target away{other}, or {_correction(otherwise)}"
+        text = (
+            f"its target is there, so that no way round helps: move the target away{other}, or "
+            f"{_correction(otherwise)}"
+        )
     elif when[0] <= _EDGE:
-        text = f"it begins there, so that no way round helps: end the motion before it elsewhere, or {_correction(otherwise)}"
+        text = (
+            "it begins there, so that no way round helps: end the motion before it elsewhere, or "
+            f"{_correction(otherwise)}"
+        )
     else:
         fix = round_it(motion)
         text = f"{fix.title}, which finds a way round by itself; or {otherwise}" if fix else otherwise
@@ -44,14 +50,20 @@ def remedy(
 
 
 def _correction(otherwise: str) -> str:
-    """Return the remedy that doesn't move the motion: the part after the last semicolon, or the whole text."""
+    """Return the remedy that doesn't move the motion: the part after the last semicolon, or the whole
+    text.
+    """
     return otherwise.rpartition("; ")[2].removeprefix("or ")
 
 
 def round_it(motion: hir.Motion) -> Fix | None:
-    """Return a fix that turns a straight motion in joint space into an AvoidMove; None for other motions."""
+    """Return a fix that adds _AVOID to a motion that is straight in joint space or on a line to a pose; None
+    for other motions.
+    """
     origin = motion.origin
-    if not isinstance(motion, hir.JointMove) or isinstance(motion.goal, hir.JointDelta):
+    if not isinstance(motion, hir.JointMove | hir.LineMove) or motion.search is not None:
+        return None
+    if isinstance(motion.goal, hir.JointDelta | hir.PoseDelta) or "AVOID" in origin.name.split("_"):
         return None
     if origin.name_span is None or origin.source.is_installed:
         return None

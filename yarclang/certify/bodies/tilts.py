@@ -7,7 +7,8 @@ The axis is a unit vector u that turns about the axes of the turning joints, whi
 derivatives with respect to the joints are nested cross products with these axes, so |u'| <= W and
 |u''| <= W^2 + A. W and A are the sums of the joints' largest velocities and accelerations on a segment.
 Two bounds follow for a piece of duration d. The angle to a fixed direction is at most half of the sum of
-W d and the angles at both ends. The cosine is never more than (W^2 + A) d^2 / 8 below that of the larger end angle. Pieces are halved until one of the bounds settles them.
+W d and the angles at both ends. The cosine is never more than (W^2 + A) d^2 / 8 below that of the larger
+end angle. Pieces are halved until one of the bounds settles them.
 """
 
 from __future__ import annotations

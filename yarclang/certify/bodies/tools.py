@@ -125,12 +125,17 @@ def dropped_at_stops(program: hir.Program) -> Iterator[Diagnostic]:
 def _contradicted(
     handling: Handling, before: Mapping[int, Parts], again: Mapping[int, str]
 ) -> Iterator[Diagnostic]:
-    """Yield a finding for the first motion at which the second computation finds another tool on the flange."""
+    """Yield a finding for the first motion at which the second computation finds another tool on the
+    flange.
+    """
     for number in sorted(before):
         step, on = handling.steps[number], before[number].tools
         if number in again and on != ((again[number],) if again[number] else ()):
             assert isinstance(step, hir.Motion)  # only motions have a state before them
-            message = f"{again[number] or NOBODY} is on the flange in this motion, and its bodies are those of {' and '.join(on) or NOBODY}"
+            message = (
+                f"{again[number] or NOBODY} is on the flange in this motion, and its bodies are those of "
+                f"{' and '.join(on) or NOBODY}"
+            )
             yield _finding("Y1194", message, step.origin, "")
             return
 
@@ -178,7 +183,10 @@ def _frames(handling: Handling, before: Mapping[int, Parts], robot: Robot) -> It
             if name in owners and not on & owners[name]:
                 of = " or ".join(sorted(owners[name]))
                 does = "moves" if origin.moving is not None else "has zones watch"
-                message = f"{origin.name} {does} {{{name}}}, a frame of {of}, and {' or '.join(on) or NOBODY} is on the flange"
+                message = (
+                    f"{origin.name} {does} {{{name}}}, a frame of {of}, and {' or '.join(on) or NOBODY} is "
+                    "on the flange"
+                )
                 help_ = f"name a frame that is there, such as {{FLANGE}}, or take {of} before"
                 yield _finding("Y0954", message, origin, help_)
                 break

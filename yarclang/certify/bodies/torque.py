@@ -182,16 +182,17 @@ def _finding(
     if held.max() > 1.0:
         at, joint = divmod(int(np.argmax(held)), robot.size)
         message = (
-            f"{_needs(robot, dynamics, joint, abs(float(holding[at, joint])))} only to hold the arm against gravity, "
-            f"{_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}"
+            f"{_needs(robot, dynamics, joint, abs(float(holding[at, joint])))} only to hold the arm against "
+            f"gravity, {_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}"
         )
         return Diagnostic("Y1802", message, origin.source, origin.span, _TOO_HEAVY, place=origin.place)
     at, joint = divmod(int(np.argmax(samples.share[chosen])), robot.size)
     most = float(samples.share[chosen][at, joint] * dynamics.effort[joint])
     still = abs(float(holding[at, joint]))
     message = (
-        f"{_needs(robot, dynamics, joint, most)}, {_when(time[at], place.size * h)}, {pose_text(robot, origin, q[at])}; "
-        f"{_number(still)} {_unit(robot, joint)} of it would hold the arm where it is"
+        f"{_needs(robot, dynamics, joint, most)}, {_when(time[at], place.size * h)}, "
+        f"{pose_text(robot, origin, q[at])}; {_number(still)} {_unit(robot, joint)} of it would hold the "
+        "arm where it is"
     )
     help_, fix = _slower(place, place.size * h, _stretched(torque, holding, bound, dynamics))
     return Diagnostic("Y1801", message, origin.source, origin.span, help_, fix, place=origin.place)
@@ -255,4 +256,7 @@ def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | No
     return f"a time that works is about {text} ({origin.time_unit}); or carry less", fix
 
 
-_TOO_HEAVY = "carry less, or stay nearer to the joint's axis; if the effort or a mass isn't right, correct it in the URDF, or effort in robot.toml"
+_TOO_HEAVY = (
+    "carry less, or stay nearer to the joint's axis; if the effort or a mass isn't right, correct it in "
+    "the URDF, or effort in robot.toml"
+)

@@ -64,7 +64,10 @@ def _of_itself(scene: Scene, sweep: Sweep, row: int, meeting: Meeting) -> Diagno
     return Diagnostic("Y0935", message, origin.source, origin.span, _ITSELF, place=origin.place)
 
 
-_ITSELF = "take the allowance away and go another way; if the shapes are only drawn too large, make them smaller, or write the pair under [collision] allowed in robot.toml"
+_ITSELF = (
+    "take the allowance away and go another way; if the shapes are only drawn too large, make them "
+    "smaller, or write the pair under [collision] allowed in robot.toml"
+)
 
 
 def may_touch(handled: Handled, step: int, touching: frozenset[tuple[str, str]]) -> Iterator[MayTouch]:

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
-from yarclang.cell.model import HalfSpace, JointWindow
+from yarclang.cell.model import HalfSpace, JointWindow, Unplaced
 from yarclang.certify.bodies.borders import Region
 from yarclang.certify.bodies.fastest import Joints, Motions
 from yarclang.collision.zones.watched import Item
@@ -87,7 +86,7 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
     """Return the distance (N,) [m] by which a body is certainly beyond a border; not positive otherwise."""
     zone, region = watch.zone, watch.zone.region
-    assert not isinstance(region, JointWindow | Tilt)
+    assert not isinstance(region, Unplaced)
     points = _points(item)
     count = len(q)
     found = np.full(count, -np.inf)

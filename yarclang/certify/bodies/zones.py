@@ -7,12 +7,13 @@ from collections.abc import Container, Iterator, Sequence
 import numpy as np
 
 from yarclang import hir
-from yarclang.cell.keeping import Keep, Tilt
+from yarclang.cell.keeping import Keep, Pointed, Sight, Tilt
 from yarclang.cell.model import JointWindow
 from yarclang.certify.bodies.ceilings import find_ceilings
 from yarclang.certify.bodies.fastest import Motions, fastest_in
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
+from yarclang.certify.bodies.sights import seen_at, sighted
 from yarclang.certify.bodies.sweep import Sweep, moving_chunks, sweep_of
 from yarclang.certify.bodies.tilts import tilted
 from yarclang.certify.bodies.witness import seen_beyond
@@ -150,13 +151,59 @@ class _Judge:
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
             rule = zone.keep
             assert rule is not None
-            found = tilted(self.motions, zone.region) if isinstance(zone.region, Tilt) else None
+            region = rule.region
+            if isinstance(region, Sight):
+                self._keep_in_sight(rule, region, told)
+                continue
+            found = tilted(self.motions, region) if isinstance(region, Tilt) else None
             for row in range(len(self.places)):
                 most_ = None if found is None else float(found.most[row])
                 told[row].append(KeptRule(rule.words, rule.limit, most_))
-                if isinstance(zone.region, Tilt) and found is not None and found.exceeds[row]:
-                    self._too_tilted(row, rule, zone.region, float(found.when[row]))
+                if isinstance(region, Tilt) and found is not None and found.exceeds[row]:
+                    self._too_tilted(row, rule, region, float(found.when[row]))
         return [tuple(one) for one in told]
+
+    def _keep_in_sight(self, rule: Keep, sight: Sight, told: list[list[KeptRule]]) -> None:
+        """Add the bounds of a rule about a cone to those of each command, and report the commands that
+        break it.
+        """
+        found = sighted(self.motions, sight)
+        for row in range(len(self.places)):
+            least, farthest = float(found.least[row]), float(found.farthest[row])
+            told[row].append(KeptRule(rule.words, rule.limit, float(found.most[row]), least, farthest))
+            if found.exceeds[row]:
+                self._out_of_sight(row, rule, sight, float(found.when[row]))
+
+    def _out_of_sight(self, row: int, rule: Keep, sight: Sight, when: float) -> None:
+        """Report a command on which a point leaves a cone, with the part of the way and the worst place."""
+        place, watch = self.places[row], next(one for one in self.watches if one.zone.keep is rule)
+        stay = beyond(self.scene, self.course, self.sweep.span(row), watch, when)
+        q = self._at(self.sweep.starts(row) + stay.worst)
+        angle, distance = seen_at(self.scene.chain, sight, q)
+        cone, point = (rule.frame, rule.of) if sight.is_carried else (rule.of, rule.frame)
+        if angle - sight.limit >= max(sight.near - distance, distance - sight.far):
+            code, told = "Y0957", f"{sight.limit / DEG:.10g} deg of KEEP"
+            over = up_to(max(angle - sight.limit, 1e-7) / DEG, 3)
+            how = (
+                f"{{{point}}} is {up_to(angle / DEG, 4)} deg off the z axis of {{{cone}}}, {over} deg more "
+                f"than the {told}"
+            )
+        else:
+            is_near = sight.near > distance
+            code, limit = "Y0958", sight.near if is_near else sight.far
+            by = _mm(max(abs(distance - limit), 1e-5))
+            how = (
+                f"{{{point}}} is {distance / MM:,.6g} mm from {{{cone}}}, {by} "
+                f"{'less' if is_near else 'more'} than the {limit / MM:.6g} mm of KEEP"
+            )
+        message = (
+            f"{how}, {span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, "
+            f"{pose_text(self.robot, place.motion.origin, q)}"
+        )
+        interval = (stay.begin, stay.end)
+        self._find(
+            code, message, place, *remedy(place.motion, _remedy(code, rule), interval, self.sweep.lasts(row))
+        )
 
     def _too_tilted(self, row: int, rule: Keep, tilt: Tilt, when: float) -> None:
         """Report a command on which an axis exceeds its angle: for how long, and where most."""
@@ -165,19 +212,25 @@ class _Judge:
         q = self._at(self.sweep.starts(row) + stay.worst)
         angle = tilt.limit - stay.slack
         message = (
-            f"{{{rule.frame}}} tilts {up_to(angle / DEG, 4)} deg from the z axis of {{{rule.of}}}, {up_to(-stay.slack / DEG, 3)} deg more than the {rule.amount.replace('(', '').replace(')', '')} of KEEP, "
-            f"{span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, {pose_text(self.robot, place.motion.origin, q)}"
+            f"{{{rule.frame}}} tilts {up_to(angle / DEG, 4)} deg from the z axis of {{{rule.of}}}, "
+            f"{up_to(-stay.slack / DEG, 3)} deg more than the "
+            f"{rule.amount.replace('(', '').replace(')', '')} of KEEP, "
+            f"{span_text(stay.begin, stay.end, self.sweep.lasts(row))}; worst at {stay.worst:.3f} s, "
+            f"{pose_text(self.robot, place.motion.origin, q)}"
         )
         when_ = (stay.begin, stay.end)
         self._find(
-            "Y0955", message, place, *remedy(place.motion, _REMEDIES["Y0955"], when_, self.sweep.lasts(row))
+            "Y0955",
+            message,
+            place,
+            *remedy(place.motion, _remedy("Y0955", rule), when_, self.sweep.lasts(row)),
         )
 
     def _borders(self) -> list[Clearance | None]:
         if not any(one.zone.rule != "slow" for one in self.watches):
             return [None] * len(self.places)
-        # Tilts have a proof of the judge's own.
-        watches = [one for one in self.watches if not isinstance(one.zone.region, Tilt)]
+        # Directions have a proof of the judge's own.
+        watches = [one for one in self.watches if not isinstance(one.zone.region, Pointed)]
         found = kept(self.scene, self.course, self.spans, watches)
         broken: dict[tuple[int, str], list[tuple[Watch, Beyond]]] = {}
         for one in found.breaches:
@@ -214,8 +267,10 @@ class _Judge:
                 if seen.at_end:
                     time += float(self.sweep.cubics.h[seen.segment])
                 message = (
-                    f"{_called(watch)} is beyond a border of the zone {watch.zone.name}, {time - self.sweep.starts(row):.3f} s after its start, "
-                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, and the proof doesn't say so"
+                    f"{_called(watch)} is beyond a border of the zone {watch.zone.name}, "
+                    f"{time - self.sweep.starts(row):.3f} s after its start, "
+                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, and the "
+                    "proof doesn't say so"
                 )
                 self._find(
                     "Y1181",
@@ -231,7 +286,7 @@ class _Judge:
             if watch.zone.rule != "slow" or limit is None:
                 continue
             assert watch.item is not None  # only joint windows have no body, and they are never slow zones
-            assert not isinstance(watch.zone.region, Tilt)
+            assert not isinstance(watch.zone.region, Pointed)
             found = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
@@ -246,8 +301,9 @@ class _Judge:
         place = self.places[row]
         after = time - self.sweep.starts(row)
         message = (
-            f"{speed.part} goes at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, where {speed.limit / MM:.4g} mm/s are allowed, "
-            f"{after:.3f} s after its start, {pose_text(self.robot, place.motion.origin, self._at(time))}"
+            f"{speed.part} goes at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, where "
+            f"{speed.limit / MM:.4g} mm/s are allowed, {after:.3f} s after its start, "
+            f"{pose_text(self.robot, place.motion.origin, self._at(time))}"
         )
         self._find(
             "Y0911",
@@ -265,11 +321,16 @@ class _Judge:
         others = dict.fromkeys(_called(one) for one, _ in stays if _called(one) != _called(watch))
         more = f"; as well: {', '.join(others)}" if others else ""
         message = (
-            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} s, "
-            f"{pose_text(self.robot, place.motion.origin, q)}{more}"
+            f"{how}, {span_text(found.begin, found.end, self.sweep.lasts(row))}; worst at {found.worst:.3f} "
+            f"s, {pose_text(self.robot, place.motion.origin, q)}{more}"
         )
         when = (min(one.begin for _, one in stays), max(one.end for _, one in stays))
-        self._find(code, message, place, *remedy(place.motion, _REMEDIES[code], when, self.sweep.lasts(row)))
+        self._find(
+            code,
+            message,
+            place,
+            *remedy(place.motion, _remedy(code, watch.zone.keep), when, self.sweep.lasts(row)),
+        )
 
     def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
         """Return the code of a violation, and a description of its worst place."""
@@ -281,7 +342,10 @@ class _Judge:
             names = " and ".join(self.robot.joint_names[joint] for joint in joints)
             return (
                 "Y0909",
-                f"{names} {'is' if len(joints) == 1 else 'are'} in the forbidden window of the zone {zone.name}",
+                (
+                    f"{names} {'is' if len(joints) == 1 else 'are'} in the forbidden window of the zone "
+                    f"{zone.name}"
+                ),
             )
         part = _called(watch)
         if zone.posture is not None:
@@ -305,7 +369,10 @@ class _Judge:
         out = -room(window, q[None])[0] / self.robot.axis_units
         joint = int(np.argmax(out))
         unit, scale = self.robot.axis_unit_names[joint], self.robot.axis_units[joint]
-        return f"{self.robot.joint_names[joint]} is at {q[joint] / scale:.4g} {unit}, {max(out[joint], 1e-4):.3g} {unit} outside of the window"
+        return (
+            f"{self.robot.joint_names[joint]} is at {q[joint] / scale:.4g} {unit}, "
+            f"{max(out[joint], 1e-4):.3g} {unit} outside of the window"
+        )
 
     def _at(self, time: float) -> Array:
         q: Array = self.course.at(np.array([time]))[0]
@@ -327,11 +394,39 @@ def _called(watch: Watch) -> str:
     return watch.item.name if watch.item is not None else "the arm"
 
 
+def _remedy(code: str, rule: Keep | None) -> str:
+    """Return the remedy of a finding; that of a rule names the place where it stands."""
+    told = _REMEDIES[code]
+    return told.replace("in the KEEP", "in [[keep]] of the cell.toml") if rule and rule.of_cell else told
+
+
 _REMEDIES = {
-    "Y0955": "keep the tool upright: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP",
-    "Y0956": "stay above: a pose in between, another order, or MOVEJ_AVOID; or allow a smaller distance in the KEEP",
-    "Y0907": "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
-    "Y0908": "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in the cell.toml",
+    "Y0955": (
+        "keep the tool upright: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in the KEEP"
+    ),
+    "Y0957": (
+        "turn the tool along the way: a pose in between, MOVEL, or MOVEJ_AVOID; or allow a larger angle in "
+        "the KEEP"
+    ),
+    "Y0958": (
+        "keep the distance: a pose in between, another order, or MOVEJ_AVOID; or allow another range in "
+        "the KEEP"
+    ),
+    "Y0956": (
+        "stay above: a pose in between, another order, or MOVEJ_AVOID; or allow a smaller distance in the "
+        "KEEP"
+    ),
+    "Y0907": (
+        "stay inside: a via pose, another order, or NEAR for another configuration; or correct the zone in "
+        "the cell.toml"
+    ),
+    "Y0908": (
+        "go round it: a via pose, another order, or NEAR for another configuration; or correct the zone in "
+        "the cell.toml"
+    ),
     "Y0909": "choose another configuration (NEAR) or a via pose; or correct the window in the cell.toml",
-    "Y0910": "take the posture before going in, with NEAR or a MOVEJ in front; or correct the zone in the cell.toml",
+    "Y0910": (
+        "take the posture before going in, with NEAR or a MOVEJ in front; or correct the zone in the "
+        "cell.toml"
+    ),
 }

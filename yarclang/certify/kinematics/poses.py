@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang import hir
+from yarclang.cell.keeping import Height, Keep, Sight, Tilt
 from yarclang.cell.model import Cell, HalfSpace, Mount, ShapeRegion
 from yarclang.certify.kinematics.rotations import of_numbers
 from yarclang.robot.model import Array, Robot
@@ -35,6 +36,7 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
             if isinstance(goal, hir.PoseGoal | hir.PoseDelta) and goal.told is not None:
                 given.setdefault(len(goal.told.numbers), []).append((step, goal, goal.told))
         yield from ((step, reason) for reason in frames.wrong(motion.origin.tool))
+        yield from ((step, reason) for reason in frames.wrong_rules(motion.keeps))
     for group in given.values():
         written = of_numbers(np.array([told.numbers for *_, told in group]))
         bases = np.array([frames.placed(told.base) for *_, told in group])
@@ -55,7 +57,10 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
         for place in np.flatnonzero(~same).tolist():
             yield (
                 group[place][0],
-                "its pose isn't the one that was written: frame, position or rotation were converted otherwise",
+                (
+                    "its pose isn't the one that was written: frame, position or rotation were converted "
+                    "otherwise"
+                ),
             )
     if program.cell is not None:
         yield from ((None, reason) for reason in _wrong_places(program.cell, robot))
@@ -68,6 +73,7 @@ class _Frames:
         self._robot = robot
         self._placed: dict[int, tuple[hir.FrameLink, Array]] = {}
         self._seen: set[int] = set()
+        self._checked: dict[int, Keep] = {}
 
     def placed(self, link: hir.FrameLink) -> Array:
         """Return base_from_frame or flange_from_frame (4, 4)."""
@@ -98,6 +104,67 @@ class _Frames:
                     yield f"the frame {{{link.name}}} isn't where its numbers put it"
             link = link.parent
 
+    def wrong_rules(self, keeps: tuple[Keep, ...]) -> Iterator[str]:
+        """Yield what is wrong with rules (KEEP), skipping those that were checked before."""
+        for keep in keeps:
+            carried, standing = keep.carried, keep.standing
+            if id(keep) in self._checked:
+                continue
+            self._checked[id(keep)] = keep
+            if not isinstance(carried, hir.FrameLink) or not isinstance(standing, hir.FrameLink):
+                yield f"the frames of KEEP {keep.words} aren't known"
+                continue
+            names = carried.name, standing.name
+            if names != (keep.frame, keep.of) or not _is_region(
+                keep, self.placed(carried), self.placed(standing)
+            ):
+                yield f"the frames of KEEP {keep.words} aren't where their numbers put them"
+
+
+def _is_region(keep: Keep, carried: Array, standing: Array) -> bool:
+    """Return True if a rule has the points and axes that its frames have.
+
+    Args:
+        keep: the rule.
+        carried: flange_from_frame (4, 4) [m].
+        standing: base_from_frame (4, 4) [m].
+    """
+    pairs: list[tuple[tuple[float, ...], Array]]
+    match keep.kind, keep.region:
+        case "UPRIGHT", Tilt() as tilt:
+            pairs = [(tilt.own, carried[:3, 2]), (tilt.up, standing[:3, 2])]
+        case "ABOVE", Height() as height:
+            level = standing[:3, 2] @ standing[:3, 3]
+            pairs = [(height.own, carried[:3, 3]), (height.up, standing[:3, 2]), ((height.level,), level)]
+        case (("FACING" | "SEEN"), Sight() as sight):
+            if sight.is_carried != (keep.kind == "FACING") or not sight.near > 0.0:
+                return False
+            axis = carried[:3, 2] if sight.is_carried else standing[:3, 2]
+            pairs = [(sight.own, carried[:3, 3]), (sight.spot, standing[:3, 3]), (sight.axis, axis)]
+        case _:
+            return False
+    far = SAME * max(1.0, float(np.abs(standing[:3, 3]).max()), float(np.abs(carried[:3, 3]).max()))
+    return all(bool((np.abs(np.array(one) - other) <= far).all()) for one, other in pairs)
+
+
+def _wrong_cell_rules(cell: Cell, robot: Robot) -> Iterator[str]:
+    """Yield the rules of a cell whose frames aren't where they are in cell and robot."""
+    for keep in cell.rules:
+        placed = []
+        for name, is_carried in ((keep.frame, True), (keep.of, False)):
+            frame = cell.frames.get(name)
+            if frame is not None:
+                known = frame.mount.on_flange == is_carried
+                own = frame.mount.transform if frame.mount.told is None else _followed(frame.mount.told)
+                placed.append(own if known else None)
+            elif not is_carried:
+                placed.append(np.eye(4) if name == "B" else None)
+            else:
+                placed.append(np.eye(4) if name == "FLANGE" else robot.flange_from_frame.get(name))
+        carried, standing = placed
+        if carried is None or standing is None or not _is_region(keep, carried, standing):
+            yield f"the frames of the rule {keep.words} of the cell aren't where their numbers put them"
+
 
 def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
     """Yield the bodies, frames and zones of a cell that are not where their numbers put them."""
@@ -125,6 +192,7 @@ def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
             off = np.append(normal - border.normal, normal @ own[:3, 3] - border.offset)
             if np.abs(off).max() > SAME * max(1.0, float(np.abs(own[:3, 3]).max())):
                 yield f"the border of the zone {zone.name} isn't where its numbers put it"
+    yield from _wrong_cell_rules(cell, robot)
     yield from _wrong_tools(cell, robot)
     for grip in cell.grips.values():
         frame = cell.frames.get(grip.frame)

@@ -209,6 +209,13 @@ BEYOND_SHORT = 1e-4
 without bound.
 """
 
+BEYOND_LEAST, BEYOND_SPAN = 1e-5, 0.01
+"""Least margin [m] of a short curve, unless this share of its end span is less.
+
+A frame that speeds up from rest begins some micrometres before the path, however short the path is. A cubic
+hardly grows in a hundredth of its span.
+"""
+
 
 @frozen(eq=False)
 class _Weighed:
@@ -349,7 +356,11 @@ def _margins(spline: NaturalSpline) -> tuple[float, float]:
     """Return the margins in u beyond the start and the end of a curve, within which its bounds hold."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
-    return min(most, max(first, BEYOND_SHORT)), min(most, max(last, BEYOND_SHORT))
+    before, behind = (
+        max(min(most, max(span, BEYOND_SHORT)), min(BEYOND_LEAST, BEYOND_SPAN * span))
+        for span in (first, last)
+    )
+    return before, behind
 
 
 def _derivative(power: Array, times: int) -> Array:

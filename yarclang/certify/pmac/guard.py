@@ -49,7 +49,10 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     marks = own_of(text).marks
     if marks is None:
         if own_of(text).arms:
-            yield f"line {own_of(text).arms[0].line} arms or disarms the guard of the rotary, in a text for a program buffer"
+            yield (
+                f"line {own_of(text).arms[0].line} arms or disarms the guard of the rotary, in a text for a "
+                "program buffer"
+            )
         return
     moving = [run.segment_ms * MS for run in text.runs]
     if moving:
@@ -65,15 +68,18 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
     needed = controller.hold_time / 2.0 + LATE
     if marks.low * segment < needed * (1.0 - _ROUNDING):
         yield (
-            f"I16={marks.low}: {marks.low} lines of {segment / MS:.6g} ms are {marks.low * segment:.3g} s of motion, "
-            f"and a hold that comes late needs {needed:.3g} s"
+            f"I16={marks.low}: {marks.low} lines of {segment / MS:.6g} ms are {marks.low * segment:.3g} s "
+            f"of motion, and a hold that comes late needs {needed:.3g} s"
         )
     if marks.full <= marks.low:
         yield f"I17={marks.full}: the buffer would count as full and as low at once, since I16={marks.low}"
     # Each value of a move line takes one word; two more are reserved for each line.
     capacity = marks.words // (len(controller.axes) + 2)
     if marks.full + AHEAD > capacity:
-        yield f"I17={marks.full}: the buffer of {marks.words} words holds {capacity} lines, so that it would never count as full"
+        yield (
+            f"I17={marks.full}: the buffer of {marks.words} words holds {capacity} lines, so that it would "
+            "never count as full"
+        )
     if marks.words < controller.rotary_words:
         yield f"DEFINE ROT {marks.words}: the robot's controller is to have {controller.rotary_words} words"
 
@@ -88,16 +94,21 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
     if count <= marks.full + AHEAD:
         if arms:
             yield (
-                f"line {arms[0].line} arms or disarms the guard over {count} move lines, which are in the buffer as a whole before they start "
-                f"(I17={marks.full})"
+                f"line {arms[0].line} arms or disarms the guard over {count} move lines, which are in the "
+                f"buffer as a whole before they start (I17={marks.full})"
             )
         return
     first = int(moves[0])
     if not arms or not arms[0].on or arms[0].line > first:
-        yield f"the guard isn't armed (P8100=1) before the move in line {first}, which {count - 1} more follow"
+        yield (
+            f"the guard isn't armed (P8100=1) before the move in line {first}, which {count - 1} more follow"
+        )
         return
     if len(arms) < 2:
-        yield f"the guard is armed in line {arms[0].line} and never disarmed: it would hold the motion at its end"
+        yield (
+            f"the guard is armed in line {arms[0].line} and never disarmed: it would hold the motion at its "
+            "end"
+        )
         return
     if len(arms) > 2 or arms[1].on:
         extra = arms[1] if arms[1].on else arms[2]
@@ -106,8 +117,8 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
     ahead = count - int(np.searchsorted(moves, arms[1].line))
     if not marks.low <= ahead <= marks.low + AHEAD:
         yield (
-            f"line {arms[1].line} disarms the guard with {ahead} moves to come: it is to be between {marks.low} (I16) "
-            f"and {marks.low + AHEAD}"
+            f"line {arms[1].line} disarms the guard with {ahead} moves to come: it is to be between "
+            f"{marks.low} (I16) and {marks.low + AHEAD}"
         )
 
 

@@ -41,8 +41,9 @@ _START = re.compile(r"; start ([-A-Z0-9.]+) \((.*)\)")
 _TIME = r"[0-9]{1,4}(?:\.[0-9]{1,12})?"
 _SECONDS = r"[0-9]{1,9}\.[0-9]{3}"
 _DURATION = re.compile(
-    rf"; duration (?:({_SECONDS}) to )?({_SECONDS}) s(?: and (?:([0-9]{{1,9}}) to )?([0-9]{{1,9}}) waits?)?(, {ONCE})?"
-    rf"(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
+    rf"; duration (?:({_SECONDS}) to )?({_SECONDS}) s(?: and "
+    rf"(?:([0-9]{{1,9}}) to )?([0-9]{{1,9}}) waits?)?(, {ONCE})?(?:, segments of ({_TIME})"
+    rf"(?: to ({_TIME}))? ms)?"
 )
 _LONGEST = re.compile(rf"; longest segment asked for ({_TIME}) ms")
 _SEARCHES = re.compile(r"; ways round: the quickest of ([1-9][0-9]?) searches")
@@ -55,8 +56,8 @@ _ENTRY = re.compile(
     r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
 )
 _BARRIER = re.compile(
-    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) ([0-9]{1,9}) "
-    r"(\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
+    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set|stop|abort|say|loop|next|exit"
+    r"|endloop) ([0-9]{1,9}) (\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
 )
 _NAMELESS = ("else", "end", "stop", "loop", "next", "exit", "endloop")
 _WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")
@@ -66,8 +67,8 @@ _REGISTER = re.compile(
 )
 
 _WATCH = re.compile(
-    r"; watch ([MPQ][0-9]{1,4})=(0|-?(?!0 )(?:0|[1-9][0-9]{0,9})(?:\.[0-9]{0,8}[1-9])?) ([A-Z_][A-Z0-9_.]{0,79})"
-    r"(?: then ([A-Z_][A-Z0-9_.]{0,79}) ([0-9a-f]{16}))?"
+    r"; watch ([MPQ][0-9]{1,4})=(0|-?(?!0 )(?:0|[1-9][0-9]{0,9})"
+    r"(?:\.[0-9]{0,8}[1-9])?) ([A-Z_][A-Z0-9_.]{0,79})(?: then ([A-Z_][A-Z0-9_.]{0,79}) ([0-9a-f]{16}))?"
 )
 
 _SEARCH = re.compile(
@@ -435,7 +436,8 @@ def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
         in_order = last is None or (last.step, last.first, last.second) < (one.step, one.first, one.second)
         if one.step not in moves or one.first > one.second or not in_order:
             lines.refuse(
-                f"lets bodies touch on a command that doesn't move, or stands out of order: {shown(lines.peek())}"
+                "lets bodies touch on a command that doesn't move, or stands out of order: "
+                f"{shown(lines.peek())}"
             )
         allows.append(one)
         lines.skip()
@@ -453,7 +455,8 @@ def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
         one = KeptTo(int(found[1]), rule)
         if one.step not in moves or (keeps and keeps[-1].step > one.step) or one in keeps[-_MOST_KEEPS:]:
             lines.refuse(
-                f"is a rule for a command that doesn't move, stands twice, or out of order: {shown(lines.peek())}"
+                "is a rule for a command that doesn't move, stands twice, or out of order: "
+                f"{shown(lines.peek())}"
             )
         keeps.append(one)
         lines.skip()

@@ -292,7 +292,8 @@ def _blends(
             return entry.step, f"the blend has {blend} segments, which have no middle (line {entry.at})"
         if (before + blend) // 2 > size:
             return entry.step, (
-                f"the command has {size} segments, and {before // 2} and {blend // 2} of them would lie in blends (line {entry.at})"
+                f"the command has {size} segments, and {before // 2} and {blend // 2} of them would lie in "
+                f"blends (line {entry.at})"
             )
         before = blend
         if entry.blend is None:

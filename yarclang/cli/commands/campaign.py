@@ -48,14 +48,20 @@ _LARGEST_SEED = 10**15
     multiple=True,
     metavar="NAME|PATH",
     shell_complete=complete_robots,
-    help="A robot to draw programs for; may be given several times (default: all robots of the standard library).",
+    help=(
+        "A robot to draw programs for; may be given several times (default: all robots of the standard "
+        "library)."
+    ),
 )
 @cell_option
 @click.option(
     "--state",
     type=click.Path(dir_okay=False),
     metavar="FILE",
-    help="File that keeps what is done, so that the same command goes on after it was stopped (default: nothing is kept).",
+    help=(
+        "File that keeps what is done, so that the same command goes on after it was stopped (default: "
+        "nothing is kept)."
+    ),
 )
 @click.option(
     "--again",
@@ -79,8 +85,9 @@ def command(
 ) -> None:
     """Compile random programs, and judge what comes out by an independent reading of the texts.
 
-    The reading shares no code with the compiler and its certificate. It samples densely: it proves nothing, and finds what a proof may have missed. Programs that the
-    compiler refuses are counted. Exit status 1 means that something wrong was found; --again SEED shows it.
+    The reading shares no code with the compiler and its certificate. It samples densely: it proves nothing,
+    and finds what a proof may have missed. Programs that the compiler refuses are counted. Exit status 1
+    means that something wrong was found; --again SEED shows it.
     """
     one_for_products()
     seldom_look_for_garbage()

@@ -179,7 +179,8 @@ def _checked(
             verb = "would be applied" if diff else "applied"
             click.echo(f"{_counted(fixes, 'fix', 'fixes')} {verb} in {_counted(changed, 'file')}", err=True)
         click.echo(
-            f"{_counted(len(files), 'file')} checked: {count_text(found, notes=True) or 'nothing to complain of'}",
+            f"{_counted(len(files), 'file')} checked: "
+            f"{count_text(found, notes=True) or 'nothing to complain of'}",
             err=True,
         )
         if fleet.remark:

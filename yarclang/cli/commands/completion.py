@@ -10,7 +10,8 @@ import click
 def command(shell: str) -> None:
     """Print the completion script of a shell, for yarc and yarcc.
 
-    For bash: yarc completion bash > ~/.local/share/bash-completion/completions/yarc, or eval "$(yarc completion bash)" in ~/.bashrc.
+    For bash: yarc completion bash > ~/.local/share/bash-completion/completions/yarc, or eval "$(yarc
+    completion bash)" in ~/.bashrc.
     """
     from click.shell_completion import get_completion_class
 

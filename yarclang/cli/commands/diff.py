@@ -45,11 +45,11 @@ def command(
     cell: str | None,
     format_: str,
 ) -> None:
-    """Compare two programs by what the robot does: paths, times, configurations, outputs, waits. Comments, layout and renumbering
-    are no difference.
+    """Compare two programs by what the robot does: paths, times, configurations, outputs, waits. Comments,
+    layout and renumbering are no difference.
 
-    The exit status is 0 if they are equal within the tolerance, and 1 if they differ, as for diff, or if a program
-    can't be read or compiled.
+    The exit status is 0 if they are equal within the tolerance, and 1 if they differ, as for diff, or if a
+    program can't be read or compiled.
     """
     if first == second == "-":
         raise click.UsageError("only one of them can be standard input")

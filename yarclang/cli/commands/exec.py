@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:
     """Run a program without a terminal and without questions; standard output has one JSON event per line.
 
-    The last event is "ended"; its "status" is the exit status: 0 if the program came to its end, else 1. SIGTERM and SIGINT stop the robot on its path
-    and end the process; closing the terminal changes nothing. `yarc status`, hold, resume, override and stop work from other terminals.
+    The last event is "ended"; its "status" is the exit status: 0 if the program came to its end, else 1.
+    SIGTERM and SIGINT stop the robot on its path and end the process; closing the terminal changes nothing.
+    `yarc status`, hold, resume, override and stop work from other terminals.
     """
     check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, not_repeated, refused_line

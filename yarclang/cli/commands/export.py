@@ -38,12 +38,17 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
     "-o",
     "--output",
     metavar="OUT",
-    help="The folder of --moveit or --driver, or a file .yaml, .json or .bag (- for YAML on standard output).",
+    help=(
+        "The folder of --moveit or --driver, or a file .yaml, .json or .bag (- for YAML on standard output)."
+    ),
 )
 @click.option(
     "--tolerance",
     type=PositiveNumber("T", least=1e-6, most=0.1),
-    help="With --ros: allowed deviation of a driver from the certified path, in rad, or m for prismatic joints (default: 0.0001).",
+    help=(
+        "With --ros: allowed deviation of a driver from the certified path, in rad, or m for prismatic "
+        "joints (default: 0.0001)."
+    ),
 )
 @click.option(
     "--linear",
@@ -78,10 +83,12 @@ def command(
     robot: str | None,
     **wanted: Any,
 ) -> None:
-    """Export to ROS: MoveIt's configuration of a robot (--moveit), the nodes that move a served robot (--driver), or the certified motion of a program (--ros).
+    """Export to ROS: MoveIt's configuration of a robot (--moveit), the nodes that move a served robot
+    (--driver), or the certified motion of a program (--ros).
 
-    A trajectory has as few way-points as possible with which every driver that interpolates by cubics or quintics stays within the tolerance of the certified path.
-    Actions between motions (SET, WAIT, HOLD, WHEN) are written beside the trajectories.
+    A trajectory has as few way-points as possible with which every driver that interpolates by cubics or
+    quintics stays within the tolerance of the certified path. Actions between motions (SET, WAIT, HOLD, WHEN)
+    are written beside the trajectories.
     """
     if moveit + driver + (ros is not None) != 1:
         raise click.UsageError("give one of --moveit, --driver and --ros PROGRAM.yarc")
@@ -131,8 +138,8 @@ def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict
     unit = "rad" if not made.robot.chain.is_prismatic.any() else "rad or m"
     several = "y" if made.size == 1 else "ies"
     click.echo(
-        f"{made.size} trajector{several}, {len(made.points.time):,} way-points, within {made.worst:.3g} {unit} "
-        f"of the certified path by {', '.join(made.proved)} interpolation; written to "
+        f"{made.size} trajector{several}, {len(made.points.time):,} way-points, within {made.worst:.3g} "
+        f"{unit} of the certified path by {', '.join(made.proved)} interpolation; written to "
         f"{'standard output' if destination == STANDARD else destination}",
         err=destination == STANDARD,
     )

@@ -56,11 +56,12 @@ def command(
 ) -> None:
     """Write programs in their usual form: names in upper case, blocks indented, comments below each other.
 
-    The meaning of a program and its comments stay the same. This is proved before a file is written; otherwise the file stays
-    unchanged. A folder means all .yarc files in it; - reads standard input and writes to standard output.
+    The meaning of a program and its comments stay the same. This is proved before a file is written;
+    otherwise the file stays unchanged. A folder means all .yarc files in it; - reads standard input and
+    writes to standard output.
 
-    The exit status is 0, with --check or --diff 1 if a file would be changed, 1 if a result can't be proved, and 2 if a file can't be read or written, or
-    has syntax errors.
+    The exit status is 0, with --check or --diff 1 if a file would be changed, 1 if a result can't be proved,
+    and 2 if a file can't be read or written, or has syntax errors.
     """
     seldom_look_for_garbage()
     from yarclang.cli.differences import difference

@@ -25,18 +25,26 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
     "--unix",
     type=click.Path(),
     metavar="PATH",
-    help="The Unix socket to listen on, for processes of this user (default: one in the user's runtime folder).",
+    help=(
+        "The Unix socket to listen on, for processes of this user (default: one in the user's runtime "
+        "folder)."
+    ),
 )
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    help="Listen on this TCP port of this computer instead (0: any that is free). Masters must send the token.",
+    help=(
+        "Listen on this TCP port of this computer instead (0: any that is free). Masters must send the token."
+    ),
 )
 @click.option(
     "--token-file",
     type=click.Path(path_type=Path),
     metavar="PATH",
-    help="With --port: write the token to this file, which only this user can read, and not to standard output.",
+    help=(
+        "With --port: write the token to this file, which only this user can read, and not to standard "
+        "output."
+    ),
 )
 @click.option("--moving", default="TCP", help="The frame whose poses and twists are meant (default: TCP).")
 @click.option(
@@ -57,8 +65,9 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
 def command(to: Address | None, robot: str | None, **options: Any) -> None:
     """Let another process steer the robot: joints, poses or velocities, one JSON object per line.
 
-    docs/coordinator.md describes the lines. Each motion is proved before it is streamed. After 200 ms without a line the robot comes to rest. Standard output has one event per line; the first is
-    "listening", with the socket, or with port and token. SIGTERM and SIGINT bring the robot to rest, and end.
+    docs/coordinator.md describes the lines. Each motion is proved before it is streamed. After 200 ms without
+    a line the robot comes to rest. Standard output has one event per line; the first is "listening", with the
+    socket, or with port and token. SIGTERM and SIGINT bring the robot to rest, and end.
     """
     if options["log"] and options["no_log"]:
         raise click.UsageError("--log and --no-log exclude each other")

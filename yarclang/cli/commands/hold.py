@@ -24,7 +24,8 @@ def command(run: str | None) -> None:
             click.echo(f"{chosen.name}: has ended meanwhile")
         elif status["state"] == "hold":
             click.echo(
-                f"{chosen.name}: holding on the path, {status['done']:.1f} s done, {status['left']:.1f} s left"
+                f"{chosen.name}: holding on the path, {status['done']:.1f} s done, {status['left']:.1f} s "
+                "left"
             )
         else:
             click.echo(f"{chosen.name}: nothing moves ({status['state']})")

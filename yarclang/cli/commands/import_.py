@@ -74,7 +74,10 @@ class _Time(ParamType[str]):
     "--as",
     "form",
     type=click.Choice(["moves", "spline", "timed"]),
-    help="Stop at each target, pass all in one go, or pass each at its time (default: at its time if the file has joint values with times).",
+    help=(
+        "Stop at each target, pass all in one go, or pass each at its time (default: at its time if the "
+        "file has joint values with times)."
+    ),
 )
 @click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
 @click.option(
@@ -120,9 +123,9 @@ def command(
 ) -> None:
     """Make a YARC program from FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
 
-    FILE.csv becomes FILE.yarc; - reads standard input. Way-points keep their times; long lists go into a CSV file beside the program. The program isn't
-    planned: use yarc check. A point cloud, FILE.pcd or FILE.ply, becomes FILE.stl, a mesh for a cell.toml; so does a height field, FILE.npy, or
-    FILE.csv with --spacing.
+    FILE.csv becomes FILE.yarc; - reads standard input. Way-points keep their times; long lists go into a CSV
+    file beside the program. The program isn't planned: use yarc check. A point cloud, FILE.pcd or FILE.ply,
+    becomes FILE.stl, a mesh for a cell.toml; so does a height field, FILE.npy, or FILE.csv with --spacing.
     """
     suffix = Path(file).suffix.lower()
     others = {

@@ -49,11 +49,12 @@ def command(
     format_: str,
     **planning: Any,
 ) -> None:
-    """Show everything about one command: frames, target, joints, every inverse-kinematics solution and why it was or wasn't
-    chosen, the limits of its time, its proof, and the lines for the controller.
+    """Show everything about one command: frames, target, joints, every inverse-kinematics solution and why it
+    was or wasn't chosen, the limits of its time, its proof, and the lines for the controller.
 
-    Name the command by its index, by its place in loops and calls ("P0020(I=2)>P0010"), or by --line. A line of a .pmc leads
-    back to its command. With --ways show the whole program: its branches, and their durations.
+    Name the command by its index, by its place in loops and calls ("P0020(I=2)>P0010"), or by --line. A line
+    of a .pmc leads back to its command. With --ways show the whole program: its branches, and their
+    durations.
     """
     from yarclang.pipeline.controller_text import is_compiled
 

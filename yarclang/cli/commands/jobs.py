@@ -17,7 +17,8 @@ from yarclang.cli.options import planning_options, tm_option
 def command(folder: str, **options: Any) -> None:
     """Prove the jobs of a project: the programs that its yarc.toml numbers in [jobs].
 
-    Each is compiled and certified, and must begin and end where the first one begins, so that any job may follow any other. `yarc run FOLDER --job N` runs one.
+    Each is compiled and certified, and must begin and end where the first one begins, so that any job may
+    follow any other. `yarc run FOLDER --job N` runs one.
     """
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import options_from

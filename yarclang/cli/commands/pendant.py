@@ -58,13 +58,15 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
 def command(to: Address | None, folder: Path, **options: Any) -> None:
     """Serve the pendant: pages for a browser or a tablet, to watch, run and jog a robot. Ctrl-C ends.
 
-    The first start prints a link that makes the first user. Where `yarc serve` owns the robot, the pendant attaches to it. docs/pendant.md is a tour.
+    The first start prints a link that makes the first user. Where `yarc serve` owns the robot, the pendant
+    attaches to it. docs/pendant.md is a tour.
     """
     from importlib.util import find_spec
 
     if missing := [one for one in _LIBRARIES if find_spec(one) is None]:
         raise click.ClickException(
-            f"yarc pendant needs {', '.join(missing)}: in the project's folder, pip install '.[pendant]' brings them"
+            f"yarc pendant needs {', '.join(missing)}: in the project's folder, pip install '.[pendant]' "
+            "brings them"
         )
     from yarclang.cli.attaching import place_of, place_served, served_at
     from yarclang.cli.tablet import begin_again, check_usage, tablet

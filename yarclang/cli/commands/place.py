@@ -67,8 +67,8 @@ def _ranges(
     multiple=True,
     metavar="AXIS=FROM:TO",
     callback=_ranges,
-    help="How far the frame may be moved from where it is now, along or about an axis of its parent: X, Y, Z in mm, RX, RY, RZ "
-    "in deg; once for each axis (default: X=-300:300 and Y=-300:300).",
+    help="How far the frame may be moved from where it is now, along or about an axis of its parent: X, Y, "
+    "Z in mm, RX, RY, RZ in deg; once for each axis (default: X=-300:300 and Y=-300:300).",
 )
 @click.option(
     "--for",
@@ -81,7 +81,10 @@ def _ranges(
     "--grid",
     type=click.IntRange(2, 50),
     metavar="N",
-    help="Places along each axis to begin with (default: 17 along one axis, 7 along two, 5 along three, otherwise 3).",
+    help=(
+        "Places along each axis to begin with (default: 17 along one axis, 7 along two, 5 along three, "
+        "otherwise 3)."
+    ),
 )
 @click.option(
     "--most",

@@ -19,7 +19,10 @@ _FORMATS = ("png", "svg", "pdf")
     "-o",
     "--output",
     metavar="OUT",
-    help="File to write: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the source).",
+    help=(
+        "File to write: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the "
+        "source)."
+    ),
 )
 @click.option(
     "--out-dir",

@@ -11,8 +11,8 @@ from yarclang.cli.address import trouble_is_said
 @click.argument("file", required=False, metavar="[FILE.yarc]")
 @click.option("--forget", is_flag=True, help="Delete the values: the next run begins with the initial ones.")
 def command(file: str | None, forget: bool) -> None:
-    """Print the last values of KEPT registers and the taught places (JPOS, LPOS), of one program or of all, on
-    each controller.
+    """Print the last values of KEPT registers and the taught places (JPOS, LPOS), of one program or of all,
+    on each controller.
     """
     if forget and file is None:
         raise click.UsageError("--forget: say of which program")

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 def command(to: Address | None, **options: Any) -> None:
     """Work with a robot live: each line is planned from where it stands, certified, shown, and carried out.
 
-    .help lists what else can be typed; Ctrl-C stops the robot. Standard input that is no terminal is read line by line.
+    .help lists what else can be typed; Ctrl-C stops the robot. Standard input that is no terminal is read
+    line by line.
     """
     from yarclang.cli.attaching import place_of, place_served, served_at
 
@@ -68,7 +69,8 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
             )
             if terminal:
                 click.echo(
-                    f"yarc {__version__}: {robot.name} at {place}. .help lists what can be typed; Ctrl-C stops the robot, Ctrl-D ends."
+                    f"yarc {__version__}: {robot.name} at {place}. .help lists what can be typed; Ctrl-C "
+                    "stops the robot, Ctrl-D ends."
                 )
             await converse(interpreter, terminal=terminal)
             log = await _released(client)

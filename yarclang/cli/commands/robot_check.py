@@ -30,6 +30,10 @@ def command(robot: str, format_: str) -> None:
     from yarclang.collision.checklist import body_items
     from yarclang.robot.checklist import check_robot
 
+    if robot.lower().endswith((".urdf", ".xacro")):
+        raise click.UsageError(
+            f"{robot} is a URDF: `yarc robot new` creates a robot's folder from it; check that folder"
+        )
     checked = check_robot(robot, body_items, _times)
     if format_ == "json":
         import json

@@ -11,6 +11,8 @@ from yarclang.cli.options import Numbers
 from yarclang.robot.joint_names import joint_number, listed_joints
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from yarclang.diagnostics import Diagnostic
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
@@ -47,14 +49,20 @@ _EACH = "one for all joints, or one a joint"
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
-    help="Also look for meshes here, by the ends of their names, and copy them (default: only from the URDF's own package). Repeatable.",
+    help=(
+        "Also look for meshes here, by the ends of their names, and copy them (default: only from the "
+        "URDF's own package). Repeatable."
+    ),
 )
 @click.option(
     "--package-path",
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
-    help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Repeatable.",
+    help=(
+        "Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH and "
+        "AMENT_PREFIX_PATH. Repeatable."
+    ),
 )
 @click.option("--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a xacro file. Repeatable.")
 @click.option(
@@ -66,8 +74,8 @@ _EACH = "one for all joints, or one a joint"
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     """Make a robot's folder from a URDF: robot.toml and a copy of the URDF.
 
-    The chain, its frames and limits come from the URDF. Missing values come from the options, from answers on a
-    terminal, or from rules; each value from a rule has a comment with "guess:" in robot.toml.
+    The chain, its frames and limits come from the URDF. Missing values come from the options, from answers on
+    a terminal, or from rules; each value from a rule has a comment with "guess:" in robot.toml.
     """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
@@ -323,11 +331,13 @@ def _notes(made: NewRobot) -> list[str]:
         notes.append(f"chains as long end at {', '.join(chain.other_tips[:6])}: choose one with --tip")
     if chain.fingers:
         notes.append(
-            f"fingers aren't joints of the arm: {', '.join(chain.fingers[:6])}{', ...' * (len(chain.fingers) > 6)}"
+            "fingers aren't joints of the arm: "
+            f"{', '.join(chain.fingers[:6])}{', ...' * (len(chain.fingers) > 6)}"
         )
     if chain.followers:
         notes.append(
-            f"joints that follow another by <mimic> (rods, counterweights) count as standing at 0: {listed(chain.followers)}"
+            "joints that follow another by <mimic> (rods, counterweights) count as standing at 0: "
+            f"{listed(chain.followers)}"
         )
     vehicle = [name for name in chain.ignored if made.arm.urdf.joints[name].kind in UNARMED]
     if vehicle:
@@ -343,10 +353,27 @@ def _notes(made: NewRobot) -> list[str]:
             notes.append(f"{count} {what} mesh{'es' * (count != 1)} copied")
     if urdf.hulls:
         notes.append(
-            f"of large collision meshes, the convex hull is copied, which is what counts: {listed(urdf.hulls)}"
+            "of large collision meshes, the convex hull is copied, which is what counts: "
+            f"{listed(urdf.hulls)}"
         )
-    for name, why in urdf.unseen[:6]:
-        notes.append(f"the visual mesh {name} {why}: pictures show the collision shapes")
-    if len(urdf.unseen) > 6:
-        notes.append(f"and {len(urdf.unseen) - 6} more visual meshes")
-    return notes
+    return [*notes, *_unseen(urdf.unseen)]
+
+
+def _unseen(meshes: tuple[tuple[str, str], ...]) -> Iterator[str]:
+    """Yield a note for each reason why visual meshes aren't copied.
+
+    Args:
+        meshes: name of each mesh, and its reason.
+    """
+    from yarclang.robot.checklist.item import listed
+
+    for reason in dict.fromkeys(why for _, why in meshes):
+        names = [name for name, why in meshes if why == reason]
+        what = "the visual mesh" if len(names) == 1 else f"{len(names)} visual meshes:"
+        missing = reason == "isn't there"
+        said = "aren't there" if missing and len(names) > 1 else reason
+        where = "; --package-path or --meshes says where to look for it" if missing else ""
+        yield (
+            f"{what} {listed(names, 3)} {said}: pictures show the collision shapes of such links, "
+            f"or bars from joint to joint if no link has a shape{where}"
+        )

@@ -18,7 +18,10 @@ from yarclang.cli.preparing import machines, prepared, session_options
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Address to listen on. Anyone who reaches the ports can move the robot: simple_message has no passwords.",
+    help=(
+        "Address to listen on. Anyone who reaches the ports can move the robot: simple_message has no "
+        "passwords."
+    ),
 )
 @click.option(
     "--port",
@@ -39,9 +42,11 @@ from yarclang.cli.preparing import machines, prepared, session_options
     help="Hold the robot on its path when the motion client disconnects; otherwise its goal goes on.",
 )
 def command(to: Address | None, **options: Any) -> None:
-    """Let MoveIt move a robot: the controller's side of ROS-Industrial's stock client nodes (simple_message). Ctrl-C ends.
+    """Let MoveIt move a robot: the controller's side of ROS-Industrial's stock client nodes (simple_message).
+    Ctrl-C ends.
 
-    Each goal is planned, proved and run as a program. Where `yarc serve` owns the robot, the door attaches to it. docs/ros.md has the rest.
+    Each goal is planned, proved and run as a program. Where `yarc serve` owns the robot, the door attaches to
+    it. docs/ros.md has the rest.
     """
     from yarclang.cli.attaching import place_of, place_served, served_at
     from yarclang.cli.ros_door import ros_door

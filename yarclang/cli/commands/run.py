@@ -29,7 +29,10 @@ if TYPE_CHECKING:
 @click.option(
     "--recover",
     is_flag=True,
-    help="Move slowly from the robot's position to the program's start, or to the nearest place at which it may begin; don't run the program.",
+    help=(
+        "Move slowly from the robot's position to the program's start, or to the nearest place at which it "
+        "may begin; don't run the program."
+    ),
 )
 @click.option("--dry-run", is_flag=True, help="Check everything, move nothing.")
 @click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach or a recovery.")
@@ -37,9 +40,11 @@ if TYPE_CHECKING:
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, job: int | None, **options: Any) -> None:
-    """Run a program on a controller: compile it, check the controller, stream, and watch until the robot stands.
+    """Run a program on a controller: compile it, check the controller, stream, and watch until the robot
+    stands.
 
-    Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
+    Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the
+    program starts.
     """
     from yarclang.cli.loading import load, source_of
     from yarclang.cli.show import show_findings, show_without_notes
@@ -56,6 +61,14 @@ def command(file: str, to: Address | None, first: str | None, job: int | None, *
     source = source_of(file, first, options)
     if (status := _served(source, to, options)) is not None:
         raise SystemExit(status)
+    if options["step"] and to is None:
+        from yarclang.cli.terminal import has_keys
+
+        if not has_keys():
+            raise click.UsageError(
+                "--step waits for Enter after each command, and standard input isn't a terminal; leave "
+                "--step out, or use `yarc sim` and --to, where `yarc resume` goes on"
+            )
     loaded, diagnostics = load(source)
     if is_compiled(file):
         show_findings(diagnostics)

@@ -21,7 +21,10 @@ _LARGEST_PORT = 65535
 @click.option(
     "--values",
     metavar="[HOST:]PORT",
-    help="Let a camera, the gateway of a PLC or a script give running programs their values through this TCP port (0: any that is free), of this computer if no HOST is given. They must send the token.",
+    help=(
+        "Let a camera, the gateway of a PLC or a script give running programs their values through this "
+        "TCP port (0: any that is free), of this computer if no HOST is given. They must send the token."
+    ),
 )
 @click.option(
     "--values-token",
@@ -31,10 +34,11 @@ _LARGEST_PORT = 65535
 )
 @session_options
 def command(to: Address | None, **options: Any) -> None:
-    """Serve a robot: run, exec, repl, follow and pendant use it, one at a time, while others watch; everybody may stop it.
+    """Serve a robot: run, exec, repl, follow and pendant use it, one at a time, while others watch; everybody
+    may stop it.
 
-    Clients find it by its controller's address (--to), or by the robot's name if it is simulated. Each client that moves it gets a log. SIGTERM and SIGINT bring the
-    robot to rest on its path, and end.
+    Clients find it by its controller's address (--to), or by the robot's name if it is simulated. Each client
+    that moves it gets a log. SIGTERM and SIGINT bring the robot to rest on its path, and end.
     """
     if (options["values"] is None) != (options["values_token"] is None):
         raise click.UsageError("--values and --values-token go together")

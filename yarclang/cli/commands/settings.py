@@ -26,7 +26,8 @@ def command(robot: str, file: str | None) -> None:
     """Print the settings that a controller needs once for ROBOT (a name or a path): axis definitions,
     feedback, limits, and the guard of the rotary buffer.
 
-    The text is read back and proved before it is printed; exit status 1 means that the proof failed and nothing is printed.
+    The text is read back and proved before it is printed; exit status 1 means that the proof failed and
+    nothing is printed.
     """
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import named_robot

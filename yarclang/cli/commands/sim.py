@@ -69,7 +69,7 @@ Faults:
 
 Times are the machine's, in s. @line120 instead of one: when 120 program lines have been written (WRITEBUFFER). Switches stay
 on and amplifiers stay bad until $$$.
-"""
+"""  # noqa: E501
 
 
 @click.command("sim", epilog=_FAULTS)
@@ -77,8 +77,8 @@ on and amplifiers stay bad until $$$.
     "--robot",
     metavar="NAME|PATH",
     shell_complete=complete_robots,
-    help="Start commissioned for this robot: its settings loaded and saved, homed, closed-loop, standing at HOME "
-    "(default: a bare controller as after $$$***).",
+    help="Start commissioned for this robot: its settings loaded and saved, homed, closed-loop, standing at "
+    "HOME (default: a bare controller as after $$$***).",
 )
 @click.option(
     "--port",
@@ -100,7 +100,10 @@ on and amplifiers stay bad until $$$.
     metavar="real|N|max",
     default="real",
     show_default=True,
-    help="Speed of time: real time, N times as fast (if the computer can), or as fast as possible. `yarc run --to` needs real time.",
+    help=(
+        "Speed of time: real time, N times as fast (if the computer can), or as fast as possible. `yarc "
+        "run --to` needs real time."
+    ),
 )
 @click.option(
     "--fault",

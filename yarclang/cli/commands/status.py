@@ -35,7 +35,9 @@ _LEAST_WIDTH = 11
     help="Output format.",
 )
 def command(run: str | None, to: Address | None, robot: str | None, format_: str) -> None:
-    """Print the state of a run. With --to and --robot: ask a controller for its state, without changing anything."""
+    """Print the state of a run. With --to and --robot: ask a controller for its state, without changing
+    anything.
+    """
     check_controller_options(to, robot, run)
     with trouble_is_said():
         from yarclang.cli.ordering import status_of

@@ -39,7 +39,8 @@ _LET_END = 2.0
 def command(run: str | None, to: Address | None, robot: str | None, abort: bool) -> None:
     """End a run: on its path, at rest.
 
-    With --to and --robot it needs no run: whatever the robot's coordinate system does is ended, for example after a killed run.
+    With --to and --robot it needs no run: whatever the robot's coordinate system does is ended, for example
+    after a killed run.
     """
     check_controller_options(to, robot, run)
     with trouble_is_said():

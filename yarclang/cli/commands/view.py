@@ -59,18 +59,20 @@ def command(
     no_browser: bool,
     **planning: Any,
 ) -> None:
-    """Show a program, its robot and its cell in three dimensions, in a browser, until Ctrl-C. - reads standard input.
+    """Show a program, its robot and its cell in three dimensions, in a browser, until Ctrl-C. - reads
+    standard input.
 
-    FILE is a program (.yarc), a controller text (.pmc), or the log of a run (.mcap), which is shown beside its plan.
-    Programs with errors are shown as far as they can be planned; findings are marked on the path. --live shows a robot that `yarc serve`, `run` or
-    `repl` drives now, without moving it.
+    FILE is a program (.yarc), a controller text (.pmc), or the log of a run (.mcap), which is shown beside
+    its plan. Programs with errors are shown as far as they can be planned; findings are marked on the path.
+    --live shows a robot that `yarc serve`, `run` or `repl` drives now, without moving it.
     """
     _check_usage(file, live, run, to, planning)
     from importlib.util import find_spec
 
     if find_spec(_LIBRARY) is None:
         raise click.ClickException(
-            "yarc view needs viser, which isn't installed: pip install '.[view]' in yarclang's folder brings it"
+            "yarc view needs viser, which isn't installed: pip install '.[view]' in yarclang's folder "
+            "brings it"
         )
     if not host.strip():
         raise click.BadParameter("it is empty; all addresses are 0.0.0.0", param_hint="--host")

@@ -30,7 +30,10 @@ def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = F
 
 def _suite(file: str, found: list[Diagnostic], strict: bool) -> str:
     failures = sum(_fails(one, strict) for one in found)
-    head = f'  <testsuite name={_attribute(file)} tests="{max(1, len(found))}" failures="{failures}" errors="0" skipped="0" time="0">'
+    head = (
+        f'  <testsuite name={_attribute(file)} tests="{max(1, len(found))}" failures="{failures}" '
+        'errors="0" skipped="0" time="0">'
+    )
     cases = [_case(file, one, strict) for one in found]
     if not found:
         cases = [f'    <testcase classname={_attribute(file)} name="nothing to complain of" time="0"/>']
@@ -45,7 +48,10 @@ def _case(file: str, one: Diagnostic, strict: bool) -> str:
     text = f"{one.severity} {one.code}: {one.message}{within}{help_}"
     body = f"      <system-out>{_text(text)}</system-out>"
     if _fails(one, strict):
-        body = f"      <failure type={_attribute(one.code)} message={_attribute(one.message)}>{_text(text)}</failure>"
+        body = (
+            f"      <failure type={_attribute(one.code)} "
+            f"message={_attribute(one.message)}>{_text(text)}</failure>"
+        )
     return f'    <testcase classname={_attribute(file)} name={name} time="0">\n{body}\n    </testcase>'
 
 

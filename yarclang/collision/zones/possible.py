@@ -8,16 +8,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
-from yarclang.cell.model import Cell, HalfSpace, JointWindow, ShapeRegion, Zone
+from yarclang.cell.keeping import Sight, Tilt
+from yarclang.cell.model import Cell, HalfSpace, JointWindow, ShapeRegion, Unplaced, Zone
+from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.regions import Place, coal_of, faces_of, reach
+from yarclang.collision.zones.sights import aimed_at
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.collision.zones.windows import room
 from yarclang.collision.zones.workspace import Watch, broken_at
 from yarclang.diagnostics import Diagnostic
 from yarclang.robot.model import Limits, Robot
 from yarclang.shapes import Box, Cylinder
-from yarclang.units import MM
+from yarclang.units import DEG, MM
 
 
 def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
@@ -33,10 +35,15 @@ def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
 def home_in_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
     """Yield a finding for each zone that the robot's HOME breaks, with {TCP} as the tool."""
     told: set[str] = set()
+    scene = scene_of(robot, cell).value
+    if scene is None:
+        return
     for watch, slack in broken_at(robot, cell, tool_frame(robot), robot.home):
         if watch.zone.name not in told:
             told.add(watch.zone.name)
-            message = f"{robot.name}'s HOME breaks the zone {watch.zone.name}: {_how(robot, watch, slack)}."
+            message = (
+                f"{robot.name}'s HOME breaks the zone {watch.zone.name}: {_how(robot, scene, watch, slack)}."
+            )
             help_ = (
                 "A program that starts in HOME can't keep to it: give it another START, or correct the zone."
             )
@@ -88,11 +95,7 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
     if isinstance(one, JointWindow) and isinstance(other, JointWindow):
         joint = _joint_without(robot, one, other) if rules == {"allowed"} else None
         return f"its window for {joint} has nothing in common with that of {first.name}" if joint else None
-    if (
-        isinstance(one, JointWindow | Tilt)
-        or isinstance(other, JointWindow | Tilt)
-        or not set(first.watch) & set(second.watch)
-    ):
+    if isinstance(one, Unplaced) or isinstance(other, Unplaced) or not set(first.watch) & set(second.watch):
         return None
     if rules == {"allowed"} and _apart(one, other, first.margin + second.margin):
         return f"it has no room in common with {first.name}, which is allowed as well"
@@ -135,18 +138,30 @@ def _within(inner: Place, outer: Place) -> bool:
     return faces is not None and bool((reach(inner, faces.normals) <= faces.offsets).all())
 
 
-def _how(robot: Robot, watch: Watch, slack: float) -> str:
+def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
     """Return a clause that says how HOME breaks a watch."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):
         out = -room(window, q[None])[0] / robot.axis_units
         joint = int(np.argmax(out))
-        return f"{robot.joint_names[joint]} is {out[joint]:.4g} {robot.axis_unit_names[joint]} outside of its window"
+        return (
+            f"{robot.joint_names[joint]} is {out[joint]:.4g} {robot.axis_unit_names[joint]} outside of its "
+            "window"
+        )
+    if isinstance(zone.region, Tilt):
+        return f"the axis is {-slack / DEG:.4g} deg more off than it allows"
+    if isinstance(zone.region, Sight):
+        aim = aimed_at(zone.region, scene, q[None])
+        angle, distance = float(aim.angle[0]) / DEG, float(aim.distance[0]) / MM
+        return f"the point is {angle:.4g} deg off the axis, and {distance:,.6g} mm away"
     if watch.item is None:
         return "the joints are in its window"
     what = "out of it" if zone.rule == "allowed" else "in it"
     beyond = -(slack + zone.margin)
     if beyond <= 0.0:
-        return f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is {zone.margin / MM:.4g} mm"
+        return (
+            f"{watch.item.name} is within {-beyond / MM:.4g} mm of its border, and its margin is "
+            f"{zone.margin / MM:.4g} mm"
+        )
     return f"{watch.item.name} is {beyond / MM:,.6g} mm {what}"

@@ -13,14 +13,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.cell.keeping import Tilt
-from yarclang.cell.model import JointWindow
+from yarclang.cell.keeping import Sight, Tilt
+from yarclang.cell.model import JointWindow, Unplaced
 from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
 from yarclang.collision.proof import COARSE, KNOWN, SHARE
 from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
 from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
 from yarclang.collision.zones.regions import outside
+from yarclang.collision.zones.sights import Bounds
 from yarclang.collision.zones.tilts import angles_at, turning
 from yarclang.collision.zones.watched import Item
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
@@ -105,9 +106,14 @@ class _Search:
         if isinstance(region, Tilt):
             self._tilt(number, region, hit)
             return
+        if isinstance(region, Sight):
+            self._sight(number, region, hit)
+            return
         item = watch.item
         assert item is not None
-        bounds = self.bounds.setdefault(id(item), rates(self.scene.chain, self.course, item))
+        if id(item) not in self.bounds:
+            self.bounds[id(item)] = rates(self.scene.chain, self.course, item)
+        bounds = self.bounds[id(item)]
         look = self._inside if watch.zone.rule == "allowed" else self._outside
         near = self._rough(watch, item, bounds)
         done = 0
@@ -135,7 +141,7 @@ class _Search:
         segments.
         """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
-        assert not isinstance(region, JointWindow | Tilt)
+        assert not isinstance(region, Unplaced)
         # each instant once, though it is both an end and a beginning
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
@@ -152,7 +158,7 @@ class _Search:
         self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Posed, Posed]
     ) -> tuple[Array, Array, Array]:
         region = watch.zone.region
-        assert not isinstance(region, JointWindow | Tilt)
+        assert not isinstance(region, Unplaced)
         sag = bounds.second[pieces.segment] * (pieces.end - pieces.begin) ** 2 / 8.0
         before, behind = (depth_inside(region, item, posed) for posed in ends)
         seen = np.minimum(before, behind)
@@ -162,7 +168,7 @@ class _Search:
         self, watch: Watch, item: Item, bounds: Rates, pieces: Pieces, ends: tuple[Posed, Posed]
     ) -> tuple[Array, Array, Array]:
         region, posture = watch.zone.region, watch.zone.posture
-        assert not isinstance(region, JointWindow | Tilt)
+        assert not isinstance(region, Unplaced)
         way = bounds.first[pieces.segment] * (pieces.end - pieces.begin)
         least = roughly_outside(region, item, ends, way)
         seen = np.full(len(least), np.inf)
@@ -219,7 +225,7 @@ class _Search:
                 # joint.
                 surely, seen = -most.min(axis=1), -seen
             self._break(number, pieces.segment, seen < -WINDOW_SLACK / 2.0, pieces.middle, hit)
-            open_ = (surely < -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
+            open_ = ~(surely >= -WINDOW_SLACK) & ~hit[self.motion[pieces.segment]]
             pieces = pieces.take(np.flatnonzero(open_)).halves()
 
     def _tilt(self, number: int, tilt: Tilt, hit: Flags) -> None:
@@ -240,7 +246,23 @@ class _Search:
             most = np.minimum(by_chord, (before + behind + speed[pieces.segment] * long) / 2.0)
             when = np.where(before > behind, pieces.begin, pieces.end)
             self._break(number, pieces.segment, worst > tilt.limit + TILT_SLACK / 2.0, when, hit)
-            open_ = np.flatnonzero((most > tilt.limit + TILT_SLACK) & ~hit[self.motion[pieces.segment]])
+            open_ = np.flatnonzero(~(most <= tilt.limit + TILT_SLACK) & ~hit[self.motion[pieces.segment]])
+            done += len(open_)
+            pieces = pieces.take(open_)
+            if done > MOST:
+                self._break(number, pieces.segment, np.ones(len(open_), np.bool_), pieces.middle, hit)
+                return
+            pieces = pieces.halves()
+
+    def _sight(self, number: int, sight: Sight, hit: Flags) -> None:
+        """Settle a point in a cone on all motions."""
+        pieces, done = self.pieces, 0
+        bounds = Bounds(sight, self.scene, self.course)
+        while len(pieces.segment):
+            go_on()
+            least, seen, when = bounds.look(pieces)
+            self._break(number, pieces.segment, ~(seen >= -TILT_SLACK / 2.0), when, hit)
+            open_ = np.flatnonzero(~(least >= -TILT_SLACK) & ~hit[self.motion[pieces.segment]])
             done += len(open_)
             pieces = pieces.take(open_)
             if done > MOST:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed
 from yarclang.cell.model import JointWindow
 from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
@@ -99,7 +99,7 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
             inner = np.maximum(room(region, begin), room(region, end))
             found[number] = (inner >= -step).all(axis=1)
         else:
-            assert not isinstance(region, Tilt)  # tilts are never slow
+            assert not isinstance(region, Pointed)  # directions are never slow
             way = rates(scene.chain, course, item).first
             near = roughly_outside(region, item, ends.of(item), way)
             found[number] = near <= watch.zone.margin + _ASIDE
@@ -188,7 +188,7 @@ class _Search:
         region, pieces = self.watch.zone.region, self.pieces
         if isinstance(region, JointWindow):
             return np.zeros(len(pieces.segment), dtype=np.bool_)
-        assert not isinstance(region, Tilt)
+        assert not isinstance(region, Pointed)
         ends = self.whole.ends
         far = outside(region, ends.arm.of(self.item).point(self.item.middle))
         way = self.bounds.first[pieces.segment] * pieces.end
@@ -201,7 +201,7 @@ class _Search:
             most = room_on(region, pieces, self.course)[1]
             apart: NDArray[np.bool_] = most.min(axis=1) < -WINDOW_SLACK
             return apart
-        assert not isinstance(region, Tilt)
+        assert not isinstance(region, Pointed)
         way = self.bounds.first[pieces.segment] * (pieces.end - pieces.begin)
         far: NDArray[np.bool_] = roughly_outside(region, self.item, ends, way) > self.margin
         return far
@@ -216,7 +216,7 @@ class _Search:
         if isinstance(region, JointWindow):
             q = joints(self.course, pieces.segment, pieces.middle)[0]
             return np.zeros(len(q), dtype=np.bool_), room(region, q).min(axis=1) >= -WINDOW_SLACK
-        assert not isinstance(region, Tilt)
+        assert not isinstance(region, Pointed)
         least, seen = least_outside(region, self.item, pieces, arms, self.bounds)
         return least > self.margin, seen <= self.margin + SLACK / 2.0
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.cell.keeping import Height
 from yarclang.cell.model import Cell, Zone
 from yarclang.collision.scene import Body, Scene, scene_of
 from yarclang.frozen import frozen
@@ -64,8 +65,9 @@ def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item
     if made.value is None:
         return ()
     if zone.keep is not None:
+        assert isinstance(zone.keep.region, Height)  # the other rules watch no bodies
         own = np.eye(4)
-        own[:3, 3] = zone.keep.own
+        own[:3, 3] = zone.keep.region.own
         return (point_of(robot, Moving(zone.keep.frame, own)),)
     found: dict[str, Item] = {}
     for part in zone.watch:
@@ -90,7 +92,7 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
         case "elbow":
             elbow = _elbow(robot.chain)
             if elbow is not None:
-                yield _point("the elbow", *elbow)
+                yield point_item("the elbow", *elbow)
         case "arm":
             yield from (item for body, item in bodies if body.is_link and body.joint)
         case _:
@@ -100,7 +102,7 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
 def point_of(robot: Robot, moving: Moving) -> Item:
     """Return the origin of a moved frame as an item."""
     placed = robot.chain.base_from_flange @ moving.flange_from_moving
-    return _point(f"{{{moving.name}}}", robot.size, placed[:3, 3])
+    return point_item(f"{{{moving.name}}}", robot.size, placed[:3, 3])
 
 
 def _elbow(chain: Chain) -> tuple[int, Array] | None:
@@ -119,7 +121,10 @@ def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
     return tuple((body, room_of(body)) for body in scene.bodies)
 
 
-def _point(name: str, joint: int, point: Array) -> Item:
+def point_item(name: str, joint: int, point: Array) -> Item:
+    """Return a point (3,) that the first `joint` joints move, in {B} with all joints at zero [m], as an
+    item.
+    """
     points = constant(point[None].copy())
     return Item(name, joint, points, constant(np.zeros(3)), 0.0, 0.0, points, points[0], 0.0)
 

@@ -7,11 +7,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed, Sight, Tilt
 from yarclang.cell.model import Cell, JointWindow, Zone
 from yarclang.collision.scene import Rows, Scene, scene_of
 from yarclang.collision.zones.gaps import depth_inside, distance_outside
 from yarclang.collision.zones.moved import Arm
+from yarclang.collision.zones.sights import aimed, reserve
 from yarclang.collision.zones.tilts import angles
 from yarclang.collision.zones.watched import Item, Moving, items_of
 from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
@@ -23,7 +24,8 @@ from yarclang.shapes import Array
 SLACK = 1e-5
 """Distance beyond a border [m] up to which an item counts as on it."""
 TILT_SLACK = 1e-5
-"""Axes that exceed their angle by no more than this [rad] count as within it."""
+"""Axes that exceed their angle by no more than this [rad], and points in a cone that leave it or the range of
+distances by no more than this [rad or m], count as within it."""
 
 
 @frozen(eq=False)
@@ -47,7 +49,7 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
     moving = Moving(name, np.frombuffer(frame).reshape(4, 4))
     found: list[Watch] = []
     for zone in cell.zones:
-        if isinstance(zone.region, Tilt) or (isinstance(zone.region, JointWindow) and zone.rule != "slow"):
+        if isinstance(zone.region, Pointed) or (isinstance(zone.region, JointWindow) and zone.rule != "slow"):
             found.append(Watch(zone, None))
         else:
             found += [Watch(zone, item) for item in items_of(robot, cell, zone, moving)]
@@ -56,7 +58,7 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
     """Return how far a watch is from being broken at joint positions (P, n), (P,) [m; rad or m for a joint
-    window, rad for a tilt]. Below `slack_of` it is broken.
+    window, rad for a tilt, either for a sight]. Below `slack_of` it is broken.
     """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
     return _slack(scene, watch, q, arm, np.arange(len(q)))
@@ -79,6 +81,9 @@ def _slack(scene: Scene, watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
     if isinstance(region, Tilt):
         tilted: Array = region.limit - angles(region, scene.chain, arm.turn[-1][..., rows])
         return tilted
+    if isinstance(region, Sight):
+        aim = aimed(region, scene.chain, arm.turn[-1][..., rows], arm.shift[-1][..., rows])
+        return reserve(region, aim)
     assert watch.item is not None
     posed = arm.of(watch.item).take(rows)
     if zone.rule == "allowed":
@@ -95,7 +100,7 @@ def slack_of(watch: Watch) -> float:
     match watch.zone.region:
         case JointWindow():
             return -WINDOW_SLACK / 2.0
-        case Tilt():
+        case Tilt() | Sight():
             return -TILT_SLACK / 2.0
     return -SLACK / 2.0
 

@@ -20,7 +20,7 @@ its way at any time. The target is a joint position (values, or a joint position
 `_QUAT`, a pose of the moving frame in the base frame. A pose has several inverse-kinematics solutions: of
 those within the joint limits, counted with their full turns, the one nearest to where the robot stands is taken.
 With `_AVOID` the straight way may be left to get round obstacles, and round the robot itself.
-""",
+""",  # noqa: E501
     build=_build,
     examples=(
         "P0010 MOVEJ 10 -5 20 0 30 0 [5] (deg,s)",

@@ -22,10 +22,13 @@ COMMAND = CommandSpec(
 One curve of the moving frame with continuous acceleration, from where it stands through all way-points, without a
 stop. Positions and unit quaternions are natural cubic splines over the distance from way-point to way-point (a turn of 1 rad counts
 as 100 mm). Equal neighbours count once; half a turn between two neighbours is an error. The arm keeps its configuration.
-""",
+""",  # noqa: E501
     build=_build,
     examples=(
-        "P0010 MOVEL_SPLINE {TCP} 60 1174.4 1286 0 0 0; 0 1174.4 1226 0 10 0; -60 1174.4 1286 0 0 0 [6] (mm,deg,s) {B}",
+        (
+            "P0010 MOVEL_SPLINE {TCP} 60 1174.4 1286 0 0 0; 0 1174.4 1226 0 10 0; -60 1174.4 1286 0 0 0 [6] "
+            "(mm,deg,s) {B}"
+        ),
     ),
     targets={"": Values.POSE_RPY, "RPY": Values.POSE_RPY, "QUAT": Values.POSE_QUAT},
     waypoints=(2, None),

@@ -69,12 +69,12 @@ class Motion(Part):
         """
         names = self._coordinator.names
         around, moved = names.base(base), names.moving(moving)
-        found = (*moved.diagnostics, *around.diagnostics)
+        findings = (*moved.diagnostics, *around.diagnostics)
         if around.value is None or moved.value is None:
-            return Result(None, found)
+            return Result(None, findings)
         joints = await self._coordinator.stands()
         pose = tool_poses(self._coordinator.robot.chain, joints[None], np.asarray(moved.value.transform))[0]
-        return Result(Where(joints, np.linalg.inv(around.value.transform) @ pose), found)
+        return Result(Where(joints, np.linalg.inv(around.value.transform) @ pose), findings)
 
     # planning
 
@@ -91,18 +91,18 @@ class Motion(Part):
         start = await coordinator.stands()
         await coordinator.look_around()
         number = next(coordinator.numbers)
-        made: Result[Offer] = await coordinator.plan(
+        offered: Result[Offer] = await coordinator.plan(
             coordinator.planner.offer, text, coordinator.lines, start, number
         )
-        if made.diagnostics:
+        if offered.diagnostics:
             coordinator.announce(
                 Found(
                     time_s=coordinator.time,
                     client=self._name,
-                    findings=finding_messages(made.diagnostics),
+                    findings=finding_messages(offered.diagnostics),
                 )
             )
-        return made
+        return offered
 
     async def offer_back(self) -> Result[Offer]:
         """Plan and certify the reverse of the last motion along the same path, including all motions that
@@ -115,17 +115,19 @@ class Motion(Part):
         start = await coordinator.stands()
         last = coordinator.history.last()
         if last is None or not stands_there(coordinator.robot, start, last[0][-1].end):
-            what = "nothing has moved yet" if last is None else "the robot was moved since its last motion"
-            return Result(None, (Diagnostic("Y1614", f"there is no motion to reverse: {what}"),))
+            problem = "nothing has moved yet" if last is None else "the robot was moved since its last motion"
+            return Result(None, (Diagnostic("Y1614", f"there is no motion to reverse: {problem}"),))
         group, before = last
         program = backwards(coordinator.robot, group, before)
         if isinstance(program, Diagnostic):
             return Result(None, (program,))
         await coordinator.look_around()
         if program.cell is not None and not await coordinator.plan(holds_still, program.cell):
-            what = "the cell has changed since the last motion"
+            problem = "the cell has changed since the last motion"
             help_ = "move the robot with a new command: it is proved against the cell as it is now"
-            return Result(None, (Diagnostic("Y1614", f"there is no motion to reverse: {what}", help=help_),))
+            return Result(
+                None, (Diagnostic("Y1614", f"there is no motion to reverse: {problem}", help=help_),)
+            )
         program = replace(program, start=start)
         if program.cell is not None:
             around = replace(program.cell, present=None)
@@ -138,14 +140,14 @@ class Motion(Part):
             planned = plan_program(program, request)
             if planned.value is None:
                 return Result(None, planned.diagnostics)
-            made = certified(planned.value, request)
+            offered = certified(planned.value, request)
             revision = coordinator.lines.revision
-            return coordinator.planner.offered(number, text, start, made, revision)
+            return coordinator.planner.offered(number, text, start, offered, revision)
 
-        made: Result[Offer] = await coordinator.plan(work)
-        if made.value is None:
-            return made
-        return Result(replace(made.value, takes_back=len(group)), made.diagnostics)
+        offered: Result[Offer] = await coordinator.plan(work)
+        if offered.value is None:
+            return offered
+        return Result(replace(offered.value, takes_back=len(group)), offered.diagnostics)
 
     async def offer_recovery(self, loaded: Loaded) -> Recovered:
         """Plan and certify a motion from the robot's present position to a program: to its start, otherwise
@@ -175,16 +177,16 @@ class Motion(Part):
         stops = coordinator.stops
         await coordinator.look_around()
         if offer.revision != coordinator.lines.revision:
-            what = "a declaration has come, or the cell has changed, since this was offered"
-            raise Trouble(what, "ask for it again", "Y1613")
+            problem = "a declaration has come, or the cell has changed, since this was offered"
+            raise Trouble(problem, "ask for it again", "Y1613")
         job = offer.job
         if job is None:
             coordinator.lines.declare(offer.parts.declarations)
             return Ended(True, joints=offer.start)
         here = await coordinator.stands()
         if off_the_start(job, here):
-            what = "the robot doesn't stand any more where this was planned from"
-            raise Trouble(what, "ask for it again", "Y1613")
+            problem = "the robot doesn't stand any more where this was planned from"
+            raise Trouble(problem, "ask for it again", "Y1613")
         await self._check_surroundings(offer)
         followed = _performed(offer, job)
         if followed is not None:

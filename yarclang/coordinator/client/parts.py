@@ -83,23 +83,23 @@ class Parts(Part):
 
         return await self._say(placed, part)
 
-    async def _say(self, change: Callable[[Known], Result[Known]], what: str) -> Result[Known]:
+    async def _say(self, change: Callable[[Known], Result[Known]], action: str) -> Result[Known]:
         coordinator = self._coordinator
         coordinator.check_pace(self._name, "to say where parts are")
-        found = self.where()
+        places = self.where()
         stands = await coordinator.stands()
-        if found.value is None:
-            return found
-        made = change(replace(found.value, stands=stands))
-        if made.value is None:
-            return made
+        if places.value is None:
+            return places
+        changed = change(replace(places.value, stands=stands))
+        if changed.value is None:
+            return changed
         kept = coordinator.carrying.kept
-        kept.say(made.value)
-        known = self._known(made.value.cell)
+        kept.say(changed.value)
+        known = self._known(changed.value.cell)
         if coordinator.surroundings is not None:
             coordinator.surroundings.place(known.present.parts, known.cell)
-        coordinator.tell(f"{self._name} has said where {what} {'are' if what == 'all parts' else 'is'}")
-        return Result(known, found.diagnostics)
+        coordinator.tell(f"{self._name} has said where {action} {'are' if action == 'all parts' else 'is'}")
+        return Result(known, places.diagnostics)
 
     def _known(self, cell: Cell | None) -> Known:
         if cell is None or not cell.parts:

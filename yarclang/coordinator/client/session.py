@@ -80,10 +80,10 @@ class Session(Part):
         start = await coordinator.stands()
         text = "\n".join(declarations)
         await coordinator.look_around()
-        made: Result[Offer] = await coordinator.plan(
+        offered: Result[Offer] = await coordinator.plan(
             coordinator.planner.offer, text, Lines(), start, next(coordinator.numbers)
         )
-        if text and made.value is None:
-            return Result(None, made.diagnostics)
+        if text and offered.value is None:
+            return Result(None, offered.diagnostics)
         coordinator.lines.adopt(declarations)
-        return Result(declarations, made.diagnostics)
+        return Result(declarations, offered.diagnostics)

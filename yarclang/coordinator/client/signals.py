@@ -63,17 +63,17 @@ class Signals(Part):
         operation = coordinator.engine.operation
         made = coordinator.names.cell().value
         cell = None if made is None else made.cell
-        told = 0.0
+        pattern = 0.0
         for place, (variable, wanted) in enumerate(each):
             moves = cell is not None and bool(cell.parts) and variable in (*cell.grips, *cell.removals)
-            here = await coordinator.stands() if moves else None
+            position = await coordinator.stands() if moves else None
             write = partial(coordinator.engine.scripts.write, operation, variable, wanted)
             await coordinator.engine.ask(write)
             value = await self._ask_number(variable)
-            if here is not None:
-                coordinator.carrying.kept.set(cell, variable, value, here)
-            told += value * (1 << place)
-        return Result(told)
+            if position is not None:
+                coordinator.carrying.kept.set(cell, variable, value, position)
+            pattern += value * (1 << place)
+        return Result(pattern)
 
     def set_input(self, name: str, value: float | str) -> Result[float]:
         """Set an input of a simulated robot, also while a program runs.
@@ -119,18 +119,18 @@ class Signals(Part):
         """Return the values of controller variables. Values of a real controller are None while the robot
         is moving.
         """
-        found: dict[str, float | None] = dict.fromkeys(variables)
-        wanted = [one for one in found if one]  # a faulty declaration has no variable
+        levels: dict[str, float | None] = dict.fromkeys(variables)
+        on_controller = [one for one in levels if one]  # a faulty declaration has no variable
         surroundings = self._coordinator.surroundings
         if surroundings is not None:
-            return found | {one: surroundings.value(one) for one in wanted}
+            return levels | {one: surroundings.value(one) for one in on_controller}
         engine = self._coordinator.engine
-        for first in range(0, len(wanted), _AT_ONCE):
-            some = wanted[first : first + _AT_ONCE]
+        for first in range(0, len(on_controller), _AT_ONCE):
+            some = on_controller[first : first + _AT_ONCE]
             with contextlib.suppress(Trouble):
                 values = await engine.ask(partial(engine.scripts.read, engine.operation, some))
-                found.update(zip(some, values, strict=True))
-        return found
+                levels.update(zip(some, values, strict=True))
+        return levels
 
     async def _ask_number(self, variable: str) -> float:
         engine = self._coordinator.engine

@@ -183,6 +183,6 @@ class Generator:
         return self._lines(np.array([one.c for one in states]).reshape(-1, self._robot.size))
 
 
-def _along(one: Array, other: Array) -> bool:
+def _along(velocity: Array, other: Array) -> bool:
     """Return True if two joint velocities have about the same direction."""
-    return bool(one @ other > _SAME_WAY * np.linalg.norm(one) * np.linalg.norm(other))
+    return bool(velocity @ other > _SAME_WAY * np.linalg.norm(velocity) * np.linalg.norm(other))

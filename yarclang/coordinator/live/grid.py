@@ -53,7 +53,7 @@ class State:
         return not (self.v.any() or self.a.any())
 
 
-def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
+def advance(state: State, requested: Array, rates: Rates, h: float) -> State:
     """Compute the next control point.
 
     All joints change their velocities together, so that a change keeps the direction of the motion; each
@@ -61,16 +61,16 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
 
     Args:
         state: last state.
-        wanted: (n,) joint velocities [rad/s or m/s]; they are clipped to the limits.
+        requested: (n,) joint velocities [rad/s or m/s]; they are clipped to the limits.
         rates: limits.
         h: segment time [s].
     """
-    wanted = np.clip(wanted, -rates.velocity, rates.velocity)
-    change = wanted - state.v
+    requested = np.clip(requested, -rates.velocity, rates.velocity)
+    change = requested - state.v
     way = np.abs(change)
     if way.max() <= _STILL and np.abs(state.a).max() < _STILL:
         # The remaining difference is only rounding: set the wanted velocity.
-        return State(state.c + h * wanted, wanted, np.zeros_like(wanted))
+        return State(state.c + h * requested, requested, np.zeros_like(requested))
     moves = way > _STILL
     ways = np.where(moves, way, 1.0)
     # Scale the limits of all joints to the slowest one, so that all joints need the same time for their

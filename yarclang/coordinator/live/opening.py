@@ -33,7 +33,7 @@ class Settings:
 
 
 def live_motion(
-    robot: Robot, here: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
+    robot: Robot, position: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
 ) -> Result[tuple[Live, Generator]]:
     """Create a live motion from the robot's present position.
 
@@ -42,7 +42,7 @@ def live_motion(
 
     Args:
         robot: the robot.
-        here: (n,) commanded position of the robot, as reported by the controller [rad or m].
+        position: (n,) commanded position of the robot, as reported by the controller [rad or m].
         moving: frame of the tool.
         cell: the surroundings, with parts at their present places.
         settings: settings of the motion.
@@ -65,8 +65,8 @@ def live_motion(
     tool = moving.flange_from_moving
     leaves = cell is not None and cell.present is not None and bool(cell.present.leaving)
     strict = scene_of(robot, around_start(cell, touching=False)).value if leaves else None
-    judge = Judge(robot, here, segment, speed, tool, *around.value, strict=strict, points=writing.points)
-    (stands,) = writing.lines(robot, here[None], decimals)
+    judge = Judge(robot, position, segment, speed, tool, *around.value, strict=strict, points=writing.points)
+    (stands,) = writing.lines(robot, position[None], decimals)
     # The first motion to rest ends at the nearest position that can be printed.
     if objection := judge.objection((stands,) * 3, ()):
         message = f"where the robot stands, no live motion can begin: {objection}"
@@ -74,7 +74,13 @@ def live_motion(
     rates = rates_of(robot, settings.share)
     steering = Steering(robot, tool, rates, speed)
     generator = Generator(
-        robot, here, lambda points: writing.lines(robot, points, decimals), segment, steering, judge, rates
+        robot,
+        position,
+        lambda points: writing.lines(robot, points, decimals),
+        segment,
+        steering,
+        judge,
+        rates,
     )
-    live = writing.motion(robot, here, judge.slack, segment, decimals, name, generator)
+    live = writing.motion(robot, position, judge.slack, segment, decimals, name, generator)
     return Result((live, generator), around.diagnostics)

@@ -46,10 +46,10 @@ def is_free(scene: Scene, room: Room) -> bool:
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])
-    wanted = moves[scene.boxes.joint[scene.pairs.first], scene.pairs.second, 0] + scene.pairs.margin + SLACK
-    pair = np.arange(len(wanted))
-    pair = pair[sphere_gaps(placed, np.zeros_like(pair), pair) < wanted]
+    needed = moves[scene.boxes.joint[scene.pairs.first], scene.pairs.second, 0] + scene.pairs.margin + SLACK
+    pair = np.arange(len(needed))
+    pair = pair[sphere_gaps(placed, np.zeros_like(pair), pair) < needed]
     seen = relative(placed, np.zeros_like(pair), pair)
-    (left,) = np.nonzero(box_gaps(scene, pair, seen) < wanted[pair])
+    (left,) = np.nonzero(box_gaps(scene, pair, seen) < needed[pair])
     pair, seen = pair[left], seen.take(left)
-    return bool((distances(scene, pair, seen, deep=False) >= wanted[pair]).all())
+    return bool((distances(scene, pair, seen, deep=False) >= needed[pair]).all())

@@ -267,13 +267,13 @@ class MasterServer:
             if begun:
                 self._attached.send(orders.Leave())
 
-    async def _answer(self, asked: orders.Order[Any] | Denied) -> Reply | Denied:
-        if isinstance(asked, Denied):
-            return asked
-        if not isinstance(asked, wants.Want):
+    async def _answer(self, order: orders.Order[Any] | Denied) -> Reply | Denied:
+        if isinstance(order, Denied):
+            return order
+        if not isinstance(order, wants.Want):
             return Denied(error="a master sends a target: joints, pose, velocity, twist or finish")
         try:
-            return await self._attached.ask(asked)
+            return await self._attached.ask(order)
         except Trouble as trouble:
             return denied(trouble)
 
@@ -320,12 +320,12 @@ def _remover(path: Path) -> Callable[[], None]:
     """Return a function that removes a socket's file, unless the file belongs to another socket by that
     time.
     """
-    made = path.lstat()
+    status = path.lstat()
 
     def remove() -> None:
         with contextlib.suppress(OSError):
             found = path.lstat()
-            if (found.st_dev, found.st_ino) == (made.st_dev, made.st_ino):
+            if (found.st_dev, found.st_ino) == (status.st_dev, status.st_ino):
                 path.unlink()
 
     return remove

@@ -75,13 +75,13 @@ class Reader:
             case _:
                 return None
 
-    def _numbers(self, given: tuple[float, ...]) -> Array:
-        if len(given) != self._robot.size:
+    def _numbers(self, values: tuple[float, ...]) -> Array:
+        if len(values) != self._robot.size:
             names = " ".join(self._robot.joint_names)
             raise Trouble(
                 f"{self._robot.size} finite numbers are wanted, one a joint ({names})", code="Y1616"
             )
-        return np.array(given)
+        return np.array(values)
 
     def _pose(self, values: Array, now: float) -> Master:
         pose = np.eye(4)
@@ -114,13 +114,13 @@ class Reader:
         self._heard, self._last = now, q
         return Master(q, rate)
 
-    def _velocity(self, given: dict[str, float]) -> JointVelocity:
+    def _velocity(self, values: dict[str, float]) -> JointVelocity:
         names = numbers_by_name(self._robot.joint_names)
-        known = [names[name.upper()] for name in given if name.upper() in names]
-        if len(set(known)) < len(known) or len({name.upper() for name in given}) < len(given):
+        known = [names[name.upper()] for name in values if name.upper() in names]
+        if len(set(known)) < len(known) or len({name.upper() for name in values}) < len(values):
             raise Trouble("a joint is named twice", code="Y1616")
         velocity = np.zeros(self._robot.size)
-        for name, value in given.items():
+        for name, value in values.items():
             if name.upper() not in names:
                 what = f"{name[:40]!r} isn't a joint; there are {listed_joints(self._robot.joint_names)}"
                 raise Trouble(what, code="Y1616")
@@ -221,11 +221,11 @@ class Steered:
             self._drive.stop()
 
 
-def _refusal(found: Diagnostic) -> Trouble:
+def _refusal(finding: Diagnostic) -> Trouble:
     """Convert a finding to a `Trouble` for a client. The message contains its place if it is in a file of the
     cell or the robot.
     """
-    what = found.clause
-    if found.source is not None and found.span is not None and found.source.name.endswith(".toml"):
-        what = f"{found.source.name}, line {found.span.line}: {what}"
-    return Trouble(what, found.help, found.code)
+    what = finding.clause
+    if finding.source is not None and finding.span is not None and finding.source.name.endswith(".toml"):
+        what = f"{finding.source.name}, line {finding.span.line}: {what}"
+    return Trouble(what, finding.help, finding.code)

@@ -107,19 +107,19 @@ class Steering:
             case Twist():
                 return self._of_twist(target, state.c + ahead * state.v)
 
-    def _within(self, wanted: Array, q: Array, why: str) -> Steered:
+    def _within(self, requested: Array, q: Array, reason: str) -> Steered:
         """Slow all joints down together until each joint and the tool keep their limits.
 
         Args:
-            wanted: (n,) joint velocities [rad/s or m/s].
+            requested: (n,) joint velocities [rad/s or m/s].
             q: (n,) joint positions [rad or m].
-            why: reason, if the velocities already differ from the target.
+            reason: reason, if the velocities already differ from the target.
         """
         # Factors by which the joints and the tool would exceed their limits; the largest one counts.
-        share = float((np.abs(wanted) / self._rates.velocity).max(initial=0.0))
-        tool = float(np.linalg.norm((self._jacobian(q) @ (wanted / self._slide))[:3])) * self._length
+        share = float((np.abs(requested) / self._rates.velocity).max(initial=0.0))
+        tool = float(np.linalg.norm((self._jacobian(q) @ (requested / self._slide))[:3])) * self._length
         share = max(share, tool / (_KEPT * self._speed))
-        return Steered(wanted / share, why) if share > 1.0 else Steered(wanted, why)
+        return Steered(requested / share, reason) if share > 1.0 else Steered(requested, reason)
 
     def _jacobian(self, q: Array) -> Array:
         """Compute the Jacobian (6, n) at the tool. Lengths are measured in arm's lengths."""
@@ -130,24 +130,26 @@ class Steering:
         turn = np.eye(3)
         if twist.axes == "tool":
             turn = tool_poses(self._robot.chain, q[None], self._tool)[0, :3, :3]
-        wanted = np.concatenate([turn @ twist.linear / self._length, turn @ twist.angular])
-        if not wanted.any():
+        requested = np.concatenate([turn @ twist.linear / self._length, turn @ twist.angular])
+        if not requested.any():
             return Steered(np.zeros_like(q))
         left, values, right = np.linalg.svd(self._jacobian(q), full_matrices=False)
         # Damped least squares: near a singularity, directions that would need unlimited speed are faded out.
         # Elsewhere the solution is exact.
         damping = np.where(values < SLOW, (SLOW - values) * STILL, 0.0)
-        joints = right.T @ (values / (values**2 + damping) * (left.T @ wanted)) if values.any() else 0.0 * q
+        joints = (
+            right.T @ (values / (values**2 + damping) * (left.T @ requested)) if values.any() else 0.0 * q
+        )
         least = float(values[-1])
-        factor, why = 1.0, ""
+        factor, reason = 1.0, ""
         if least < SLOW and joints.any():
             ahead = q + _AHEAD * joints * self._slide / np.abs(joints).max()
             approaches = np.linalg.svd(self._jacobian(ahead), compute_uv=False)[-1] < least - _SAME
             if approaches:
                 # Motion away from a singularity is always allowed.
                 factor = float(np.clip((least - STILL) / (SLOW - STILL), 0.0, 1.0))
-                why = f"near a singularity (smallest singular value {least:.3f})"
-        return self._within(factor * joints * self._slide, q, why)
+                reason = f"near a singularity (smallest singular value {least:.3f})"
+        return self._within(factor * joints * self._slide, q, reason)
 
     def _towards(self, master: Master, state: State) -> Array:
         """Return the master's velocity plus a velocity that closes the distance. The latter is small enough

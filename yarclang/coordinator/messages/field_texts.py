@@ -27,12 +27,12 @@ def _of_module(name: str) -> Mapping[str, Mapping[str, str]]:
 
 
 def _of_class(tree: ast.ClassDef) -> Mapping[str, str]:
-    found = {}
+    texts = {}
     for field, below in zip(tree.body, tree.body[1:], strict=False):
         match field, below:
             case (
                 ast.AnnAssign(target=ast.Name(id=name)),
                 ast.Expr(value=ast.Constant(value=str(text))),
             ):
-                found[name] = inspect.cleandoc(text)
-    return found
+                texts[name] = inspect.cleandoc(text)
+    return texts

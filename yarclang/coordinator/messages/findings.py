@@ -62,19 +62,23 @@ class Finding(Message):
     """The line of a module that has the finding, if the source line calls a module."""
 
 
-def finding_message(one: Diagnostic) -> Finding:
+def finding_message(finding: Diagnostic) -> Finding:
     """Return a finding as a message."""
     from yarclang.report.finding import finding_json  # imported late: it imports click
 
-    text = one.source.line(one.span.line) if one.source is not None and one.span is not None else None
-    content = finding_json(one)
+    text = (
+        finding.source.line(finding.span.line)
+        if finding.source is not None and finding.span is not None
+        else None
+    )
+    content = finding_json(finding)
     fix, within = content.pop("fix"), content.pop("within", None)
-    made = None
+    message = None
     if within is not None:
         inner = within.pop("fix")
         through = tuple(within.pop("through"))
-        made = FindingWithin(**within, through=through, fix=_fix_message(inner))
-    return Finding(**content, fix=_fix_message(fix), text=text, within=made)
+        message = FindingWithin(**within, through=through, fix=_fix_message(inner))
+    return Finding(**content, fix=_fix_message(fix), text=text, within=message)
 
 
 def _fix_message(fix: dict[str, Any] | None) -> FindingFix | None:
@@ -83,9 +87,9 @@ def _fix_message(fix: dict[str, Any] | None) -> FindingFix | None:
     return FindingFix(title=fix["title"], edits=tuple(FindingEdit(**edit) for edit in fix["edits"]))
 
 
-def finding_messages(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
+def finding_messages(findings: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
     """Return findings as messages."""
-    return tuple(map(finding_message, found))
+    return tuple(map(finding_message, findings))
 
 
 def finding_of(message: Finding) -> Diagnostic:

@@ -64,7 +64,7 @@ def read_order(line: bytes, most: int = MOST_LINE) -> Asked:
         return Asked(content, ends=True)
     id_ = content.pop("id", None)
     if isinstance(id_, bool) or not isinstance(id_, int | str | None):
-        return Asked(Denied(error=f'"id" is {_shown(id_)}; it may be an integer or a text'))
+        return Asked(Denied(error=f'"id" is {_value_text(id_)}; it may be an integer or a text'))
     return Asked(_order_in(content), id_)
 
 
@@ -125,7 +125,7 @@ def _order_in(content: dict[str, Any]) -> Order[Any] | Denied:
     if "order" in content:
         kind = _ORDERS.get(word) if isinstance(word, str) else None
         if kind is None:
-            return Denied(error=f'"order" is {_shown(word)}; it may be {", ".join(_ORDERS)}')
+            return Denied(error=f'"order" is {_value_text(word)}; it may be {", ".join(_ORDERS)}')
         if kind is orders.Hello and (other := _other_version(content)) is not None:
             return other
         return _read(content, kind, str(word))
@@ -146,7 +146,7 @@ def _other_version(content: dict[str, Any]) -> Denied | None:
     if version == VERSION:
         return None
     return Denied(
-        error=f"version {_shown(version)} of the protocol isn't spoken here; this is version {VERSION}",
+        error=f"version {_value_text(version)} of the protocol isn't spoken here; this is version {VERSION}",
         help="use a client of the same yarclang",
     )
 
@@ -168,7 +168,7 @@ def _mistake(word: str, kind: type[Order[Any]], error: ValidationError) -> str:
         return f"{word} can't be read"
     key = path[0]
     if first["type"] == "extra_forbidden":
-        return f"{word} takes no {_shown(key)}"
+        return f"{word} takes no {_value_text(key)}"
     field = kind.model_fields.get(key)
     what = field.description if field is not None and field.description else "another value"
     return f'{word} needs "{key}", {what}' if key != word else f"{word} is {what}"
@@ -182,9 +182,9 @@ def _object_in(line: bytes, most: int) -> dict[str, Any] | Denied:
     try:
         content = json.loads(line)
     except (ValueError, RecursionError):
-        return Denied(error=f"{_shown(line[:200].decode(errors='replace').strip())} isn't JSON")
+        return Denied(error=f"{_value_text(line[:200].decode(errors='replace').strip())} isn't JSON")
     if not isinstance(content, dict):
-        return Denied(error=f"{_shown(content)} isn't a JSON object")
+        return Denied(error=f"{_value_text(content)} isn't a JSON object")
     return content
 
 
@@ -192,7 +192,7 @@ def _line(content: dict[str, Any]) -> bytes:
     return json.dumps(content).encode() + b"\n"
 
 
-def _shown(value: object) -> str:
+def _value_text(value: object) -> str:
     """Return a value as text for messages, shortened if it is long."""
     match value:
         case str():

@@ -143,7 +143,7 @@ def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
         material = _material(body.first("material"))
         placed = placed_at(urdf, body.first("origin"))
         new = "\n    ".join(
-            f"<{body.tag}>{_origin(pose)}<geometry>{_geometry(simple, meshes)}</geometry>{material}</{body.tag}>"
+            f"<{body.tag}>{_origin(pose)}<geometry>{_geometry(simple, meshes)}</geometry>{material}</{body.tag}>"  # noqa: E501
             for simple, pose in _simple(capsule, placed)
         )
         # the whole element is replaced

@@ -43,12 +43,16 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         if TILTED < off < np.pi - TILTED and _between(way, rotation[:, axis], both_ways=True) < _ALONG:
             letter = "xyz"[axis]
             base = step.origin.base.name if step.origin.base else "B"
-            message = f"this goes along {letter} of {{{base}}}, {off / DEG:.0f} deg off the tool's own {letter}, along which the tool came here"
+            message = (
+                f"this goes along {letter} of {{{base}}}, {off / DEG:.0f} deg off the tool's own {letter}, "
+                "along which the tool came here"
+            )
             name = step.origin.moving.name if step.origin.moving else "TCP"
             yield remark_at(
                 step.origin,
                 message,
-                f"write {{{name}}} at the end of the line to go along the tool, or {{{base}}} to confirm that this is intended",
+                f"write {{{name}}} at the end of the line to go along the tool, or {{{base}}} to confirm "
+                "that this is intended",
             )
 
 
@@ -78,8 +82,9 @@ RULE = Rule(
         "axes-of-the-tool",
         "warning",
         "a DMOVE goes along the base's axes after the tool came along its own",
-        "A tool that went into a hole along its own axis must come out along this axis. A DMOVE without a base frame takes that of DEFAULT: with a tilted tool this is "
-        "another direction, and the tool is torn out sideways.",
+        "If a tool went into a hole along its own axis, it must come out along this axis. A DMOVE "
+        "without a base frame takes the base frame of DEFAULT. If the tool is tilted, this is another "
+        "direction, and the tool is torn out sideways.",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",
     ),
@@ -88,7 +93,12 @@ RULE = Rule(
     valid=(
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {B}",
-        "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1074.4 1276 0 0 0\nP0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
+        (
+            "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+            "P0010 MOVEJ_RPY 0 1074.4 1276 0 0 0\n"
+            "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\n"
+            "P0030 DMOVE 0 0 60 0 0 0"
+        ),
         "DEFAULT {TCP} [50%] (mm,deg,s) {B}\nP0010 MOVEJ 20 0 0 0 -30 0\nP0020 DMOVE 0 0 -120 0 0 0",
     ),
     invalid=(_HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",),

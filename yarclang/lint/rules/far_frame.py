@@ -31,7 +31,10 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
             if away <= most:
                 continue
             where = "{FLANGE}" if link is step.origin.moving else "{B}"
-            message = f"{{{link.name}}} is {away / MM:,.0f} mm away from {where}; the arm is {length / MM:,.0f} mm long"
+            message = (
+                f"{{{link.name}}} is {away / MM:,.0f} mm away from {where}; the arm is {length / MM:,.0f} "
+                "mm long"
+            )
             yield Remark(
                 message, link.span, "check the values, their units and the parent frame", None, link.source
             )
@@ -61,21 +64,36 @@ RULE = Rule(
         "far-frame",
         "warning",
         "a frame stands far outside of the arm's reach",
-        "A table twice as far away as the arm is long, or a tool longer than the arm, is most likely a value in the wrong unit, or a frame given in another "
-        "parent than it was measured in. Poses in it may still be refused one by one; here is why.",
-        "FRAME {TABLE} 0 1000 500 0 0 0 (cm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 -900 0 0 0 0 [5] (cm,deg,s) {TABLE}",
-        "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 276 0 0 0 [5] (mm,deg,s) {TABLE}",
+        "If a table is twice as far away as the arm is long, or a tool is longer than the arm, most "
+        "likely a value is in the wrong unit, or the frame is given in another parent than the one in "
+        "which it was measured. This is also the reason if poses in the frame are refused.",
+        "FRAME {TABLE} 0 1000 500 0 0 0 (cm,deg) {B}\n"
+        "P0010 MOVEJ_RPY {TCP} 0 -900 0 0 0 0 [5] (cm,deg,s) {TABLE}",
+        "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\n"
+        "P0010 MOVEJ_RPY {TCP} 0 0 276 0 0 0 [5] (mm,deg,s) {TABLE}",
         needs="unit",
     ),
     Program,
     _look,
     valid=(
-        "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 276 0 0 0 [5] (mm,deg,s) {TABLE}",
-        "FRAME {TORCH} 0 0 0.2 0 0 0 (m,deg) {FLANGE}\nP0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        (
+            "FRAME {TABLE} 0 1074.4 900 0 0 0 (mm,deg) {B}\n"
+            "P0010 MOVEJ_RPY {TCP} 0 0 276 0 0 0 [5] (mm,deg,s) {TABLE}"
+        ),
+        (
+            "FRAME {TORCH} 0 0 0.2 0 0 0 (m,deg) {FLANGE}\n"
+            "P0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"
+        ),
     ),
     invalid=(
-        "FRAME {CELL} 0 9000 0 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 -7800 1100 0 0 0 [5] (mm,deg,s) {CELL}",
-        "FRAME {TORCH} 0 0 200 0 0 0 (m,deg) {FLANGE}\nP0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        (
+            "FRAME {CELL} 0 9000 0 0 0 0 (mm,deg) {B}\n"
+            "P0010 MOVEJ_RPY {TCP} 0 -7800 1100 0 0 0 [5] (mm,deg,s) {CELL}"
+        ),
+        (
+            "FRAME {TORCH} 0 0 200 0 0 0 (m,deg) {FLANGE}\n"
+            "P0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"
+        ),
     ),
     explains_errors=True,
 )

@@ -21,8 +21,14 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
         step = around.steps[one.step]
         if one.hold.share <= MUCH or not isinstance(step, Motion):
             continue
-        message = f"a hold in the worst moment of this motion needs {percent(one.hold.share)} % of the stop acceleration of {one.hold.name}"
-        help_ = "make the motion slower (ACC 50%, or a longer time), or hold more slowly: controller.hold_time in robot.toml"
+        message = (
+            f"a hold in the worst moment of this motion needs {percent(one.hold.share)} % of the stop "
+            f"acceleration of {one.hold.name}"
+        )
+        help_ = (
+            "make the motion slower (ACC 50%, or a longer time), or hold more slowly: controller.hold_time "
+            "in robot.toml"
+        )
         yield remark_at(step.origin, message, help_)
 
 
@@ -32,8 +38,10 @@ RULE = Rule(
         "hard-hold",
         "note",
         "a hold during this motion may need far more than the stop acceleration",
-        "A feed hold slows the program's time down to a stop; this is added to the motion's own acceleration. The certificate has the used share of each joint's "
-        "acceleration of an emergency stop. Beyond that the drive may trip, or the arm may leave its path, just when somebody wants to stop.",
+        "A feed hold slows the program's time down to a stop; this is added to the motion's own "
+        "acceleration. The certificate has the used share of each joint's acceleration of an emergency "
+        "stop. Beyond that the drive may trip, or the arm may leave its path, just when somebody wants to "
+        "stop.",
         "P0010 MOVEJ_TOPP 120 60 0 0 0 0 [MIN] (deg)",
         "P0010 MOVEJ 120 60 0 0 0 0 [50%] (deg)",
     ),

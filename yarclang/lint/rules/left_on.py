@@ -25,7 +25,8 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:  # noqa: 
             yield remark_at(
                 step.origin,
                 f"{name} is still ON when the program ends, and a stop doesn't switch it off",
-                f"write SET {name} OFF when it has done its work, or OUTPUT {name} {step.output.variable} OFF to have it off at a stop",
+                f"write SET {name} OFF when it has done its work, or OUTPUT {name} {step.output.variable} "
+                "OFF to have it off at a stop",
             )
 
 
@@ -35,8 +36,9 @@ RULE = Rule(
         "left-on",
         "warning",
         "an output is switched on and never off",
-        "Glue, a torch or a spindle that isn't switched off goes on after the program, and after a stop. An output with a safe value gets it at a stop, "
-        "and is left alone; so is one of a gripper.",
+        "Glue, a torch or a spindle that isn't switched off goes on after the program, and after a stop. "
+        "Outputs with a safe value aren't reported, since they get this value at a stop; neither are "
+        "outputs of grippers.",
         "OUTPUT GLUE M1\nP0010 SET GLUE ON\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "OUTPUT GLUE M1 OFF\nP0010 SET GLUE ON\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0030 SET GLUE OFF",
     ),

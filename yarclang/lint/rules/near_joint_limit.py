@@ -27,8 +27,8 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         unit = robot.axis_unit_names[joint]
         which = f"way-point {at + 1}" if len(motion.waypoints) > 1 else "the target"
         message = (
-            f"{which} takes {robot.joint_names[joint]} to {motion.waypoints[at, joint] / units[joint]:.4g} {unit}, "
-            f"{max(0.0, room[at, joint]):.2g} {unit} from its limit"
+            f"{which} takes {robot.joint_names[joint]} to {motion.waypoints[at, joint] / units[joint]:.4g} "
+            f"{unit}, {max(0.0, room[at, joint]):.2g} {unit} from its limit"
         )
         help_ = "another configuration (NEAR) or another place of the part leaves more room"
         yield remark_at(step.origin, message, help_)
@@ -51,8 +51,9 @@ RULE = Rule(
         "near-joint-limit",
         "note",
         "a joint comes within 2 deg (or mm) of its limit at a target",
-        "The program works now, but may fail after a small correction of the target: the pose is refused, or the arm takes another configuration. "
-        "On the machine, the limit switch may be a little nearer than robot.toml says.",
+        "The program works now, but may fail after a small correction of the target: the pose is refused, "
+        "or the arm takes another configuration. On the machine, the limit switch may be a little nearer "
+        "than robot.toml says.",
         "P0010 MOVEJ 169 0 0 0 0 0 [50%] (deg)",
         "P0010 MOVEJ 160 0 0 0 0 0 [50%] (deg)",
     ),

@@ -46,8 +46,9 @@ RULE = Rule(
         "needless-allow",
         "note",
         "ALLOW names bodies that never touch",
-        "Bodies that may touch on a motion aren't checked against each other. If they stay apart anyway, the ALLOW has no effect today, and may hide a collision when somebody "
-        "changes the motion or the cell.",
+        "Bodies that may touch on a motion aren't checked against each other. If they stay apart anyway, "
+        "the ALLOW has no effect today, and may hide a collision when somebody changes the motion or the "
+        "cell.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_6",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -56,7 +57,15 @@ RULE = Rule(
     valid=(
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART} ALLOW LINK_1 LINK_6\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
+        (
+            "REGISTER DX -2000..2000 0 OUTSIDE\n"
+            "FRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\n"
+            "DEFAULT {TCP} [50%] (mm,deg,s) {B}\n"
+            "OFFSET {PART} X DX\n"
+            "P0010 MOVEL 0 0 0 0 0 0 {PART} ALLOW LINK_1 LINK_6\n"
+            "P0020 MOVEJ 0 0 0 0 30 0\n"
+            "END"
+        ),
     ),
     invalid=(
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5 ALLOW LINK_2 LINK_4",

@@ -57,8 +57,9 @@ RULE = Rule(
         "radians",
         "warning",
         "joint values in degrees look like radians",
-        "1.5708 deg is a strange number, and a quarter of a turn in rad. The line is carried out, and the arm moves by a sixtieth of what was meant; "
-        "the next straight motion then starts from somewhere else.",
+        "1.5708 deg is an unusual number, and a quarter of a turn in rad. The line is carried out, and "
+        "the arm moves by a sixtieth of the intended angle; the next straight motion then starts from a "
+        "wrong place.",
         "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (deg,s)",
         "P0010 MOVEJ 1.5708 0 0 0 0.5236 0 [5] (rad,s)",
     ),

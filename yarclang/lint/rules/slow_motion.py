@@ -40,11 +40,15 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         needed = max(demand.segment for demand in bounds.demands(motion.curve.points))
         shortest = motion.curve.duration * needed / motion.curve.segment
         if _NO_TIME < shortest < given / MANY:
-            message = f"this motion takes {given:g} s and could be done in {shortest:.2g} s: {given / shortest:.0f} times as long"
+            message = (
+                f"this motion takes {given:g} s and could be done in {shortest:.2g} s: "
+                f"{given / shortest:.0f} times as long"
+            )
             yield remark_at(
                 step.origin,
                 message,
-                "check the time and its unit; [MIN] or [50%] let the limits decide, [V 50] the speed of the tool",
+                "check the time and its unit; [MIN] or [50%] let the limits decide, [V 50] the speed of "
+                "the tool",
             )
 
 
@@ -54,8 +58,9 @@ RULE = Rule(
         "slow-motion",
         "note",
         "a motion takes more than 20 times as long as it has to",
-        "A time that is much too long is often one in the wrong unit, or a leftover from a longer way, and costs time in every cycle. If it is "
-        "intended, for a weld or a glue line, use a speed such as [V 10] instead: the time then follows from the way.",
+        "A time that is much too long is often a time in the wrong unit, or the old time of a longer "
+        "way, and costs time in every cycle. If the slow motion is intended, for a weld or a glue line, "
+        "use a speed such as [V 10] instead: the time then follows from the way.",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,min)",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)",
     ),

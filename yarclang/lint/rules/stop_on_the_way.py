@@ -34,11 +34,15 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         (angle,) = recall(around.memory, key, partial(_angle, first, second, ways))
         if angle is not None and angle < STRAIGHT:
             other = f" {following.origin.label}" if following.origin.label else " the next motion"
-            message = f"the robot stops here, and{other} goes on in the same direction, within {max(angle / DEG, 0.01):.2g} deg"
+            message = (
+                f"the robot stops here, and{other} goes on in the same direction, within "
+                f"{max(angle / DEG, 0.01):.2g} deg"
+            )
             yield remark_at(
                 step.origin,
                 message,
-                "BLEND with a distance, at the end of the line, makes the motion flow; if the robot should stop here, nothing needs to be done",
+                "BLEND with a distance, at the end of the line, makes the motion flow; if the robot should "
+                "stop here, nothing needs to be done",
             )
 
 
@@ -81,7 +85,8 @@ RULE = Rule(
         "stop-on-the-way",
         "note",
         "the robot stops between two motions that go straight on",
-        "Without BLEND each motion ends at rest. On a straight way this costs time, and leaves a mark if the tool works on the way, as with glue.",
+        "Without BLEND each motion ends at rest. On a straight way this costs time, and leaves a mark if "
+        "the tool works on the way, as with glue.",
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 100]\nP0030 MOVEL 0 1174.4 1176 0 0 0 [V 100]",
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 100] BLEND 10\nP0030 MOVEL 0 1174.4 1176 0 0 0 [V 100]",
     ),

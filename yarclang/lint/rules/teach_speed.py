@@ -31,7 +31,10 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         speed = _speed(around.robot, motion)
         if speed <= LARGEST * (1.0 + _ROUNDING):
             continue
-        message = f"the tool goes at up to {speed / MM:.0f} mm/s; yarc.toml says teach = true, and then {LARGEST / MM:.0f} is the most"
+        message = (
+            f"the tool goes at up to {speed / MM:.0f} mm/s; yarc.toml says teach = true, and then "
+            f"{LARGEST / MM:.0f} is the most"
+        )
         needed = motion.curve.duration * speed / LARGEST
         yield remark_at(
             step.origin,
@@ -58,8 +61,9 @@ RULE = Rule(
         "above-teach-speed",
         "warning",
         "the tool goes faster than 250 mm/s while people teach",
-        "While somebody stands within reach, the tool may go at 250 mm/s at most: the reduced speed of ISO 10218-1. `teach = true` in yarc.toml states that the "
-        "programs are for such work. This check isn't a safety function: the controller's own speed monitoring must work as well.",
+        "While somebody stands within reach, the tool may go at 250 mm/s at most: the reduced speed of ISO "
+        "10218-1. `teach = true` in yarc.toml states that the programs are for such work. This check isn't "
+        "a safety function: the controller's own speed monitoring must work as well.",
         "P0010 MOVEJ 90 0 0 0 0 0 [MIN] (deg)",
         "P0010 MOVEJ 90 0 0 0 0 0 [20] (deg,s)",
     ),
@@ -67,11 +71,19 @@ RULE = Rule(
     _look,
     valid=(
         "P0010 MOVEJ 90 0 0 0 0 0 [20] (deg,s)",
-        "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1376 0 0 0 [10]\nP0020 MOVEL 0 1174.4 1076 0 0 0 [V 250]",
+        (
+            "DEFAULT {TCP} (mm,deg,s) {B}\n"
+            "P0010 MOVEJ_RPY 0 1174.4 1376 0 0 0 [10]\n"
+            "P0020 MOVEL 0 1174.4 1076 0 0 0 [V 250]"
+        ),
     ),
     invalid=(
         "P0010 MOVEJ 90 0 0 0 0 0 [MIN] (deg)",
-        "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1376 0 0 0 [10]\nP0020 MOVEL 0 1174.4 1076 0 0 0 [V 260]",
+        (
+            "DEFAULT {TCP} (mm,deg,s) {B}\n"
+            "P0010 MOVEJ_RPY 0 1174.4 1376 0 0 0 [10]\n"
+            "P0020 MOVEL 0 1174.4 1076 0 0 0 [V 260]"
+        ),
     ),
     teach=True,
 )

@@ -25,8 +25,9 @@ RULE = Rule(
         "unread-input",
         "warning",
         "an INPUT is declared that nothing reads",
-        "An input is declared so that the robot waits for it, or chooses a way by it: a door that must be shut, a part that must be there. Without a "
-        "WAIT or WHEN the robot goes on whatever the input says.",
+        "An input is declared so that the robot waits for it, or chooses a way by it: for example, a "
+        "door must be shut, or a part must be there. Without a WAIT or WHEN the robot goes on whatever "
+        "the value of the input is.",
         "INPUT DOOR_SHUT M11\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "INPUT DOOR_SHUT M11\nP0010 WAIT DOOR_SHUT ON [30] (s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         needs="use",

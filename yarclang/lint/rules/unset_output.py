@@ -25,8 +25,8 @@ RULE = Rule(
         "unset-output",
         "warning",
         "an OUTPUT is declared that nothing sets",
-        "A gripper or a valve that is never switched stays as the previous program left it. An output with a safe value is "
-        "left alone: it is set at a stop.",
+        "A gripper or a valve that is never switched stays as the previous program left it. An output "
+        "with a safe value isn't reported: it gets this value at a stop.",
         "OUTPUT GRIP M1\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "OUTPUT GRIP M1\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 SET GRIP ON",
         needs="use",

@@ -65,11 +65,13 @@ RULE = Rule(
         "unused-name",
         "note",
         "something is declared that nothing uses",
-        "Either the line is a leftover, or a later command names a wrong frame, position or number: a frame that was measured and "
-        "isn't used is often one whose neighbour is used twice. A file without commands of its own is a module, whose names are for others.",
+        "Either the line is a leftover, or a later command names a wrong frame, position or number. If a "
+        "frame was measured and isn't used, another frame is often used twice by mistake. A file without "
+        "commands of its own is a module, whose names are for other files.",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nFRAME {RIGHT} 200 1074.4 1126 0 0 0 (mm,deg) {B}\n"
         "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
-        "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
+        "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\n"
+        "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",
         needs="use",
         tag="unneeded",
     ),
@@ -78,7 +80,13 @@ RULE = Rule(
     valid=(
         "LET HEIGHT = 1176 (mm)\nP0010 MOVEJ_RPY {TCP} 0 1174.4 $HEIGHT 0 0 0 [5] (mm,deg,s) {B}",
         "JOINTS PARK 0 -10 -40 0 50 0 (deg)\nSTART PARK\nP0010 MOVEJ HOME [MIN]",
-        "SUB LIFT A (mm)\n  P0010 DMOVE {TCP} 0 0 $A 0 0 0 [MIN] (mm,deg) {B}\nEND\nP0020 MOVEJ 0 0 0 0 -30 0 [MIN] (deg)\nP0030 CALL LIFT -50",
+        (
+            "SUB LIFT A (mm)\n"
+            "  P0010 DMOVE {TCP} 0 0 $A 0 0 0 [MIN] (mm,deg) {B}\n"
+            "END\n"
+            "P0020 MOVEJ 0 0 0 0 -30 0 [MIN] (deg)\n"
+            "P0030 CALL LIFT -50"
+        ),
     ),
     invalid=(
         "LET HEIGHT = 1176 (mm)\nP0010 MOVEJ HOME [50%]",

@@ -35,17 +35,23 @@ RULE = Rule(
         "unused-tool",
         "warning",
         "a tool is declared that no command uses",
-        "A declared tool is mounted. If no command names it, all commands move another frame, most likely {TCP}, to the tool's places, and the "
-        "tool collides with the bodies there.",
-        "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
-        "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        "A declared tool is mounted. If no command names it, all commands move another frame, most likely "
+        "{TCP}, to the tool's places, and the tool collides with the bodies there.",
+        "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\n"
+        "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\n"
+        "P0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         needs="use",
         tag="unneeded",
     ),
     Module,
     _look,
     valid=(
-        "FRAME {TORCH} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nDEFAULT {TORCH} [5] (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0",
+        (
+            "FRAME {TORCH} 0 0 50 0 0 0 (mm,deg) {FLANGE}\n"
+            "DEFAULT {TORCH} [5] (mm,deg,s) {B}\n"
+            "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0"
+        ),
         (
             "FRAME {MOUNT} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nFRAME {TIP} 0 0 50 0 0 0 (mm,deg) {MOUNT}\n"
             "P0010 MOVEJ_RPY {TIP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"
@@ -53,7 +59,10 @@ RULE = Rule(
         "FRAME {TABLE} 0 900 500 0 0 0 (mm,deg) {B}\nP0010 MOVEJ HOME [50%]",
     ),
     invalid=(
-        "FRAME {TORCH} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
+        (
+            "FRAME {TORCH} 0 0 50 0 0 0 (mm,deg) {FLANGE}\n"
+            "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"
+        ),
         (
             "FRAME {MOUNT} 0 0 50 0 0 0 (mm,deg) {FLANGE}\nFRAME {TIP} 0 0 50 0 0 0 (mm,deg) {MOUNT}\n"
             "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}"

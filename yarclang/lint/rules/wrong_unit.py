@@ -106,8 +106,9 @@ RULE = Rule(
         "wrong-unit",
         "warning",
         "a magnitude suggests the wrong unit",
-        "A pose 1.2 mm from the robot's base, or one 1174 m away, a tool that creeps at 0.25 mm/s: numbers that are right in m and stand in a line of mm, or the other way "
-        "round. If the robot can carry the line out nevertheless, the motion isn't the intended one.",
+        "A pose is 1.2 mm from the robot's base, or 1174 m away, or a tool creeps at 0.25 mm/s: such "
+        "numbers are often right in m but given in mm, or the other way round. If the robot can carry "
+        "the line out nevertheless, the motion isn't the intended one.",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (m,deg,s) {B}",
         needs="unit",
@@ -117,7 +118,10 @@ RULE = Rule(
     valid=(
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 20] BLEND 5\nP0030 MOVEL 100 1174.4 1276 0 0 0",
         _HEAD + "P0020 DMOVE 0 0 0.5 0 0 0",
-        "FRAME {TABLE} 0 1174.4 1176 0 0 0 (mm,deg) {B}\nP0010 MOVEJ_RPY {TCP} 0 0 0.5 0 0 0 [5] (mm,deg,s) {TABLE}",
+        (
+            "FRAME {TABLE} 0 1174.4 1176 0 0 0 (mm,deg) {B}\n"
+            "P0010 MOVEJ_RPY {TCP} 0 0 0.5 0 0 0 [5] (mm,deg,s) {TABLE}"
+        ),
     ),
     invalid=(
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",

@@ -61,7 +61,8 @@ def _page(server: Server, code: str) -> types.CodeDescription:
 
 def _name(analysis: Analysis) -> str:
     """Return an identifier for the findings of an analysis."""
-    return f"{analysis.document.version}.{analysis.generation}.{2 if analysis.is_whole else int(analysis.is_planned)}"
+    stage = 2 if analysis.is_whole else int(analysis.is_planned)
+    return f"{analysis.document.version}.{analysis.generation}.{stage}"
 
 
 async def _asked(

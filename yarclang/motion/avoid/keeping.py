@@ -1,5 +1,5 @@
-"""Find a way of straight pieces along which an axis keeps its angle: two trees whose branches are pulled back
-into the angle at every step.
+"""Find a way of straight pieces along which an axis keeps its angle, or a point stays in a cone: two trees
+whose branches are pulled back into the rule at every step.
 
 The joint positions at which an axis is upright are a thin layer among all joint positions: samples hardly
 ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are projected onto it
@@ -14,8 +14,9 @@ from functools import partial
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed, Sight
 from yarclang.collision.scene import Scene
+from yarclang.collision.zones.sights import aimed_at
 from yarclang.collision.zones.tilts import angles_at
 from yarclang.frozen import frozen
 from yarclang.hir import Array
@@ -26,6 +27,10 @@ _STEP = 0.1
 """Length of a step of a branch before it is pulled back [m, of bodies]."""
 _INSIDE = 0.7
 """Share of the angle within which projected joint positions are, so that the pieces between them fit."""
+_SPARE = 0.02
+"""Distance that projected joint positions keep from the ends of a range of distances, if it is wide enough
+[m].
+"""
 _ROUNDS = 12
 """Steps of Newton's method to pull a joint position back."""
 _MOST_STEPS = 60
@@ -36,12 +41,28 @@ _CUTS = 120
 """Shortcuts that are tried."""
 
 
-def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Array | None:
-    """Return a joint position (n,) near another one at which all tilts are within a share of their angles.
+def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]]:
+    """Return by how much a rule's inner limits are exceeded at the first of several joint positions (P, n),
+    each with the measured values (P,) at all of them [rad or m].
+    """
+    if not isinstance(rule, Sight):
+        seen = angles_at(rule, scene, q)
+        return [(float(seen[0]) - rule.limit * _INSIDE, seen)]
+    aim = aimed_at(rule, scene, q)
+    spare = min(_SPARE, (rule.far - rule.near) * (1.0 - _INSIDE) / 2.0)
+    return [
+        (float(aim.angle[0]) - rule.limit * _INSIDE, aim.angle),
+        (rule.near + spare - float(aim.distance[0]), -aim.distance),
+        (float(aim.distance[0]) - rule.far + spare, aim.distance),
+    ]
+
+
+def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> Array | None:
+    """Return a joint position (n,) near another one at which all rules are kept with some reserve.
 
     Args:
         scene: has the arm.
-        tilts: axes, directions and angles.
+        rules: the axes and cones.
         reach: (n,) scale of the joints [m/rad or 1]: joints that move bodies less turn more.
         q: (n,) [rad or m].
 
@@ -51,11 +72,10 @@ def pulled(scene: Scene, tilts: tuple[Tilt, ...], reach: Array, q: Array) -> Arr
     around = np.concatenate((np.zeros((1, len(q))), np.eye(len(q)) * _DELTA))
     for _ in range(_ROUNDS):
         worst, slopes = 0.0, None
-        for tilt in tilts:
-            seen = angles_at(tilt, scene, q + around)
-            over = float(seen[0]) - tilt.limit * _INSIDE
-            if over > worst:
-                worst, slopes = over, (seen[1:] - seen[0]) / _DELTA / reach
+        for rule in rules:
+            for over, seen in _excesses(rule, scene, q + around):
+                if over > worst:
+                    worst, slopes = over, (seen[1:] - seen[0]) / _DELTA / reach
         if slopes is None:
             return q
         size = float(slopes @ slopes)
@@ -140,19 +160,21 @@ class _Tree:
         return found[::-1]
 
 
-def upright(scene: Scene, tilts: tuple[Tilt, ...], question: Question, effort: Effort) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which tilts
+def along_rules(
+    scene: Scene, rules: tuple[Pointed, ...], question: Question, effort: Effort
+) -> Array | Apart:
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which rules
     are kept; or how near the search came.
 
     Args:
         scene: has the arm.
-        tilts: axes, directions and angles.
-        question: its `free` checks the tilts too.
+        rules: the axes and cones.
+        question: its `free` checks the rules too.
         effort: parameters of the search.
     """
     random = np.random.default_rng(effort.seed)
     low, high = bounds_of(question)
-    pull = partial(pulled, scene, tilts, question.reach)
+    pull = partial(pulled, scene, rules, question.reach)
     space = _Space(question.free, pull, question.reach, effort.step / question.reach, low, high)
     out, in_ = _Tree(question.starts), _Tree(question.goals)
     tries = 0

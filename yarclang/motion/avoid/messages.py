@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, AvoidMove, Motion, Origin, PoseGoal
 from yarclang.motion.avoid.changes import FARTHEST, Change, change_fix, changes_text
+from yarclang.motion.avoid.lines import Course
 from yarclang.motion.avoid.parting import Barrier, Parting
 from yarclang.motion.avoid.room import JOINTS, Obstruction
 from yarclang.motion.avoid.way import NoWay, Way
@@ -27,9 +28,32 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
     """Return the finding that a way around obstacles was taken, with its way-points."""
     count = len(way.waypoints) - 1
     in_way = inside(way.between) if way.between is not None else "something is in the straight way"
-    message = f"the straight way isn't free: {in_way}; a way round was found, through {count} way-point{'s' * (count != 1)}"
+    message = (
+        f"the straight way isn't free: {in_way}; a way round was found, through {count} "
+        f"way-point{'s' * (count != 1)}"
+    )
     help_ = "MOVEJ_SPLINE with these way-points goes the same way, whatever the cell becomes"
     return "Y0920", message, step.origin.span, help_, _as_spline(robot, way, step)
+
+
+def way_of_lines(course: Course, step: Motion) -> Message:
+    """Return the finding that a line goes round obstacles, with the places of its corners."""
+    why = inside(course.between) if course.between is not None else "the arm can't follow it"
+    corners = course.poses[:-1, :3, 3] / MM
+    count = len(corners)
+    places = ", ".join(" ".join(f"{value + 0.0:.1f}" for value in one) for one in corners[:_SHOWN])
+    more = f", and {count - _SHOWN} more" if count > _SHOWN else ""
+    message = (
+        f"the straight line isn't free: {why}; a way round was found, with {count} "
+        f"corner{'s' * (count != 1)} at {places}{more} (mm) {{B}}"
+    )
+    return (
+        "Y0920",
+        message,
+        step.origin.span,
+        "MOVEL to these places goes the same way, whatever the cell becomes",
+        None,
+    )
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
@@ -58,7 +82,10 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
     message = f"no way round was found {tried(robot, why)}"
     help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
     if why.is_cut:
-        help_ += "; among so many bodies the search has ended early, and --avoid-effort 4 goes on four times as long"
+        help_ += (
+            "; among so many bodies the search has ended early, and --avoid-effort 4 goes on four times as "
+            "long"
+        )
     return "Y0923", message, origin.span, help_, None
 
 
@@ -84,11 +111,15 @@ def parted(robot: Robot, parting: Parting | Barrier) -> str:
     past the zone.
     """
     if isinstance(parting, Barrier):
-        return f"zone {parting.name}, which the arm can't reach past, lies between where {parting.item} is and where it shall be"
+        return (
+            f"zone {parting.name}, which the arm can't reach past, lies between where {parting.item} is and "
+            "where it shall be"
+        )
     joint, unit = parting.joint, robot.axis_units[parting.joint]
     return (
-        f"zone {parting.name} forbids {robot.joint_names[joint]} from {parting.lower / unit:.6g} to {parting.upper / unit:.6g} "
-        f"{robot.axis_unit_names[joint]}, and start and target are on either side of it"
+        f"zone {parting.name} forbids {robot.joint_names[joint]} from {parting.lower / unit:.6g} to "
+        f"{parting.upper / unit:.6g} {robot.axis_unit_names[joint]}, and start and target are on either "
+        "side of it"
     )
 
 
@@ -97,7 +128,10 @@ def configuration_blocked(
 ) -> Message:
     """Return the finding that another solution was taken because the nearest one isn't free."""
     origin = step.origin
-    message = f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: with that, {inside(nearest[1])}"
+    message = (
+        f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: "
+        f"with that, {inside(nearest[1])}"
+    )
     help_ = "NEAR with a joint position in this configuration says that it is meant"
     return "Y0924", message, origin.span, help_, None if which else near_fix(robot, origin, taken)
 
@@ -108,8 +142,8 @@ def configuration_without_way(
     """Return the finding that another solution was taken because no way to the nearest one was found."""
     origin = step.origin
     message = (
-        f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to that was found"
-        f"{f', {inside(why.between)} on the straight one' if why.between is not None else ''}"
+        f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to "
+        f"that was found{f', {inside(why.between)} on the straight one' if why.between is not None else ''}"
     )
     help_ = "NEAR with a joint position in this configuration says that it is meant"
     return "Y0924", message, origin.span, help_, near_fix(robot, origin, taken)
@@ -162,6 +196,9 @@ def inside(one: Obstruction) -> str:
     moving, other = one.names
     if one.is_tilt:
         return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"
+    if one.aim is not None:
+        angle, distance = one.aim
+        return f"{moving} breaks {other}, {angle / DEG:.4g} deg off the axis and {distance / MM:,.4g} mm away"
     if one.is_zone:
         return (
             f"{JOINTS} break the zone {other}"

@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from yarclang.cell.keeping import Tilt
+from yarclang.cell.keeping import Pointed, Tilt
 from yarclang.cell.model import Cell, JointWindow
 from yarclang.collision.course import Course
 from yarclang.collision.free import free_space, gaps, plain_free_space
@@ -19,6 +19,7 @@ from yarclang.collision.proof import clearances
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.travel import arm_lengths
 from yarclang.collision.zones.proof import kept
+from yarclang.collision.zones.sights import aimed_at
 from yarclang.collision.zones.watched import Moving
 from yarclang.collision.zones.workspace import Watch, slack_at, slack_of, watches_of
 from yarclang.frozen import frozen
@@ -44,13 +45,15 @@ TOUCH = 1e-6
 @frozen(eq=False)
 class Obstruction:
     """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
-    and by how much it is broken [m; rad or m for joints; rad for a tilt].
+    and by how much it is broken [m; rad or m for joints; rad for a tilt; either for a sight]. `aim` is the
+    angle [rad] and the distance [m] of a point from the apex of its cone.
     """
 
     names: tuple[str, str]
     distance: float
     is_zone: bool = False
     is_tilt: bool = False
+    aim: tuple[float, float] | None = None
 
 
 @frozen(eq=False)
@@ -67,10 +70,10 @@ class Room:
     flange_from_moving: Array
 
     @property
-    def tilts(self) -> tuple[Tilt, ...]:
-        """The angles that axes keep along the way."""
+    def rules(self) -> tuple[Pointed, ...]:
+        """The angles that axes keep along the way, and the cones in which points stay."""
         regions = (watch.zone.region for watch in self.watches)
-        return tuple(one for one in regions if isinstance(one, Tilt))
+        return tuple(one for one in regions if isinstance(one, Pointed))
 
     def obstruction(self, q: Array) -> Obstruction | None:
         """Return the worst obstruction at a joint position (n,) [rad or m]; None if nothing is in the way."""
@@ -84,7 +87,7 @@ class Room:
         if not broken:
             return None
         by, watch = min(broken, key=lambda one: one[0])
-        return _broken(watch, -by)
+        return self._broken(watch, -by, q)
 
     def nearest(self, q: Array) -> Obstruction:
         """Return the worst obstruction at a joint position (n,) [rad or m], or the pair or zone that is
@@ -100,7 +103,19 @@ class Room:
                 self.scene.names(worst), float(left[worst]) + float(self.scene.pairs.margin[worst])
             )
         watch = min(self.watches, key=lambda one: float(slack_at(self.scene, one, q[None])[0]))
-        return _broken(watch, -float(slack_at(self.scene, watch, q[None])[0]))
+        return self._broken(watch, -float(slack_at(self.scene, watch, q[None])[0]), q)
+
+    def _broken(self, watch: Watch, by: float, q: Array) -> Obstruction:
+        zone = watch.zone
+        if isinstance(zone.region, Pointed) and zone.keep is not None:
+            names = f"{{{zone.keep.frame}}}", zone.name
+            if isinstance(zone.region, Tilt):
+                return Obstruction(names, by, is_zone=True, is_tilt=True)
+            aim = aimed_at(zone.region, self.scene, q[None])
+            seen = float(aim.angle[0]), float(aim.distance[0])
+            return Obstruction(names, by, is_zone=True, aim=seen)
+        watched = watch.item.name if watch.item is not None else JOINTS
+        return Obstruction((watched, zone.name), by, is_zone=True)
 
     def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
         """Yield the result of `obstruction` for each of several joint positions (n,) [rad or m].
@@ -216,13 +231,6 @@ class Room:
             float(slack_at(self.scene, one, q[None])[0]) >= slack_of(one) + _INSIDE * (not _of_joints(one))
             for one in self.watches
         )
-
-
-def _broken(watch: Watch, by: float) -> Obstruction:
-    if isinstance(watch.zone.region, Tilt) and watch.zone.keep is not None:
-        return Obstruction((f"{{{watch.zone.keep.frame}}}", watch.zone.name), by, is_zone=True, is_tilt=True)
-    watched = watch.item.name if watch.item is not None else JOINTS
-    return Obstruction((watched, watch.zone.name), by, is_zone=True)
 
 
 JOINTS = "the joints"

@@ -12,7 +12,7 @@ import numpy as np
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.backing import Retreat, retreats
-from yarclang.motion.avoid.keeping import upright
+from yarclang.motion.avoid.keeping import along_rules
 from yarclang.motion.avoid.parting import Barrier, Parting, parting
 from yarclang.motion.avoid.room import Obstruction, Room, reaches
 from yarclang.motion.avoid.search import Apart, Effort, Question, polyline
@@ -250,8 +250,8 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks)
             return None
     ends = [np.array([one.corners[-1] for one in side]) for side in (out, in_)]
     question = Question(ends[0], ends[1], room.robot.limits, reach, free, looks.are_over)
-    tilts = room.tilts
-    corners = upright(room.scene, tilts, question, effort) if tilts else polyline(question, effort)
+    rules = room.rules
+    corners = along_rules(room.scene, rules, question, effort) if rules else polyline(question, effort)
     if isinstance(corners, Apart):
         return corners
     first, last = (

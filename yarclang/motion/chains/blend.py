@@ -11,6 +11,7 @@ added, and the path isn't left at all.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Hashable, Sequence
 
 import numpy as np
@@ -97,10 +98,11 @@ def superpose(
         chain: the arm.
         parts: its k motions.
         corners: the k - 1 corners between them.
-        overlaps: the segments (k - 1) in which two laws overlap; even, and within both.
+        overlaps: the segments (k - 1) in which two laws overlap; even, and within both. 0 is a stop.
     """
     starts = begins(parts, overlaps)
     total = starts[-1] + parts[-1].segments
+    stops = [0, *(start for start, overlap in zip(starts[1:], overlaps, strict=True) if not overlap), total]
     points = np.tile(parts[0].path.start, (total + 3, 1))
     for part, begin in zip(parts, starts, strict=True):
         own = part.trial.points
@@ -110,7 +112,10 @@ def superpose(
     for number, (corner, overlap) in enumerate(zip(corners, overlaps, strict=True)):
         first, second = parts[number], parts[number + 1]
         if overlap and (corner.is_tangent or _share_a_frame(first.path, second.path)):
-            _correct(points, chain, first, second, corner, overlap, starts[number + 1])
+            begin = starts[number + 1]
+            after = bisect_right(stops, begin)
+            rests = stops[after - 1], stops[after]
+            _correct(points, chain, first, second, corner, overlap, begin, rests)
     return points
 
 
@@ -167,15 +172,32 @@ def _share_a_frame(first: Path, second: Path) -> bool:
 
 
 def _correct(
-    points: Array, chain: Chain, first: Part, second: Part, corner: Corner, overlap: int, begin: int
+    points: Array,
+    chain: Chain,
+    first: Part,
+    second: Part,
+    corner: Corner,
+    overlap: int,
+    begin: int,
+    rests: tuple[int, int],
 ) -> None:
-    """Move control points so that the curve meets the joint positions of an overlap at its knots."""
+    """Move control points so that the curve meets the joint positions of an overlap at its knots.
+
+    `rests` are the knots of the stops before and after the overlap. Their three equal control points stay.
+    """
     wanted = both(chain, first.path, second.path, corner, *shares(first, second, overlap))
-    low, high = max(begin + 1 - _FADE, 1), min(begin + overlap + _FADE, len(points) - 3)
+    # The control points of a stop at knot k are k to k + 2, and the curve meets knot k with point k + 1.
+    # Knots k - 1 and k + 1 can't be met without moving the stop, as in `through_knots`.
+    low, high = max(begin + 1 - _FADE, rests[0] + 2), min(begin + overlap + _FADE, rests[1] - 1)
+    if low >= high:
+        return
     miss = np.zeros((high - low, points.shape[1]))
-    inside = slice(begin + 1 - low, begin + overlap - low)
     # The miss is zero at the knots around the overlap.
-    miss[inside] = wanted - knot_values(points[begin + 1 : begin + overlap + 2])
+    one, end = max(begin + 1, low), min(begin + overlap, high)
+    if one < end:
+        miss[one - low : end - low] = wanted[one - begin - 1 : end - begin - 1] - knot_values(
+            points[one : end + 2]
+        )
     # Compute the change of control points that corrects the misses at the knots near the overlap.
     points[low + 1 : high + 1] += solve_tridiagonal(
         np.full(len(miss), 4.0), np.ones(len(miss) - 1), 6.0 * miss

@@ -79,7 +79,10 @@ def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
         "Y0607",
         message,
         origin.span,
-        "give the distance by which the corner may be cut, as BLEND 5, or by which the path may be left, as TOL 0.05",
+        (
+            "give the distance by which the corner may be cut, as BLEND 5, or by which the path may be left, "
+            "as TOL 0.05"
+        ),
         None,
     )
 
@@ -93,8 +96,8 @@ def stops_at_corner(origin: Origin) -> Message:
 def time_off_the_grid(duration: float, curve: Curve, origin: Origin) -> Message:
     """Return the finding about a time in a chain that isn't a whole number of segments."""
     message = (
-        f"the motion takes {curve.duration:.6g} s instead of {duration:.6g} s: motions without a stop between have one "
-        f"segment time, {curve.segment / MS:.6g} ms, and theirs have none in common"
+        f"the motion takes {curve.duration:.6g} s instead of {duration:.6g} s: motions without a stop "
+        f"between have one segment time, {curve.segment / MS:.6g} ms, and theirs have none in common"
     )
     return (
         "Y0609",

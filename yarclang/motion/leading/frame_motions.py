@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from yarclang.diagnostics import Collector
 from yarclang.hir import ArcMove, Array, LineMove, PoseDelta, PoseGoal, PoseSplineMove
+from yarclang.motion.avoid.lines import EFFORTS, QUICK, find_course
+from yarclang.motion.avoid.messages import no_way, way_of_lines
+from yarclang.motion.avoid.way import NoWay
 from yarclang.motion.cartesian import CartesianPath, FramePath, along
 from yarclang.motion.leading import messages
 from yarclang.motion.leading.clearing import kept_clear
-from yarclang.motion.leading.led import NOWHERE, FrameWay, Led
+from yarclang.motion.leading.led import NOWHERE, FrameWay, Led, LineLeg
 from yarclang.motion.leading.solving import Solver
 from yarclang.motion.paths.arc import NoArc, arc_through
 from yarclang.motion.paths.joint import JointPath
-from yarclang.motion.paths.line import line_between
+from yarclang.motion.paths.line import Line, line_between
 from yarclang.motion.paths.pose_spline import AtConstantSpeed, PoseSpline, through_poses
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.inverse import REACHED
@@ -48,6 +53,40 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
         assert not isinstance(path, CartesianPath)
     findings.add(*messages.broken_path(robot, path, frame, step))
     return Led(None, end, None, path.kind != "reach")
+
+
+def avoiding_line(solver: Solver, step: LineMove, stands: Array, findings: Collector) -> Led:
+    """Route a line from `stands` (n,) [rad or m] that may be left to get round what is in the way."""
+    robot, tool = solver.robot, moving_frame(step)
+    start = tool_poses(robot.chain, stands[None], tool)[0]
+    goal = _goal(step, start)
+    line = _frame_path(step, start, goal, findings)
+    if line is None:
+        return NOWHERE
+    assert isinstance(line, Line)
+    if line.length < REACHED and line.angle < REACHED:
+        return Led(JointPath(stands, stands), stands, stands[None])
+    path = along(robot.chain, robot.limits, tool, line, stands, reason="any")
+    straight = kept_clear(solver, step, path) if isinstance(path, CartesianPath) else None
+    goals: Sequence[Array] = solver.solutions(goal, stands)
+    if not goals and straight is None:
+        solver.nearest(goal, stands, step, findings)
+        return NOWHERE
+    efforts = QUICK if solver.is_again else EFFORTS
+    found = find_course(solver.room(step), line, straight, stands, goals, efforts, solver.searches)
+    if isinstance(found, NoWay):
+        end = goals[0] if straight is None else straight.end
+        is_blocked = found.start is not None or found.goal is not None
+        if straight is None and not is_blocked and found.tries == 0:
+            return frame_motion(solver, step, stands, findings)
+        findings.add(*no_way(robot, found, step.origin))
+        return Led(None, end, None, straight is None and not is_blocked)
+    if len(found.paths) > 1:
+        findings.add(*way_of_lines(found, step))
+    shares = found.shares(robot.limits).tolist()
+    legs = tuple(map(LineLeg, found.poses, found.paths, shares))
+    end = found.paths[-1].end
+    return Led(found.paths[-1], end, end[None], legs=legs)
 
 
 def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[FrameWay | None, PoseGoal]:

@@ -54,7 +54,10 @@ def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = 
             None,
         )
     joint = solved.joint or 0
-    message = f"{which}the pose needs {beyond_text(robot, joint, solved.excess)}, in the configuration that needs least"
+    message = (
+        f"{which}the pose needs {beyond_text(robot, joint, solved.excess)}, in the configuration that needs "
+        "least"
+    )
     return "Y0502", message, origin.span, range_text(robot, joint), None
 
 
@@ -102,7 +105,10 @@ def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianM
         message = f"the {what} leaves the workspace {where}{by if broken.is_measured else ''}"
         return "Y0503", message, origin.span, "go round by a via pose, or by MOVEJ", None
     if broken.kind == "limits" and joint is not None:
-        message = f"the {what} takes {beyond_text(robot, joint, broken.amount)}, from {where.removeprefix('at ')} on"
+        message = (
+            f"the {what} takes {beyond_text(robot, joint, broken.amount)}, from {where.removeprefix('at ')} "
+            "on"
+        )
         return "Y0504", message, origin.span, f"{range_text(robot, joint)}; {_BY_JOINTS}", None
     if broken.kind == "configuration":
         why = (
@@ -113,7 +119,10 @@ def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianM
         message = f"the {what} needs another configuration {where}{why}"
         return "Y0801", message, origin.span, _BY_JOINTS, None
     name = robot.joint_names[joint] if joint is not None else "a joint"
-    message = f"the {what} meets a singularity {where}: {name} would have to jump by {amount_text(robot, joint or 0, abs(broken.amount))}"
+    message = (
+        f"the {what} meets a singularity {where}: {name} would have to jump by "
+        f"{amount_text(robot, joint or 0, abs(broken.amount))}"
+    )
     return "Y0701", message, origin.span, _BY_JOINTS, None
 
 
@@ -136,10 +145,14 @@ def table_begins_elsewhere(robot: Robot, begins: Array, stands: Array, step: Tim
     joint = int(np.argmax(off / step.within))
     name, unit, factor = robot.joint_names[joint], robot.axis_unit_names[joint], robot.axis_units[joint]
     message = (
-        f"the timetable begins with {name} at {begins[joint] / factor:.6g} {unit}, and the robot stands at {stands[joint] / factor:.6g} {unit}: "
-        f"{off[joint] / factor:.4g} {unit} apart, allowed are {step.within[joint] / factor:.4g} {unit}"
+        f"the timetable begins with {name} at {begins[joint] / factor:.6g} {unit}, and the robot stands at "
+        f"{stands[joint] / factor:.6g} {unit}: {off[joint] / factor:.4g} {unit} apart, allowed are "
+        f"{step.within[joint] / factor:.4g} {unit}"
     )
-    help_ = "go to its first row with MOVEJ before it, or remove the row at time 0: then the motion begins where the robot stands"
+    help_ = (
+        "go to its first row with MOVEJ before it, or remove the row at time 0: then the motion begins "
+        "where the robot stands"
+    )
     return "Y0615", message, step.origin.span, help_, None
 
 
@@ -156,7 +169,10 @@ def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Messa
     """Return the finding about a curve of the moving frame that leaves the box around its way-points by
     much.
     """
-    message = f"the curve swings {length_text(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} % of the way"
+    message = (
+        f"the curve swings {length_text(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} "
+        "% of the way"
+    )
     return "Y0505", message, origin.span, "a way-point between holds it back", None
 
 

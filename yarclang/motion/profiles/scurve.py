@@ -72,7 +72,10 @@ _LAW = Law(_pure, _control, _forms, trapezoid_strain, _scaled)
 
 PROFILE = Profile(
     name="SCURVE",
-    summary="jerk-limited: ramps, blends and cruise as long as the limits ask for, the shortest time that they allow",
+    summary=(
+        "jerk-limited: ramps, blends and cruise as long as the limits ask for, the shortest time that they "
+        "allow"
+    ),
     law=lambda path, bounds: _LAW,  # noqa: ARG005
     is_stretched=True,
     has_cruise=True,

@@ -43,8 +43,8 @@ class TooMany(Trouble):
         wait: time until the next attempt is allowed [s].
     """
 
-    def __init__(self, what: str, wait: float) -> None:
-        super().__init__(what, f"try again in {max(1.0, wait):.0f} s", "")
+    def __init__(self, subject: str, wait: float) -> None:
+        super().__init__(subject, f"try again in {max(1.0, wait):.0f} s", "")
         self.wait = wait
 
 
@@ -143,11 +143,11 @@ class Accounts:
             TooMany: five wrong passwords have come from the same device or address, and the wait isn't over.
             Trouble: the name or the password is wrong.
         """
-        known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
-        place = (name.casefold()[:80], f"device {digest(device).hex()}" if known else address)
+        is_known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
+        place = (name.casefold()[:80], f"device {digest(device).hex()}" if is_known else address)
         anybody = ("", address)
         wait = self._attempts.wait(place, self._now())
-        if not known:  # a user at a known device doesn't wait for others at the same address
+        if not is_known:  # a user at a known device doesn't wait for others at the same address
             wait = max(wait, self._attempts.wait(anybody, self._now(), FREE_FROM_ADDRESS))
         if wait > 0.0:
             raise TooMany("too many wrong passwords", wait)
@@ -161,17 +161,17 @@ class Accounts:
             self._attempts.forgive(place)
             raise
         if not right or user is None:
-            if not known:
+            if not is_known:
                 self._attempts.failed(anybody, self._now())
             self.note(Deed(name[:80], address, "login", outcome=f"refused ({count} wrong passwords)"))
             raise Trouble("this name and password don't belong together", "try again", "")
         self._attempts.passed(place)
-        device = device if known else secrets.token_urlsafe(32)
+        device = device if is_known else secrets.token_urlsafe(32)
         session, token = self.sessions.open(user.name, user.role, address, agent, self._now())
         wall = self._wall()
         try:
             await self.database.call(people.know_device, digest(device), user.name, wall)
-            await self.database.call(people.keep_session, self._kept(session))
+            await self.database.call(people.keep_session, self._restored(session))
             await self.did(Deed(user.name, address, "login"))
         except Trouble:
             self.sessions.end(session)
@@ -191,7 +191,7 @@ class Accounts:
         session.seen = now = self._now()
         if now - self._noted.get(session.id, -_WRITTEN_EACH) >= _WRITTEN_EACH:
             self._noted[session.id] = now
-            self._later(people.keep_session, self._kept(session))
+            self._later(people.keep_session, self._restored(session))
 
     async def logout(self, session: Session) -> None:
         """End a session."""
@@ -277,12 +277,12 @@ class Accounts:
         Raises:
             Trouble: there is no such user, a new value isn't allowed, or no service user would be left.
         """
-        found = await self.database.call(people.user_called, name)
+        user = await self.database.call(people.user_called, name)
         if password is not None:
             check_password(password, name)
         if pin is not None:
             check_pin(pin)
-        if role is Role.SERVICE and pin is None and (found is None or found.pin is None):
+        if role is Role.SERVICE and pin is None and (user is None or user.pin is None):
             raise Trouble("a service user needs a PIN", "choose one", "")
         await self.database.call(
             people.change_user,
@@ -370,7 +370,7 @@ class Accounts:
         self._writing.add(task)
         task.add_done_callback(self._writing.discard)
 
-    def _kept(self, session: Session) -> Kept:
+    def _restored(self, session: Session) -> Kept:
         now, wall = self._now(), self._wall()
         return Kept(
             session.id,
@@ -382,8 +382,8 @@ class Accounts:
             session.agent,
         )
 
-    async def _is_secret(self, kept: str | None, secret: str) -> bool:
-        return await self._beside(is_secret, kept, secret[:1000])
+    async def _is_secret(self, secret_hash: str | None, secret: str) -> bool:
+        return await self._beside(is_secret, secret_hash, secret[:1000])
 
     async def _hashed(self, secret: str) -> str:
         return await self._beside(hashed, secret)

@@ -52,24 +52,24 @@ class Attempts:
             now: a monotonic clock [s].
             free: wrong attempts before the first wait.
         """
-        found = self._failures.get(place)
-        if found is None or now - found.last > FORGOTTEN:
+        failures = self._failures.get(place)
+        if failures is None or now - failures.last > FORGOTTEN:
             return 0.0
-        if found.count < free:
+        if failures.count < free:
             return 0.0
-        wanted = min(FIRST_WAIT * 2.0 ** min(found.count - free, 30), LONGEST_WAIT)
-        return max(0.0, wanted - (now - found.last))
+        wanted = min(FIRST_WAIT * 2.0 ** min(failures.count - free, 30), LONGEST_WAIT)
+        return max(0.0, wanted - (now - failures.last))
 
     def failed(self, place: Place, now: float) -> int:
         """Count a wrong attempt. Return the number of wrong attempts of its place."""
-        found = self._failures.pop(place, None)
-        if found is None or now - found.last > FORGOTTEN:
-            found = _Failures(0, now)
-        found.count, found.last = found.count + 1, now
-        self._failures[place] = found
+        failures = self._failures.pop(place, None)
+        if failures is None or now - failures.last > FORGOTTEN:
+            failures = _Failures(0, now)
+        failures.count, failures.last = failures.count + 1, now
+        self._failures[place] = failures
         while len(self._failures) > _MOST:
             self._failures.popitem(last=False)
-        return found.count
+        return failures.count
 
     def forgive(self, place: Place) -> None:
         """Remove the last wrong attempt of a place. Called if the password couldn't be checked."""

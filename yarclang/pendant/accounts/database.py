@@ -42,7 +42,7 @@ CREATE TABLE audit (
 ) STRICT;
 CREATE TRIGGER audit_stays BEFORE UPDATE ON audit BEGIN SELECT RAISE(ABORT, 'the audit trail is never changed'); END;
 CREATE TRIGGER audit_remains BEFORE DELETE ON audit BEGIN SELECT RAISE(ABORT, 'the audit trail is never changed'); END;
-"""
+"""  # noqa: E501
 
 _ALARMS = """
 CREATE TABLE alarms (
@@ -120,7 +120,7 @@ class Database:
         try:
             connection.execute("BEGIN IMMEDIATE")
             try:
-                made = do(connection, *arguments, **named)
+                result = do(connection, *arguments, **named)
             except BaseException:
                 if connection.in_transaction:
                     connection.execute("ROLLBACK")
@@ -130,7 +130,7 @@ class Database:
             if connection.in_transaction:
                 connection.execute("ROLLBACK")
             raise self._trouble(str(error)) from None
-        return made
+        return result
 
     def close(self) -> None:
         """Write pending changes and close the file."""

@@ -63,12 +63,15 @@ def hashed(secret: str) -> str:
     return _hasher().hash(secret)
 
 
-def is_secret(kept: str | None, secret: str) -> bool:
+def is_secret(secret_hash: str | None, secret: str) -> bool:
     """Return True if a password or PIN matches a hash. Without a hash (None), the check takes as long as for
     a wrong password, so that the time doesn't show which users exist.
     """
     try:
-        return _hasher().verify(kept if kept is not None else _nobody(), secret) and kept is not None
+        return (
+            _hasher().verify(secret_hash if secret_hash is not None else _nobody(), secret)
+            and secret_hash is not None
+        )
     except (VerificationError, InvalidHashError):
         return False
 

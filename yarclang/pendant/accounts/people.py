@@ -230,13 +230,13 @@ def deeds_since(
     rows = connection.execute(
         "SELECT time, user, address, action, detail, outcome FROM audit ORDER BY number DESC LIMIT ?", (most,)
     )
-    found = []
+    entries = []
     for row in rows:
         if row[0] < since:
             break
         if row[3].startswith(action):
-            found.append((row[0], Deed(*row[1:])))
-    return tuple(found)
+            entries.append((row[0], Deed(*row[1:])))
+    return tuple(entries)
 
 
 def _existing(connection: sqlite3.Connection, name: str) -> User:

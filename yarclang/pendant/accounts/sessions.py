@@ -70,13 +70,13 @@ class Sessions:
     def open(self, user: str, role: Role, address: str, agent: str, now: float) -> tuple[Session, str]:
         """Begin a session. Return the session and its token; the token itself isn't stored."""
         token = secrets.token_urlsafe(32)
-        made = Session(
+        session = Session(
             secrets.token_hex(8), user, role, address, agent[:200], digest(token), opened=now, seen=now
         )
-        self._by_token[made.token] = made
+        self._by_token[session.token] = session
         while len(self._by_token) > MOST:
             self.end(min(self._by_token.values(), key=lambda one: one.seen))
-        return made, token
+        return session, token
 
     def of(self, token: str, now: float) -> Session | None:
         """Return the session of a token; None if it has ended."""
@@ -111,20 +111,20 @@ class Sessions:
             if one.user.casefold() == name.casefold() and one is not but:
                 self.end(one)
 
-    def take_up(self, kept: Kept, role: Role, now: float, wall: float) -> bool:
+    def take_up(self, stored: Kept, role: Role, now: float, wall: float) -> bool:
         """Continue a session from before a restart. Return False if the session is over, or if the clock has
         been set back meanwhile.
         """
-        age, quiet = wall - kept.created, wall - kept.seen
+        age, quiet = wall - stored.created, wall - stored.seen
         if min(age, quiet) < -_CLOCKS_DIFFER or age > LONGEST or quiet > IDLE:
             return False
-        self._by_token[kept.token] = Session(
-            kept.id,
-            kept.user,
+        self._by_token[stored.token] = Session(
+            stored.id,
+            stored.user,
             role,
-            kept.address,
-            kept.agent,
-            kept.token,
+            stored.address,
+            stored.agent,
+            stored.token,
             now - max(age, 0.0),
             now - max(quiet, 0.0),
         )

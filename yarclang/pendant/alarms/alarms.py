@@ -122,18 +122,18 @@ class Alarms:
 
     def _stood(self, finished: events.Finished | None = None) -> Stood:
         showing = self._showing
-        shown = showing.display()
+        display = showing.display()
         robot = showing.robot
-        names = zip(robot.joint_names, shown.joints, robot.axis_unit_names, strict=True)
-        program = shown.under_way if finished is None else finished.name
+        names = zip(robot.joint_names, display.joints, robot.axis_unit_names, strict=True)
+        program = display.under_way if finished is None else finished.name
         return Stood(
             printable(program, MOST_NAME),
             showing.file_of(program),
-            shown.line if finished is None else finished.line or 0,
-            printable(shown.command if finished is None else finished.command or "", MOST_NAME),
+            display.line if finished is None else finished.line or 0,
+            printable(display.command if finished is None else finished.command or "", MOST_NAME),
             tuple((name, value, unit) for name, value, unit in names if value is not None),
-            shown.flange,
-            printable(shown.owner or "", MOST_NAME),
+            display.flange,
+            printable(display.owner or "", MOST_NAME),
         )
 
     # acknowledgements

@@ -35,8 +35,8 @@ class Book:
         changed: numbers of alarms that were changed or removed but not yet written to the file.
     """
 
-    def __init__(self, kept: Iterable[Alarm] = (), most: int = MOST) -> None:
-        self._alarms = {one.number: one for one in sorted(kept, key=lambda one: one.number)}
+    def __init__(self, stored: Iterable[Alarm] = (), most: int = MOST) -> None:
+        self._alarms = {one.number: one for one in sorted(stored, key=lambda one: one.number)}
         self._next = max(self._alarms, default=0) + 1
         self._most = most
         self._holding = {number for number, one in self._alarms.items() if one.holds}
@@ -63,44 +63,44 @@ class Book:
             self._raise(raised, stood, now, ended=now)
 
     def holding(
-        self, source: Source, found: Iterable[Raised], stood: Callable[[], Stood], now: float
+        self, source: Source, causes: Iterable[Raised], stood: Callable[[], Stood], now: float
     ) -> None:
         """Update the alarms of a source to those that hold now. Alarms that are no longer found end.
 
         Args:
             source: the origin of the alarms.
-            found: causes that hold now.
+            causes: causes that hold now.
             stood: returns the state of the robot.
             now: the time of day [s].
         """
-        held = {
+        holding = {
             self._alarms[one].raised.key: one
             for one in self._holding
             if self._alarms[one].raised.source == source
         }
-        cleaned = {one.key: one for one in (each.cleaned() for each in found)}
+        cleaned = {one.key: one for one in (each.cleaned() for each in causes)}
         for raised in list(cleaned.values())[:_MOST_OF_SOURCE]:
-            number = held.pop(raised.key, None)
+            number = holding.pop(raised.key, None)
             if number is None and source == "state":  # a lost connection becomes a fault that names it
-                same = (key for key in held if key[1] in raised.what or raised.what in key[1])
-                number = held.pop(next(same, ("", "")), None)
+                same = (key for key in holding if key[1] in raised.what or raised.what in key[1])
+                number = holding.pop(next(same, ("", "")), None)
             if number is None:
                 self._raise(raised, stood(), now, ended=None)
             else:
                 self._add(number, raised)
-        for number in held.values():
+        for number in holding.values():
             self._put(replace(self._alarms[number], ended=now))
 
     def _tells_of_known(self, raised: Raised, stood: Stood, now: float) -> bool:
         """Return True if a cause is the fault that the robot's state has just reported. In this case its
         details are added to that alarm.
         """
-        known = self._alarms.get(self._state)
-        if known is None or not (known.holds or known.last >= now - _INCIDENT):
+        alarm_before = self._alarms.get(self._state)
+        if alarm_before is None or not (alarm_before.holds or alarm_before.last >= now - _INCIDENT):
             return False
-        before, remedy = known.raised.what, known.raised.remedy
+        before, remedy = alarm_before.raised.what, alarm_before.raised.remedy
         if before in raised.what or raised.what in before or raised.what == remedy:
-            self._add(known.number, raised, stood)
+            self._add(alarm_before.number, raised, stood)
             return True
         return False
 
@@ -117,12 +117,12 @@ class Book:
         if known is not None and known.acknowledged is None and 0.0 <= now - known.last <= AGAIN:
             self._put(replace(known, count=known.count + 1, last=now, ended=ended))
             return
-        made = Alarm(self._next, raised, stood, now, now, ended=ended)
+        alarm = Alarm(self._next, raised, stood, now, now, ended=ended)
         self._next += 1
-        self._recent[raised.key] = made.number
+        self._recent[raised.key] = alarm.number
         if raised.source == "state":
-            self._state = made.number
-        self._put(made)
+            self._state = alarm.number
+        self._put(alarm)
         if len(self._alarms) > self._most:
             self._forget()
 

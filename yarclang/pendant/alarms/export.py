@@ -21,19 +21,19 @@ is a text.
 
 def as_csv(alarms: Iterable[Alarm]) -> str:
     """Return alarms as CSV, one row each, with times in UTC. No cell can be read as a formula."""
-    made = io.StringIO()
-    writer = csv.writer(made, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
+    csv_text = io.StringIO()
+    writer = csv.writer(csv_text, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
     writer.writerow(_HEAD)
-    for one in alarms:
-        raised, stood = one.raised, one.stood
+    for alarm in alarms:
+        raised, stood = alarm.raised, alarm.stood
         row = (
-            str(one.number),
-            utc(one.time),
-            utc(one.last),
-            str(one.count),
-            "" if one.ended is None else utc(one.ended),
-            "" if one.acknowledged is None else utc(one.acknowledged),
-            one.by,
+            str(alarm.number),
+            utc(alarm.time),
+            utc(alarm.last),
+            str(alarm.count),
+            "" if alarm.ended is None else utc(alarm.ended),
+            "" if alarm.acknowledged is None else utc(alarm.acknowledged),
+            alarm.by,
             raised.code,
             raised.what,
             raised.remedy,
@@ -45,7 +45,7 @@ def as_csv(alarms: Iterable[Alarm]) -> str:
             stood.owner,
         )
         writer.writerow([_harmless(text) for text in row])
-    return made.getvalue()
+    return csv_text.getvalue()
 
 
 def _harmless(text: str) -> str:

@@ -18,24 +18,28 @@ def kept_alarms(connection: sqlite3.Connection, most: int) -> tuple[Alarm, ...]:
         f"SELECT {_COLUMNS} FROM alarms ORDER BY number DESC LIMIT ?",
         (most,),
     )
-    found = []
+    alarms = []
     for row in rows:
         try:
-            found.append(_alarm(row))
+            alarms.append(_alarm(row))
         except (ValueError, TypeError, KeyError):
             continue
-    return tuple(found)
+    return tuple(alarms)
 
 
 def _alarm(row: tuple[Any, ...]) -> Alarm:
     number, time, last, count, ended, acknowledged, by, source, code, what, remedy, stood = row
-    told = json.loads(stood)
-    told["joints"] = tuple((str(name), float(value), str(unit)) for name, value, unit in told["joints"])
-    told["flange"] = None if told["flange"] is None else tuple(map(float, told["flange"]))
+    stood_values = json.loads(stood)
+    stood_values["joints"] = tuple(
+        (str(name), float(value), str(unit)) for name, value, unit in stood_values["joints"]
+    )
+    stood_values["flange"] = (
+        None if stood_values["flange"] is None else tuple(map(float, stood_values["flange"]))
+    )
     return Alarm(
         number,
         Raised(source, what, code, remedy),
-        Stood(**told),
+        Stood(**stood_values),
         time,
         last,
         count,
@@ -45,15 +49,15 @@ def _alarm(row: tuple[Any, ...]) -> Alarm:
     )
 
 
-def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], gone: Iterable[int]) -> None:
+def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], removed: Iterable[int]) -> None:
     """Write alarms and delete removed ones.
 
     Args:
         connection: connection to the database.
         alarms: new and changed alarms.
-        gone: numbers of the removed alarms.
+        removed: numbers of the removed alarms.
     """
-    connection.executemany("DELETE FROM alarms WHERE number = ?", [(one,) for one in gone])
+    connection.executemany("DELETE FROM alarms WHERE number = ?", [(one,) for one in removed])
     connection.executemany(
         f"INSERT OR REPLACE INTO alarms ({_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         [_row(one) for one in alarms],
@@ -62,7 +66,7 @@ def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], gone: 
 
 def _row(alarm: Alarm) -> tuple[Any, ...]:
     raised, stood = alarm.raised, alarm.stood
-    told = {name: getattr(stood, name) for name in Stood.__slots__}
+    stood_values = {name: getattr(stood, name) for name in Stood.__slots__}
     return (
         alarm.number,
         alarm.time,
@@ -75,5 +79,5 @@ def _row(alarm: Alarm) -> tuple[Any, ...]:
         raised.code,
         raised.what,
         raised.remedy,
-        json.dumps(told),
+        json.dumps(stood_values),
     )

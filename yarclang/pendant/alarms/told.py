@@ -18,20 +18,22 @@ _FAILED = {"amplifier fault", "fatal following error", "stopped on limit"}
 """Flags of a motor that has failed by itself."""
 
 
-def of_state(state: State, why: str, code: str | None = None, help_: str | None = None) -> tuple[Raised, ...]:
+def of_state(
+    state: State, reason: str, code: str | None = None, help_: str | None = None
+) -> tuple[Raised, ...]:
     """Return the causes of alarms that a state reports.
 
     Args:
         state: state of the robot.
-        why: reason for the state.
+        reason: reason for the state.
         code: code of the finding.
         help_: the remedy.
     """
     if state in (State.FAULT, State.DISCONNECTED):
         missing = LOST if state is State.DISCONNECTED else ""
-        return (Raised("state", why or state.value, code or missing, help_ or ""),)
+        return (Raised("state", reason or state.value, code or missing, help_ or ""),)
     if state is State.HOLD and (code or help_):  # the hold wasn't ordered
-        return (Raised("state", why, code or "", help_ or ""),)
+        return (Raised("state", reason, code or "", help_ or ""),)
     return ()
 
 
@@ -46,18 +48,18 @@ def of_event(event: events.BaseEvent) -> Raised | None:
             return None
 
 
-def of_motors(motors: Sequence[replies.MotorHealth], why: str) -> tuple[Raised, ...]:
+def of_motors(motors: Sequence[replies.MotorHealth], reason: str) -> tuple[Raised, ...]:
     """Return alarms for motors that have failed, except those that the state names already. Motors that are
     open-loop because another motor failed are left out.
 
     Args:
         motors: last known state of the motors.
-        why: reason for the robot's state.
+        reason: reason for the robot's state.
     """
     failed = (one for one in motors if one.trouble and _FAILED & set(one.flags))
     found = (f"motor {one.number}: {one.trouble}" for one in failed)
     remedy = "find out why, then close its loop: look at the page Controller"
-    return tuple(Raised("motors", what, MOTOR, remedy) for what in found if what not in why)
+    return tuple(Raised("motors", what, MOTOR, remedy) for what in found if what not in reason)
 
 
 def of_guard(health: replies.Health | None, state: State) -> tuple[Raised, ...]:

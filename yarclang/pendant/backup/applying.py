@@ -65,18 +65,18 @@ def apply(
             )
         removed = plan.extra if remove else ()
         _check_room(folder, plan, backup, removed)
-        undo = _kept(folder, plan, removed, user, about)
-        done: list[str] = []
+        undo = _keep_old(folder, plan, removed, user, about)
+        done_so_far: list[str] = []
         try:
             with in_words(folder.root.name):
-                _write(folder, handle, backup, plan, done)
+                _write(folder, handle, backup, plan, done_so_far)
                 for name in removed:
                     _remove(folder, name)
-                    done.append(name)
+                    done_so_far.append(name)
         except Trouble as trouble:
             total = len(plan.new) + len(plan.changed) + len(removed)
             what = (
-                f"{len(done):,} of {total:,} files are restored, and the others are as they were: "
+                f"{len(done_so_far):,} of {total:,} files are restored, and the others are as they were: "
                 f"{trouble.what}"
             )
             raise Trouble(what, f"{trouble.remedy}; then restore it again, or undo this", "half") from None
@@ -89,7 +89,7 @@ def _check_room(folder: ProjectFolder, plan: Plan, backup: Judged, removed: tupl
     check_room(os.statvfs(folder.root), wanted, "the restored files and those that are kept for undo need")
 
 
-def _kept(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
+def _keep_old(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
     """Save the files that will be replaced or removed in the trash, as a backup of their own. Return its
     number.
     """
@@ -104,7 +104,7 @@ def _kept(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str
     return keeping.number
 
 
-def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done: list[str]) -> None:
+def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done_so_far: list[str]) -> None:
     for name in plan.folders:
         folder.make_folders(name)
     for name in (*plan.new, *plan.changed):
@@ -120,7 +120,7 @@ def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done:
             if draft.sha256 != backup.hashes[name]:
                 raise refused(f"{quoted(name)} isn't what it was when it was judged")
             folder.stand(draft, name, plan.known.get(name))
-        done.append(name)
+        done_so_far.append(name)
 
 
 def _remove(folder: ProjectFolder, name: str) -> None:

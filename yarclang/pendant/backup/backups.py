@@ -112,9 +112,11 @@ class Backups:
             raise Trouble(what, "wait for the end of one of them", "busy")
         self._making += 1
         try:
-            found = await asyncio.to_thread(lambda: selected(self.folder, logs=logs))
+            selection = await asyncio.to_thread(lambda: selected(self.folder, logs=logs))
             about = self.about()
-            detail = json.dumps({"files": len(found.files), "size": found.size, "logs": logs}, sort_keys=True)
+            detail = json.dumps(
+                {"files": len(selection.files), "size": selection.size, "logs": logs}, sort_keys=True
+            )
             deed = Deed(session.user, address, "backup", detail)
             await self._accounts.did(deed)
         except BaseException:
@@ -127,7 +129,7 @@ class Backups:
                 self._accounts.note(Deed(deed.user, address, deed.action, detail, outcome))
 
         stamp = about.made[:19].replace("T", " ").replace(":", ".")
-        return zipped(self.folder, found, about), ended, f"{self.robot.name} {stamp}.zip"
+        return zipped(self.folder, selection, about), ended, f"{self.robot.name} {stamp}.zip"
 
     def about(self) -> About:
         """Return the head of the list for a backup that is made now."""
@@ -170,7 +172,7 @@ class Backups:
             raise _too_large(length or 0)
         with self._alone():
             self.forget()
-            handle = await asyncio.to_thread(self._made, length or 0)
+            handle = await asyncio.to_thread(self._unnamed_file, length or 0)
             try:
                 size = 0
                 async for piece in arriving(_NAME, stream):
@@ -227,12 +229,12 @@ class Backups:
         """Return the waiting upload of a session, with the changes that its restore would make now; None if
         there is none.
         """
-        found = self._waiting
-        if found is None or found.session != session.id or self._busy:
+        upload = self._waiting
+        if upload is None or upload.session != session.id or self._busy:
             return None
         with self._alone():
-            found.plan = await asyncio.to_thread(plan_of, self.folder, found.backup)
-        return found
+            upload.plan = await asyncio.to_thread(plan_of, self.folder, upload.backup)
+        return upload
 
     async def apply(
         self, session: Session, address: str, number: str, digest: str, *, remove: bool
@@ -257,18 +259,19 @@ class Backups:
         self._accounts.check(session, Role.SERVICE, pin=True)
         self._accounts.used(session)
         with self._alone():
-            found = self._waiting
-            if found is None or found.number != number or found.session != session.id:
+            upload = self._waiting
+            if upload is None or upload.number != number or upload.session != session.id:
                 raise Trouble("this backup isn't there any more", "upload it again", "missing")
             if doing := self._doing():
                 raise Trouble(f"{doing} is under way", "restore when the robot is at rest", "Y1601")
-            detail = json.dumps({"digest": digest, "remove": remove, **_counted(found)}, sort_keys=True)
+            detail = json.dumps({"digest": digest, "remove": remove, **_counted(upload)}, sort_keys=True)
             deed = Deed(session.user, address, "restore", detail)
             await self._accounts.did(deed)
             try:
-                done = await asyncio.to_thread(
+                restored = await asyncio.to_thread(
                     lambda: apply(
-                        self.folder, found.handle, found.backup, digest, session.user, self.about(), remove=remove
+                        self.folder, upload.handle, upload.backup, digest, session.user, self.about(),
+                            remove=remove
                     )
                 )  # fmt: skip
             except Trouble as trouble:
@@ -276,7 +279,7 @@ class Backups:
                 self._accounts.note(Deed(deed.user, address, deed.action, detail, outcome))
                 raise
             self.forget()
-        return done, self.restarted((*done.written, *done.removed))
+        return restored, self.restarted((*restored.written, *restored.removed))
 
     def restarted(self, files: tuple[str, ...]) -> tuple[str, ...]:
         """Return those of the given files that the pendant reads only when it starts."""
@@ -322,7 +325,7 @@ class Backups:
             else:
                 self.forget()
 
-    def _made(self, size: int) -> int:
+    def _unnamed_file(self, size: int) -> int:
         """Return the handle of a new file without a name. It disappears when its process ends."""
         try:
             check_room(os.statvfs(self._data), size, "the backup has")

@@ -115,32 +115,32 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
             f"the project has more than {2 * MOST_FILES:,} files, or too many in one folder",
             "move what isn't needed out of the project", "large",
         )  # fmt: skip
-    present = {one.file: one for one in entries}
+    present = {entry_after.file: entry_after for entry_after in entries}
     project = _Project(folder, present)
     new, changed, conflicts = [], [], []
-    known: dict[str, str] = {}
+    hashes: dict[str, str] = {}
     sizes: dict[str, int] = {}
     for name, entry in backup.files.items():
-        here = present.get(name)
+        file_now = present.get(name)
         reason = project.conflict(name)
         if reason:
             conflicts.append(LeftOut(file=name, why=reason))
             continue
         sizes[name] = entry.size
-        if here is None:
+        if file_now is None:
             new.append(name)
             continue
         try:
-            known[name] = folder.sha256(name)
+            hashes[name] = folder.sha256(name)
         except Trouble as trouble:
             conflicts.append(LeftOut(file=name, why=trouble.what))
             continue
-        if known[name] != backup.hashes[name]:
+        if hashes[name] != backup.hashes[name]:
             if (folder.root / name).is_symlink():  # the link's target may be restored as well
                 conflicts.append(LeftOut(file=name, why="it is a link here"))
                 continue
             changed.append(name)
-            sizes[name] = max(entry.size, here.size)
+            sizes[name] = max(entry.size, file_now.size)
     folders = []
     for name in backup.folders:
         reason = project.conflict(name, is_folder=True)
@@ -149,19 +149,24 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
         elif name not in present:
             folders.append(name)
     extra = _extra(entries, backup)
-    for one in extra:
-        sizes[one.file] = one.size
-    same = len(backup.files) - len(new) - len(changed) - sum(one.file in backup.files for one in conflicts)
+    for entry_after in extra:
+        sizes[entry_after.file] = entry_after.size
+    same = (
+        len(backup.files)
+        - len(new)
+        - len(changed)
+        - sum(entry_after.file in backup.files for entry_after in conflicts)
+    )
     return Plan(
         tuple(new),
         tuple(changed),
         same,
-        tuple(one.file for one in extra),
+        tuple(entry_after.file for entry_after in extra),
         tuple(folders),
         tuple(conflicts),
-        known,
+        hashes,
         sizes,
-        _digest(new, {name: known[name] for name in changed}, extra, backup),
+        _digest(new, {name: hashes[name] for name in changed}, extra, backup),
     )
 
 
@@ -179,23 +184,23 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
         names.add(name, folder=False)
     manifest = backup.manifest
     absent = frozenset(() if manifest is None else manifest.absent)
-    left_out = frozenset(() if manifest is None else (one.file for one in manifest.left_out))
+    left_out = frozenset(() if manifest is None else (entry.file for entry in manifest.left_out))
     has_logs = manifest is not None and manifest.head.logs
     is_part = manifest is not None and manifest.head.part
-    spelled = Counter(folded(one.file) for one in entries)
-    twins = {one for one, count in spelled.items() if count > 1}
-    found = []
-    for one in entries:
-        if one.is_folder or one.file in backup.files:
+    spelled = Counter(folded(entry.file) for entry in entries)
+    twins = {entry for entry, count in spelled.items() if count > 1}
+    entries_after = []
+    for entry in entries:
+        if entry.is_folder or entry.file in backup.files:
             continue
-        if not is_part and not twins.isdisjoint(map(folded, _ways(one.file))):
+        if not is_part and not twins.isdisjoint(map(folded, _ways(entry.file))):
             continue  # once removed, the file couldn't be restored beside a file of similar name
-        is_covered = has_logs or not is_log(one.file)
-        if one.file in absent if is_part else is_covered and one.file not in left_out:
+        is_covered = has_logs or not is_log(entry.file)
+        if entry.file in absent if is_part else is_covered and entry.file not in left_out:
             with suppress(Trouble):
-                names.add(one.file, folder=False)
-                found.append(one)
-    return found
+                names.add(entry.file, folder=False)
+                entries_after.append(entry)
+    return entries_after
 
 
 def _ways(name: str) -> Iterator[str]:

@@ -40,15 +40,15 @@ class Names:
             raise Trouble(f"{quoted(name)} is there twice", "", "")
         first = len(parts) - 1 if known_way else 0
         tops = {count: "/".join(parts[: count + 1]) for count in range(first, len(parts))}
-        for count, one in tops.items():
-            known = self._spelled.get(folded(one), one)
-            if known != one:
-                raise Trouble(f"{quoted(one)} looks like {quoted(known)}, which is there as well", "", "")
+        for count, top in tops.items():
+            known = self._spelled.get(folded(top), top)
+            if known != top:
+                raise Trouble(f"{quoted(top)} looks like {quoted(known)}, which is there as well", "", "")
             is_folder = folder or count < len(parts) - 1
-            if one in self._spelled and is_folder != (one in self._folders):
-                raise Trouble(f"{quoted(one)} is a file and a folder", "", "")
-        for count, one in tops.items():
-            self._spelled[folded(one)] = one
+            if top in self._spelled and is_folder != (top in self._folders):
+                raise Trouble(f"{quoted(top)} is a file and a folder", "", "")
+        for count, top in tops.items():
+            self._spelled[folded(top)] = top
             if folder or count < len(parts) - 1:
-                self._folders.add(one)
+                self._folders.add(top)
         self._listed.add(name)

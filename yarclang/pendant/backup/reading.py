@@ -90,9 +90,9 @@ class _Listed:
     at: int
 
 
-def refused(what: str) -> Trouble:
+def refused(problem: str) -> Trouble:
     """Return the exception for a zip that is refused."""
-    return Trouble(f"this backup is refused: {what}", _REMEDY, "hostile")
+    return Trouble(f"this backup is refused: {problem}", _REMEDY, "hostile")
 
 
 def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
@@ -232,29 +232,30 @@ def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
     """Return the entries with the offsets of their contents. Check that they fill the zip without gaps from
     its beginning to the directory.
     """
-    found, at = [], 0
+    placed, at = [], 0
     for row in sorted(listed, key=lambda one: one.at):
         if row.at != at:
-            what = (
+            problem = (
                 "shares bytes with another entry"
                 if row.at < at
                 else "has bytes before it that belong to none"
             )
-            raise refused(f"{quoted(row.entry.name)} {what}")
+            raise refused(f"{quoted(row.entry.name)} {problem}")
         begins = _begins(handle, row)
         at = begins + row.entry.packed
         if at > end:
             raise refused(f"{quoted(row.entry.name)} has more bytes than there are")
         if row.flags & _DESCRIBED:
             at += _described(handle, row, at)
-        found.append(
+        placed.append(
             Entry(
-                row.entry.name, row.entry.is_folder, row.entry.method, row.entry.crc, row.entry.packed, row.entry.size, begins
+                row.entry.name, row.entry.is_folder, row.entry.method, row.entry.crc, row.entry.packed,
+                    row.entry.size, begins
             )
         )  # fmt: skip
     if at != end:
         raise refused("it has bytes before its directory that belong to no entry")
-    return tuple(found)
+    return tuple(placed)
 
 
 def _begins(handle: int, row: _Listed) -> int:
@@ -299,29 +300,29 @@ def content(handle: int, entry: Entry) -> Iterator[bytes]:
         Trouble: the content differs from what the entry claims.
     """
     unpacking = None if entry.method == STORED else zlib.decompressobj(-15)
-    at, left, size, crc = entry.begins, entry.packed, 0, 0
-    held = b""
+    at, bytes_left, size, crc = entry.begins, entry.packed, 0, 0
+    unread = b""
     while True:
-        if not held and left:
-            held = os.pread(handle, min(_PIECE, left), at)
-            if not held:
+        if not unread and bytes_left:
+            unread = os.pread(handle, min(_PIECE, bytes_left), at)
+            if not unread:
                 raise _differs(entry)
-            at, left = at + len(held), left - len(held)
+            at, bytes_left = at + len(unread), bytes_left - len(unread)
         if unpacking is None:
-            piece, held = held, b""
+            piece, unread = unread, b""
         else:
             try:
-                piece = unpacking.decompress(held, _PIECE)
+                piece = unpacking.decompress(unread, _PIECE)
             except zlib.error:
                 raise _differs(entry) from None
-            held = unpacking.unconsumed_tail
+            unread = unpacking.unconsumed_tail
         size += len(piece)
         if size > entry.size:
             raise _differs(entry)
         crc = zlib.crc32(piece, crc)
         if piece:
             yield piece
-        elif not held and not left:
+        elif not unread and not bytes_left:
             break
     is_whole = unpacking is None or (unpacking.eof and not unpacking.unused_data)
     if size != entry.size or crc != entry.crc or not is_whole:

@@ -102,35 +102,35 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
     folders: list[Entry] = []
     left_out: list[LeftOut] = []
     skipped: list[Entry] = []
-    for one in entries:
-        if is_log(one.file) and not logs and not one.is_folder:
-            skipped.append(one)
+    for entry in entries:
+        if is_log(entry.file) and not logs and not entry.is_folder:
+            skipped.append(entry)
             continue
         try:
-            if one.size > LARGEST_FILE:
-                what = f"it has {one.size:,} bytes, and at most {LARGEST_FILE:,} are backed up"
+            if entry.size > LARGEST_FILE:
+                what = f"it has {entry.size:,} bytes, and at most {LARGEST_FILE:,} are backed up"
                 raise Trouble(what, "", "")
-            if (folder.root / one.file).is_symlink():
+            if (folder.root / entry.file).is_symlink():
                 raise Trouble("it is a link: what it leads to is backed up under its own name", "", "")
-            names.add(one.file, folder=one.is_folder)
+            names.add(entry.file, folder=entry.is_folder)
         except Trouble as trouble:
-            left_out.append(LeftOut(file=one.file[:1000], why=trouble.what))
+            left_out.append(LeftOut(file=entry.file[:1000], why=trouble.what))
             continue
-        (folders if one.is_folder else files).append(one)
-    used = {"/".join(one.file.split("/")[:-1]) for one in (*files, *folders, *skipped)}
-    made = Selection(
+        (folders if entry.is_folder else files).append(entry)
+    used = {"/".join(entry.file.split("/")[:-1]) for entry in (*files, *folders, *skipped)}
+    selection = Selection(
         tuple(files),
-        tuple(one.file for one in folders if one.file not in used),
+        tuple(entry.file for entry in folders if entry.file not in used),
         tuple(left_out),
         logs,
         tuple(skipped),
     )
-    if made.size > MOST_BYTES:
+    if selection.size > MOST_BYTES:
         raise Trouble(
-            f"the project has {made.size:,} bytes, and a backup has at most {MOST_BYTES:,}",
+            f"the project has {selection.size:,} bytes, and a backup has at most {MOST_BYTES:,}",
             "leave the logs of runs out, or copy the folder on the computer itself", "large",
         )  # fmt: skip
-    return made
+    return selection
 
 
 class _Sink:
@@ -174,20 +174,20 @@ def zipped(
     listed: list[ListedFile] = []
     left_out = [*selection.left_out]
     read = 0
-    with zipfile.ZipFile(sink, "w") as made:  # type: ignore[call-overload]  # it needs `write` alone
+    with zipfile.ZipFile(sink, "w") as archive:  # type: ignore[call-overload]  # it needs `write` alone
         for name in selection.folders:
-            made.writestr(_info(f"{name}/", stat.S_IFDIR | 0o755), b"")
-        for one in selection.files:
+            archive.writestr(_info(f"{name}/", stat.S_IFDIR | 0o755), b"")
+        for file in selection.files:
             try:
-                row = yield from _added(folder, one.file, made, sink, MOST_BYTES - read)
+                row = yield from _added(folder, file.file, archive, sink, MOST_BYTES - read)
                 read += row.size
                 listed.append(row)
                 if strict and row.changing:
-                    raise Trouble(f"{quoted(one.file)} changes just now, or is too large", "try again", "")
+                    raise Trouble(f"{quoted(file.file)} changes just now, or is too large", "try again", "")
             except Trouble as trouble:
                 if strict:
                     raise
-                left_out.append(LeftOut(file=one.file, why=trouble.what))
+                left_out.append(LeftOut(file=file.file, why=trouble.what))
         head = Head(
             format=FORMAT,
             yarclang=about.yarclang,
@@ -200,36 +200,36 @@ def zipped(
         manifest = Manifest(head, tuple(listed), tuple(left_out[:MOST_FILES]), selection.absent or ())
         info = _info(MANIFEST, stat.S_IFREG | 0o644, about.made)
         info.compress_type = zipfile.ZIP_DEFLATED
-        made.writestr(info, b"".join(manifest.lines()))
+        archive.writestr(info, b"".join(manifest.lines()))
     yield sink.taken()
 
 
 def _added(
-    folder: ProjectFolder, name: str, made: zipfile.ZipFile, sink: _Sink, most: int
+    folder: ProjectFolder, name: str, archive: zipfile.ZipFile, sink: _Sink, most: int
 ) -> Generator[bytes, None, ListedFile]:
     """Add a file to a zip. Yield the new bytes of the zip, and return the file's row of the list.
 
     Args:
         folder: folder of the project.
         name: path of the file in the project.
-        made: the zip.
+        archive: the zip.
         sink: output to which the zip is written.
         most: size up to which the file is read [bytes].
     """
-    with folder.opened(name) as (handle, told, _):
-        info = _info(name, stat.S_IFREG | 0o644, moment(told.st_mtime))
-        info.file_size = size = min(told.st_size, LARGEST_FILE, most)
+    with folder.opened(name) as (handle, status, _):
+        info = _info(name, stat.S_IFREG | 0o644, moment(status.st_mtime))
+        info.file_size = size = min(status.st_size, LARGEST_FILE, most)
         if size <= _LARGEST_DEFLATED and MOST_BYTES - most <= _MUCH + _RATIO * sink.size:
             info.compress_type = zipfile.ZIP_DEFLATED
         digest, count = hashlib.sha256(), 0
-        with made.open(info, "w") as target:
+        with archive.open(info, "w") as target:
             while count < size and (data := os.read(handle, min(_PIECE, size - count))):
                 digest.update(data)
                 count += len(data)
                 target.write(data)
                 yield sink.taken()
         after = os.fstat(handle)
-    before = (told.st_mtime_ns, told.st_size, told.st_size)
+    before = (status.st_mtime_ns, status.st_size, status.st_size)
     changing = (after.st_mtime_ns, after.st_size, count) != before
     return ListedFile(file=name, size=count, sha256=digest.hexdigest(), changing=changing)
 

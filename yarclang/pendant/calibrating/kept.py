@@ -88,35 +88,35 @@ class Calibrations:
         Raises:
             Trouble: there is no calibration, or it has changed.
         """
-        found = self._kept.get(session.id)
-        if found is None:
+        calibration = self._kept.get(session.id)
+        if calibration is None:
             raise Trouble("no calibration goes on", "begin one", "gone")
-        if found.version != version:
+        if calibration.version != version:
             what = "the calibration was changed on another page"
             raise Trouble(what, "look at its touches, and try again", "changed")
-        return found
+        return calibration
 
-    async def begin(self, session: Session, wanted: said.BeginCalibration) -> Calibration:
+    async def begin(self, session: Session, request: said.BeginCalibration) -> Calibration:
         """Begin a calibration.
 
         Args:
             session: session of the user.
-            wanted: kind and parameters.
+            request: kind and parameters.
 
         Raises:
             Trouble: a calibration is running already, or a name is unknown.
         """
-        asked, tool = wanted.calibration, ""
-        match asked:
+        requested, tool = request.calibration, ""
+        match requested:
             case said.TipCalibration():
-                touching: Touching = TipTouching(self._robot, tip_name(asked.name))
+                touching: Touching = TipTouching(self._robot, tip_name(requested.name))
             case said.FrameCalibration():
-                tool, pose = await self._tool(asked.tool)
-                touching = FrameTouching(self._robot, await self._frame_name(asked.name), pose)
+                tool, pose = await self._tool(requested.tool)
+                touching = FrameTouching(self._robot, await self._frame_name(requested.name), pose)
             case said.OffsetCalibration():
-                touching = HomeTouching(self._robot, self._marks(asked))
+                touching = HomeTouching(self._robot, self._marks(requested))
         going = self._kept.get(session.id)
-        if going is not None and going.touching.joints and not wanted.anew:
+        if going is not None and going.touching.joints and not request.anew:
             what = (
                 f"a calibration of {going.touching.name} goes on, with {len(going.touching.joints)} touches"
             )
@@ -125,41 +125,43 @@ class Calibrations:
         self._kept[session.id] = made
         return made
 
-    async def touch(self, session: Session, asked: said.TakeTouch) -> Calibration:
+    async def touch(self, session: Session, request: said.TakeTouch) -> Calibration:
         """Record the robot's present position as a touch.
 
         Raises:
             Trouble: the robot moves or isn't referenced, there are too many touches, or the calibration was
                 changed meanwhile.
         """
-        found = self.going_on(session, asked.version)
-        known = len(found.touching.joints)
-        if asked.at is None and known >= MOST_TOUCHES:
+        calibration = self.going_on(session, request.version)
+        count_before = len(calibration.touching.joints)
+        if request.at is None and count_before >= MOST_TOUCHES:
             raise Trouble(
-                f"{known} touches are there, and no more are kept", "take the worst one away", "most"
+                f"{count_before} touches are there, and no more are kept", "take the worst one away", "most"
             )
-        _check_there(asked.at, known)
-        joints = await stands(self._watched, self._motors(found.touching))
-        found = self.going_on(session, asked.version)  # another page may have changed it during the request
-        self._check_new(found.touching, joints, asked.at)
-        found.touching.touch(joints, asked.at)
-        found.version = next(self._versions)
-        return found
+        _check_there(request.at, count_before)
+        joints = await stands(self._watched, self._motors(calibration.touching))
+        calibration = self.going_on(
+            session, request.version
+        )  # another page may have changed it during the request
+        self._check_new(calibration.touching, joints, request.at)
+        calibration.touching.touch(joints, request.at)
+        calibration.version = next(self._versions)
+        return calibration
 
-    def remove(self, session: Session, asked: said.RemoveTouch) -> Calibration:
+    def remove(self, session: Session, request: said.RemoveTouch) -> Calibration:
         """Remove a touch.
 
         Raises:
             Trouble: there is no such touch, it has to stay, or the calibration was changed meanwhile.
         """
-        found = self.going_on(session, asked.version)
-        _check_there(asked.at, len(found.touching.joints))
-        if not found.touching.can_go(asked.at):
-            what = f"touch {asked.at + 1} can't be taken away: the next one would take its place"
+        calibration = self.going_on(session, request.version)
+        _check_there(request.at, len(calibration.touching.joints))
+        if not calibration.touching.can_go(request.at):
+            what = f"touch {request.at + 1} can't be taken away: the next one would take its place"
             raise Trouble(what, "take it anew, or take away those after it first", "order")
-        found.touching.untouch(asked.at)
-        found.version = next(self._versions)
-        return found
+        calibration.touching.untouch(request.at)
+        calibration.version = next(self._versions)
+        return calibration
 
     def _motors(self, touching: Touching) -> Collection[int] | None:
         """Return the motors that must be referenced; None for all. For a calibration of motor offsets, these
@@ -191,34 +193,39 @@ class Calibrations:
                 what = f"the robot stands where it stood at touch {number + 1}: this says nothing new"
                 raise Trouble(what, "move it, then touch again", "same")
 
-    def _marks(self, asked: said.OffsetCalibration) -> dict[str, float]:
+    def _marks(self, request: said.OffsetCalibration) -> dict[str, float]:
         robot, marks = self._robot, {}
-        for name, value in asked.marks.items():
+        for name, value in request.marks.items():
             at = joint_number(robot.joint_names, name)
             if at is None:
-                what = f"{robot.name} has no joint {name[:40]!r}"
-                raise Trouble(what, f"its joints are {listed_joints(robot.joint_names)}", "joints")
+                problem = f"{robot.name} has no joint {name[:40]!r}"
+                raise Trouble(problem, f"its joints are {listed_joints(robot.joint_names)}", "joints")
             if robot.joint_names[at] in marks:
                 raise Trouble(f"joint {name[:40]} is named twice", "leave one of them", "joints")
             unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
             lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
             if not lower <= value <= upper:
-                what = f"the mark of {robot.joint_names[at]} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
-                raise Trouble(what, "give the joint position at the mark", "joints")
+                problem = (
+                    f"the mark of {robot.joint_names[at]} at {value:g} {unit} is beyond its limits, "
+                    f"{lower:g} to {upper:g} {unit}"
+                )
+                raise Trouble(problem, "give the joint position at the mark", "joints")
             marks[robot.joint_names[at]] = value * factor
         return {name: marks[name] for name in robot.joint_names if name in marks}
 
-    async def _tool(self, wanted: str) -> tuple[str, Array]:
-        name = f"{{{wanted.strip('{} ').upper()}}}"
+    async def _tool(self, name_asked: str) -> tuple[str, Array]:
+        name = f"{{{name_asked.strip('{} ').upper()}}}"
         for one in (await self._watched.attached.ask(orders.AskFrames())).frames:
             if one.name.upper() == name and one.on_flange:
                 return name, np.array(one.pose)
         raise Trouble(
-            f"{wanted[:40]!r} isn't a frame on the flange: it can't touch", "choose one of the list", "frame"
+            f"{name_asked[:40]!r} isn't a frame on the flange: it can't touch",
+            "choose one of the list",
+            "frame",
         )
 
-    async def _frame_name(self, wanted: str) -> str:
-        name = plain_name(wanted)
+    async def _frame_name(self, name_asked: str) -> str:
+        name = plain_name(name_asked)
         known = (await self._watched.attached.ask(orders.AskFrames())).frames
         moves = any(one.on_flange and one.name.upper() == f"{{{name}}}" for one in known)
         if moves or name in ("TCP", "FLANGE", BASE):
@@ -230,13 +237,13 @@ _SAME = 1e-6
 """Largest distance between joint positions that count as equal [rad or m]."""
 
 
-def plain_name(wanted: str) -> str:
+def plain_name(any_name: str) -> str:
     """Return a frame's name in upper case, without braces.
 
     Raises:
         Trouble: the name isn't allowed for a frame.
     """
-    name = wanted.strip("{} ")
+    name = any_name.strip("{} ")
     if _NAME.fullmatch(name) is None:
         what = f"{name[:60]!r} is no name"
         raise Trouble(what, "names have up to 60 letters, digits and _, and begin with a letter", "name")
@@ -255,6 +262,8 @@ def tip_name(wanted: str) -> str:
     return name
 
 
-def _check_there(at: int | None, known: int) -> None:
-    if at is not None and at >= known:
-        raise Trouble(f"there is no touch {at + 1}: {known} are there", "look at the touches again", "gone")
+def _check_there(at: int | None, touches_known: int) -> None:
+    if at is not None and at >= touches_known:
+        raise Trouble(
+            f"there is no touch {at + 1}: {touches_known} are there", "look at the touches again", "gone"
+        )

@@ -26,23 +26,23 @@ _SHORT = 5.0 * MM
 """Distance of a tip from the flange below which the tool's side of the touched point isn't known."""
 
 
-def look(calibration: Calibration, asked: LookCalibration) -> LookText:
+def look(calibration: Calibration, request: LookCalibration) -> LookText:
     """Return the program text of a motion to a place at which the user can check the result.
 
     Args:
         calibration: a calibration that has a result.
-        asked: the requested place.
+        request: the requested place.
 
     Raises:
         Trouble: there is no result, or no such place.
     """
     touching = calibration.touching
-    if asked.at is not None and asked.at >= len(touching.joints):
-        raise Trouble(f"there is no touch {asked.at + 1}", "look at the touches again", "gone")
+    if request.at is not None and request.at >= len(touching.joints):
+        raise Trouble(f"there is no touch {request.at + 1}", "look at the touches again", "gone")
     if isinstance(touching, TipTouching) and touching.value is not None:
-        return _tip(touching, asked)
+        return _tip(touching, request)
     if isinstance(touching, FrameTouching) and touching.value is not None:
-        return _frame(touching, calibration.tool, asked)
+        return _frame(touching, calibration.tool, request)
     if touching.result_text():
         raise Trouble(
             "offsets can't be tried before they are written and loaded",
@@ -52,29 +52,31 @@ def look(calibration: Calibration, asked: LookCalibration) -> LookText:
     raise Trouble("there is no result yet", touching.next_step(), "result")
 
 
-def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
+def _tip(touching: TipTouching, request: LookCalibration) -> LookText:
     assert touching.value is not None  # the caller has checked it
-    flange = touching.poses()[-1 if asked.at is None else asked.at]
+    flange = touching.poses()[-1 if request.at is None else request.at]
     back = flange[:3, 3] - touching.value.fixed
     length = float(np.linalg.norm(back))
     back = back / length if length > _SHORT else np.array([0.0, 0.0, 1.0])
     pose = np.eye(4)
-    pose[:3, 3] = touching.value.fixed + back * asked.distance * MM
-    pose[:3, :3] = flange[:3, :3] @ turn_about("xyz".index(asked.axis), asked.tilt * DEG)
+    pose[:3, 3] = touching.value.fixed + back * request.distance * MM
+    pose[:3, :3] = flange[:3, :3] @ turn_about("xyz".index(request.axis), request.tilt * DEG)
     tip = np.eye(4)
     tip[:3, 3] = touching.value.flange_from_tip
-    what = f"The tip goes to {asked.distance:g} mm from the point that was touched, back towards the flange"
-    if asked.tilt:
-        what = (
-            f"The tool turns by {asked.tilt:+g} deg about {asked.axis} of the flange: after that the "
-            f"tip must stay in place, {asked.distance:g} mm from the point"
+    problem = (
+        f"The tip goes to {request.distance:g} mm from the point that was touched, back towards the flange"
+    )
+    if request.tilt:
+        problem = (
+            f"The tool turns by {request.tilt:+g} deg about {request.axis} of the flange: after that the "
+            f"tip must stay in place, {request.distance:g} mm from the point"
         )
-    return LookText(text=_block(frame_line(_NAME, tip, "FLANGE"), _NAME, pose, "B"), what=what)
+    return LookText(text=_block(frame_line(_NAME, tip, "FLANGE"), _NAME, pose, "B"), what=problem)
 
 
-def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookText:
+def _frame(touching: FrameTouching, tool: str, request: LookCalibration) -> LookText:
     assert touching.value is not None  # the caller has checked it
-    at = asked.at or 0
+    at = request.at or 0
     base_from_frame = touching.value.base_from_frame
     flange = flange_poses(touching.robot.chain, touching.joints[at][None])[0]
     tip = flange @ touching.flange_from_tip
@@ -85,19 +87,19 @@ def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookTe
         side = float(z[2])
     side = 1.0 if side >= 0.0 else -1.0
     frame_from_tip = np.linalg.inv(base_from_frame) @ tip
-    frame_from_tip[2, 3] = side * asked.distance * MM
+    frame_from_tip[2, 3] = side * request.distance * MM
     point = ("the origin", "the point on x")[at] if at < 2 else f"touch {at + 1}"
-    what = (
-        f"{tool} goes to {asked.distance:g} mm above {point}: it must stand right above what was "
+    problem = (
+        f"{tool} goes to {request.distance:g} mm above {point}: it must stand right above what was "
         f"touched there"
     )
     if side < 0.0:
-        what += (
+        problem += (
             ". z of the frame points into the surface, away from the tool: touch the point of the plane "
             "on the other side of x if that isn't meant"
         )
     text = _block(frame_line(_NAME, base_from_frame, "B"), tool.strip("{}"), frame_from_tip, _NAME)
-    return LookText(text=text, what=what)
+    return LookText(text=text, what=problem)
 
 
 def _block(declaration: str, moving: str, pose: Array, base: str) -> str:

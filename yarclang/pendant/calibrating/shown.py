@@ -41,7 +41,8 @@ def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
     """
     if calibration is None:
         return CalibrationShown(
-            version=0, kind="", name="", tool="", by="", mine=True, touches=(), needed=0, next="", ready=False,
+            version=0, kind="", name="", tool="", by="", mine=True, touches=(), needed=0, next="",
+                ready=False,
             result=(), unit="", findings=(), spread=(), advice="", error_mm=ERROR / MM, told=False,
         )  # fmt: skip
     touching = calibration.touching
@@ -117,64 +118,64 @@ def _spread(touching: Touching) -> tuple[tuple[SpreadRow, ...], str]:
 
 
 def _of_tip(rotations: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]:
-    found: TipSpread = tip_spread(rotations, error)
+    spread: TipSpread = tip_spread(rotations, error)
     rows = tuple(
         SpreadRow(
             label=f"tip along {_direction(direction)} of {{FLANGE}}",
             value=_length(axis),
             enough=bool(axis <= LARGEST_TIP),
         )
-        for axis, direction in zip(found.axes, found.directions, strict=True)
+        for axis, direction in zip(spread.axes, spread.directions, strict=True)
     )
-    worst = float(found.axes[0])
+    worst = float(spread.axes[0])
     if worst <= LARGEST_TIP:
         return rows, ""
-    known = "isn't known at all" if np.isinf(worst) else f"is known only to {_length(worst)}"
+    certainty = "isn't known at all" if np.isinf(worst) else f"is known only to {_length(worst)}"
     if error > LARGEST_TIP:
         return rows, f"the touches are off by {_length(error)} each: take the worst ones again"
     tilt = helpful_tilt(rotations, error)
-    then = "" if np.isinf(tilt.longest) else f": then it is known to {_length(tilt.longest)}"
+    after_that = "" if np.isinf(tilt.longest) else f": then it is known to {_length(tilt.longest)}"
     alike = (
         "the touches are tilted too little, or all about the same axis"
         if len(rotations) > 1
         else "one touch says nothing yet"
     )
     return rows, (
-        f"{alike}: the tip along {_direction(found.directions[0])} of the flange {known}. "
+        f"{alike}: the tip along {_direction(spread.directions[0])} of the flange {certainty}. "
         f"Touch next with the tool turned by {tilt.angle / DEG:+.0f} deg about {'xyz'[tilt.axis]} of "
-        f"the flange from the last touch{then}"
+        f"the flange from the last touch{after_that}"
     )
 
 
 def _of_frame(points: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]:
-    found: FrameSpread = frame_spread(points, error)
-    rows = [SpreadRow(label="origin", value=_length(found.origin), enough=True)]
-    for axis, turn in zip("xyz", found.turns, strict=True):
+    spread: FrameSpread = frame_spread(points, error)
+    rows = [SpreadRow(label="origin", value=_length(spread.origin), enough=True)]
+    for axis, turn in zip("xyz", spread.turns, strict=True):
         value = "not known yet" if np.isinf(turn) else f"{turn / DEG:.2f} deg"
         rows.append(SpreadRow(label=f"turned about {axis}", value=value, enough=bool(turn <= LARGEST_TURN)))
-    far = found.at(FAR)
+    far = spread.at(FAR)
     rows.append(
         SpreadRow(
             label=f"a point {FAR / MM:g} mm from the origin",
             value=_length(far),
-            enough=bool((found.turns <= LARGEST_TURN).all()),
+            enough=bool((spread.turns <= LARGEST_TURN).all()),
         )
     )
     if len(points) < 2:
         return tuple(rows), ""
     needed = np.sqrt(2.0) * error / LARGEST_TURN / MM
     advice = []
-    if found.turns[2] > LARGEST_TURN:
+    if spread.turns[2] > LARGEST_TURN:
         advice.append(
-            f"the point on x is only {found.base / MM:.0f} mm from the origin: touch it anew, "
+            f"the point on x is only {spread.base / MM:.0f} mm from the origin: touch it anew, "
             f"{needed:.0f} mm or more away"
         )
-    if len(points) > 2 and found.turns[0] > LARGEST_TURN:
+    if len(points) > 2 and spread.turns[0] > LARGEST_TURN:
         advice.append(
-            f"the points of the plane are at most {found.width / MM:.0f} mm beside the x axis: touch "
+            f"the points of the plane are at most {spread.width / MM:.0f} mm beside the x axis: touch "
             f"one {needed:.0f} mm or more beside it"
         )
-    if len(points) > 2 and found.turns[1] > LARGEST_TURN and not advice:
+    if len(points) > 2 and spread.turns[1] > LARGEST_TURN and not advice:
         advice.append(
             "the points of the plane lie far from the origin along x: touch one right beside the origin"
         )

@@ -100,19 +100,21 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     )
     text = _changed(lambda: with_tip(source, key, local), place.name)
     after = read_robot(SourceFile(source.name, text), place.parent)
-    wanted = np.eye(4) if old is None else old.copy()
-    wanted[:3, 3] = tip
+    new_offsets = np.eye(4) if old is None else old.copy()
+    new_offsets[:3, 3] = tip
     _check_pose(
-        None if after.value is None else after.value.flange_from_frame.get(name), wanted, after.diagnostics
+        None if after.value is None else after.value.flange_from_frame.get(name),
+        new_offsets,
+        after.diagnostics,
     )
-    what = (
+    description = (
         f"the tip {{{name}}} is written, in the orientation of the flange"
         if old is None
-        else moves_text(name, old, wanted)
+        else moves_text(name, old, new_offsets)
     )
     if hanging:
-        what += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
-    return Made(text, what, RESTART, after.diagnostics)
+        description += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
+    return Made(text, description, RESTART, after.diagnostics)
 
 
 def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touching: HomeTouching) -> Made:
@@ -191,12 +193,16 @@ def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching
         raise _exists(
             f"{{{name}}} is declared in line {declared.span.line} already", "the line gets other values"
         )
-    made = declare_pose(named, name, pose, parent, again=replace)
-    text = applied(source.text, made.edits)
+    new_text = declare_pose(named, name, pose, parent, again=replace)
+    text = applied(source.text, new_text.edits)
     after = around(Program(SourceFile(source.name, text)), place.parent, robot)
     found = after.scope.frame(name)
     _check_pose(None if found is None else np.array(found.transform), pose, ())
-    what = made.what if old is None else f"{made.what}; {moves_text(name, np.array(old.transform), pose)}"
+    what = (
+        new_text.what
+        if old is None
+        else f"{new_text.what}; {moves_text(name, np.array(old.transform), pose)}"
+    )
     return Made(text, what, PROGRAM, ())
 
 
@@ -210,8 +216,8 @@ def _changed(change: Callable[[], str], name: str) -> str:
         ) from None
 
 
-def _check_pose(found: Array | None, wanted: Array, findings: tuple[Diagnostic, ...]) -> None:
-    if found is None or np.abs(found - wanted).max() > _NEAR:
+def _check_pose(present: Array | None, expected: Array, findings: tuple[Diagnostic, ...]) -> None:
+    if present is None or np.abs(present - expected).max() > _NEAR:
         raise _lost(findings)
 
 
@@ -221,5 +227,5 @@ def _lost(findings: tuple[Diagnostic, ...]) -> Trouble:
     return Trouble(what, "change the file by hand; nothing was written", "form")
 
 
-def _exists(what: str, then: str) -> Trouble:
-    return Trouble(what, f"replace it ({then}), or choose another name", "exists")
+def _exists(subject: str, remedy: str) -> Trouble:
+    return Trouble(subject, f"replace it ({remedy}), or choose another name", "exists")

@@ -46,29 +46,29 @@ class Writing:
         kept: the calibrations.
     """
 
-    def __init__(self, robot: Robot, watched: Watched, files: Filing, kept: Calibrations) -> None:
+    def __init__(self, robot: Robot, watched: Watched, files: Filing, calibrations: Calibrations) -> None:
         self._robot = robot
         self._watched = watched
         self._files = files
-        self._kept = kept
+        self._kept = calibrations
 
-    async def propose(self, session: Session, asked: ProposeCalibration) -> CalibrationProposal:
+    async def propose(self, session: Session, request: ProposeCalibration) -> CalibrationProposal:
         """Return the text that would be written, without writing it.
 
         Raises:
             Trouble: there is no result, or it can't be written to that file.
         """
-        found = self._result(session, asked)
-        place, file = await self._place(asked)
-        await self._check_free(found, asked)
+        calibration = self._result(session, request)
+        place, file = await self._place(request)
+        await self._check_free(calibration, request)
         if file is None:
             before = await asyncio.to_thread(_read, place)
         else:
-            before, known = await asyncio.to_thread(_text, self._files.folder, file)
-        made = await asyncio.to_thread(self._made, before, place, found, asked)
+            before, known_hash = await asyncio.to_thread(_text, self._files.folder, file)
+        made_texts = await asyncio.to_thread(self._made_texts, before, place, calibration, request)
         obstacle = ""
         if file is None:
-            known = ""
+            known_hash = ""
             obstacle = (
                 f"{place} isn't in the project, and is never changed by the pendant: copy its folder "
                 f"into the project, "
@@ -77,89 +77,91 @@ class Writing:
         return CalibrationProposal(
             file=file or str(place),
             before=before,
-            after=made.text,
-            known=known,
-            findings=tuple(map(finding_message, made.findings)),
-            what=made.what,
-            then=made.then,
+            after=made_texts.text,
+            known=known_hash,
+            findings=tuple(map(finding_message, made_texts.findings)),
+            what=made_texts.what,
+            then=made_texts.then,
             obstacle=obstacle,
         )
 
-    async def write(self, session: Session, address: str, asked: WriteCalibration) -> CalibrationWritten:
+    async def write(self, session: Session, address: str, request: WriteCalibration) -> CalibrationWritten:
         """Write a proposed result.
 
         Args:
             session: session of the user.
             address: address from which the request came.
-            asked: the proposal, and the hash of the text that was shown.
+            request: the proposal, and the hash of the text that was shown.
 
         Raises:
             Trouble: the file has changed meanwhile, or the result can't be written to it.
         """
-        found = self._result(session, asked)
-        place, file = await self._place(asked)
+        calibration = self._result(session, request)
+        place, file = await self._place(request)
         if file is None:
             raise Trouble(f"{place} isn't in the project", "copy its folder into the project", "outside")
-        await self._check_free(found, asked)
-        before, known = await asyncio.to_thread(_text, self._files.folder, file)
-        if known != asked.known:
+        await self._check_free(calibration, request)
+        before, hash_now = await asyncio.to_thread(_text, self._files.folder, file)
+        if hash_now != request.known:
             raise Trouble(f"{quoted(file)} has changed meanwhile", "look at the difference again", "changed")
-        made = await asyncio.to_thread(self._made, before, place, found, asked)
-        self._kept.going_on(session, asked.version)
-        if asked.to == "program":
-            written = await self._files.save(session, address, file, made.text, known)
+        made_texts = await asyncio.to_thread(self._made_texts, before, place, calibration, request)
+        self._kept.going_on(session, request.version)
+        if request.to == "program":
+            written = await self._files.save(session, address, file, made_texts.text, hash_now)
         else:
             written = await self._files.change(
-                session, address, file, made.text, known, f"calibration: {made.what}"
+                session, address, file, made_texts.text, hash_now, f"calibration: {made_texts.what}"
             )
-        return CalibrationWritten(file=written.file, sha256=written.sha256, then=made.then)
+        return CalibrationWritten(file=written.file, sha256=written.sha256, then=made_texts.then)
 
-    def _result(self, session: Session, asked: ProposeCalibration) -> Calibration:
-        found = self._kept.going_on(session, asked.version)
+    def _result(self, session: Session, request: ProposeCalibration) -> Calibration:
+        found = self._kept.going_on(session, request.version)
         if not found.touching.result_text():
             raise Trouble("there is no result yet", found.touching.next_step(), "result")
         return found
 
-    async def _place(self, asked: ProposeCalibration) -> tuple[Path, str | None]:
+    async def _place(self, request: ProposeCalibration) -> tuple[Path, str | None]:
         """Return the file for the result, and its path in the project; None for the path if it is outside of
         the project.
         """
         folder = self._files.folder
-        if asked.to == "program":
-            if not asked.file.lower().endswith(_SUFFIX):
-                what = f"{quoted(asked.file)} is no program"
-                raise Trouble(what, f"choose a file whose name ends with {_SUFFIX}", "file")
-            return await asyncio.to_thread(folder.path, asked.file), asked.file
-        if asked.to == "robot":
+        if request.to == "program":
+            if not request.file.lower().endswith(_SUFFIX):
+                problem = f"{quoted(request.file)} is no program"
+                raise Trouble(problem, f"choose a file whose name ends with {_SUFFIX}", "file")
+            return await asyncio.to_thread(folder.path, request.file), request.file
+        if request.to == "robot":
             place = self._robot.folder / "robot.toml"
         else:
             cell = (await self._watched.attached.ask(orders.AskStatus())).cell
             if cell is None:
-                what = "the robot has no cell here: yarc.toml names none"
-                raise Trouble(what, "write the frame into a program, or name a cell in yarc.toml", "cell")
+                problem = "the robot has no cell here: yarc.toml names none"
+                raise Trouble(problem, "write the frame into a program, or name a cell in yarc.toml", "cell")
             place = Path(cell)
         place = await asyncio.to_thread(place.resolve)
         inside = place.relative_to(folder.root).as_posix() if place.is_relative_to(folder.root) else None
         return place, inside
 
-    async def _check_free(self, found: Calibration, asked: ProposeCalibration) -> None:
+    async def _check_free(self, calibration: Calibration, request: ProposeCalibration) -> None:
         """Check that no other frame of the cell or the robot has this name."""
-        name = found.touching.name
-        if asked.to == "robot" and found.kind == "tip" and name not in self._robot.flange_from_frame:
+        name = calibration.touching.name
+        if request.to == "robot" and calibration.kind == "tip" and name not in self._robot.flange_from_frame:
             frames = (await self._watched.attached.ask(orders.AskFrames())).frames
             if any(one.name.upper() == f"{{{name}}}" for one in frames):
                 what = f"{{{name}}} is a frame of the cell or of this session already"
                 raise Trouble(what, "choose another name", "name")
 
-    def _made(self, text: str, place: Path, found: Calibration, asked: ProposeCalibration) -> Made:
-        source, touching = SourceFile(str(place), text), found.touching
-        match asked.to:
+    def _made_texts(
+        self, text: str, place: Path, calibration: Calibration, request: ProposeCalibration
+    ) -> Made:
+        source, touching = SourceFile(str(place), text), calibration.touching
+        match request.to:
             case "robot":
-                return in_robot(source, place, self._robot, touching, replace=asked.replace)
+                return in_robot(source, place, self._robot, touching, replace=request.replace)
             case "cell":
-                return in_cell(source, place, self._robot, touching, asked.parent, replace=asked.replace)
+                return in_cell(source, place, self._robot, touching, request.parent, replace=request.replace)
             case "program":
-                return in_program(source, place, self._robot, touching, replace=asked.replace)
+                return in_program(source, place, self._robot, touching, replace=request.replace)
 
 
 def _text(folder: ProjectFolder, file: str) -> tuple[str, str]:

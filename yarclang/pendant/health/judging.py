@@ -95,17 +95,17 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
         disks: disks that hold files of the pendant.
         growth: growth of the run logs [bytes/day].
     """
-    found = []
-    for one in disks:
-        value = f"{sized(one.free)} of {sized(one.total)} free"
-        level = _below(one.free, FREE_WARNING, FREE_BAD)
-        if growth > 0.0 and ("logs" in one.holds or "project" in one.holds):
-            days = one.free / growth
+    judgements = []
+    for disk in disks:
+        value = f"{sized(disk.free)} of {sized(disk.total)} free"
+        level = _below(disk.free, FREE_WARNING, FREE_BAD)
+        if growth > 0.0 and ("logs" in disk.holds or "project" in disk.holds):
+            days = disk.free / growth
             value += f"; full in {days:.0f} days at {sized(growth)} of run logs a day" if days < 3650 else ""
             level = max(level, _below(days, DAYS_WARNING, DAYS_BAD), key=_LEVELS.index)
-        found.append(
+        judgements.append(
             Judgement(
-                "disk", "Disk", f"Disk of {one.holds}", value, level,
+                "disk", "Disk", f"Disk of {disk.holds}", value, level,
                 f"warning below {sized(FREE_WARNING)} or {DAYS_WARNING:.0f} days, bad below "
                     f"{sized(FREE_BAD)} or {DAYS_BAD:.0f} days",
                 "Without room no run is logged and no audit trail is written, and then nothing that "
@@ -113,7 +113,7 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
                 "Delete old run logs (Files, or History > Runs tells which), or give the disk more room.",
             )
         )  # fmt: skip
-    return tuple(found) or (Judgement("disk", "Disk", "Disk", "not known", "unknown"),)
+    return tuple(judgements) or (Judgement("disk", "Disk", "Disk", "not known", "unknown"),)
 
 
 def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
@@ -123,7 +123,7 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
         machine: the newest measurement.
         first: memory of this process at the first measurement [bytes]; None if unknown.
     """
-    own: Level = "unknown" if machine.own is None else _above(machine.own, OWN_WARNING, OWN_BAD)
+    own_level: Level = "unknown" if machine.own is None else _above(machine.own, OWN_WARNING, OWN_BAD)
     value = "not known"
     if machine.own is not None:
         value = (
@@ -137,10 +137,11 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
         free = f"{sized(machine.available)} of {sized(machine.memory)} available"
     return (
         Judgement(
-            "own", "Memory", "This process", value, own,
+            "own", "Memory", "This process", value, own_level,
             f"warning above {sized(OWN_WARNING)}, bad above {sized(OWN_BAD)}",
             "A process that grows all the time is ended by the system one day, and the robot then holds.",
-            "Restart the pendant when the robot rests (System > Controller), and report it to its maintainer.",
+            "Restart the pendant when the robot rests (System > Controller), and report it to its "
+            "maintainer.",
         ),
         Judgement(
             "memory", "Memory", "This computer", free, whole,
@@ -169,7 +170,8 @@ def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...
             "End what else runs on this computer.",
         ),
         Judgement(
-            "lag", "Computer", "Event loop, worst of the last minute", f"{lag * 1e3:.0f} ms late", _above(lag, LAG_WARNING, LAG_BAD),
+            "lag", "Computer", "Event loop, worst of the last minute", f"{lag * 1e3:.0f} ms late",
+                _above(lag, LAG_WARNING, LAG_BAD),
             f"warning above {LAG_WARNING * 1e3:.0f} ms, bad above {LAG_BAD * 1e3:.0f} ms",
             "A jog stops by itself if this computer is late; a stop that is pressed is carried out as late.",
             "Look at the load above; a virtual machine may be given too little time.",
@@ -212,26 +214,32 @@ def of_stored(
     """
     return (
         Judgement(
-            "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day", _above(size, LOGS_WARNING, LOGS_BAD),
+            "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day",
+                _above(size, LOGS_WARNING, LOGS_BAD),
             f"warning above {sized(LOGS_WARNING)}, bad above {sized(LOGS_BAD)}",
-            "Logs are never deleted by themselves.", "Download what is needed, and delete old ones on the page Files.",
+            "Logs are never deleted by themselves.",
+                "Download what is needed, and delete old ones on the page Files.",
         ),
         Judgement(
-            "trail", "Records", "Audit trail and alarms", f"{deeds:,} entries; {sized(database)}", _above(database, TRAIL_WARNING, TRAIL_BAD),
+            "trail", "Records", "Audit trail and alarms", f"{deeds:,} entries; {sized(database)}",
+                _above(database, TRAIL_WARNING, TRAIL_BAD),
             f"warning above {sized(TRAIL_WARNING)}, bad above {sized(TRAIL_BAD)}",
-            "The audit trail is never deleted.", "Keep a copy of the pendant's data folder, and begin a new one with --data.",
+            "The audit trail is never deleted.",
+                "Keep a copy of the pendant's data folder, and begin a new one with --data.",
         ),
-        Judgement("project", "Records", "Project", "more files than are counted" if project is None else sized(project), "plain"),
-        Judgement("data", "Records", "The pendant's data, with what was deleted", "more files than are counted" if data is None else sized(data), "plain"),
+        Judgement("project", "Records", "Project",
+            "more files than are counted" if project is None else sized(project), "plain"),
+        Judgement("data", "Records", "The pendant's data, with what was deleted",
+            "more files than are counted" if data is None else sized(data), "plain"),
     )  # fmt: skip
 
 
 _LEVELS: tuple[Level, ...] = ("plain", "unknown", "good", "warning", "bad")
 
 
-def worst_of(found: Iterable[Judgement]) -> Level:
+def worst_of(judgements: Iterable[Judgement]) -> Level:
     """Return the worst of the levels."""
-    return max((one.level for one in found), key=_LEVELS.index, default="unknown")
+    return max((one.level for one in judgements), key=_LEVELS.index, default="unknown")
 
 
 def _above(value: float, warning: float, bad: float) -> Level:

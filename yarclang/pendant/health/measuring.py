@@ -60,12 +60,12 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
     Args:
         places: pairs (description, path) of the pendant's files; missing files are ignored.
     """
-    own = _table(_PROC / "self" / "status")
+    own_table = _table(_PROC / "self" / "status")
     whole = _table(_PROC / "meminfo")
     return Machine(
         disks_of(places),
-        own.get("VmRSS"),
-        own.get("VmHWM"),
+        own_table.get("VmRSS"),
+        own_table.get("VmHWM"),
         whole.get("MemAvailable"),
         whole.get("MemTotal"),
         _load(),
@@ -75,16 +75,16 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
 
 def disks_of(places: Iterable[tuple[str, Path]]) -> tuple[Disk, ...]:
     """Return the disks that contain the given places. Places on the same disk are named together."""
-    found: dict[int, list[str]] = {}
+    by_device: dict[int, list[str]] = {}
     rooms: dict[int, tuple[int, int]] = {}
     for name, place in places:
         try:
             device, told = place.stat().st_dev, shutil.disk_usage(place)
         except OSError:
             continue
-        found.setdefault(device, []).append(name)
+        by_device.setdefault(device, []).append(name)
         rooms[device] = (told.free, told.total)
-    return tuple(Disk(_joined(names), *rooms[device]) for device, names in found.items())
+    return tuple(Disk(_joined(names), *rooms[device]) for device, names in by_device.items())
 
 
 def _joined(names: list[str]) -> str:
@@ -95,13 +95,13 @@ def size_of(folder: Path) -> int | None:
     """Return the size of all files in a folder [bytes], without following links; None if there are too many
     files.
     """
-    total, seen = 0, 0
+    total, entries_seen = 0, 0
     for top, _, files in os.walk(folder):
         for name in files:
-            seen += 1
-            if seen > _MOST_SEEN:
+            entries_seen += 1
+            if entries_seen > _MOST_SEEN:
                 return None
-            if seen % 200 == 0:
+            if entries_seen % 200 == 0:
                 time.sleep(0.0005)  # leave the interpreter to the loop that streams
             try:
                 total += os.lstat(f"{top}/{name}").st_size
@@ -130,13 +130,13 @@ def _load() -> float | None:
 
 def _table(path: Path) -> dict[str, int]:
     """Return the sizes that a file of /proc lists [bytes]; empty if there is no such file."""
-    found = {}
+    sizes = {}
     try:
         for line in path.read_text("ascii", "replace").splitlines():
             name, _, rest = line.partition(":")
             words = rest.split()
             if len(words) == 2 and words[1] == "kB" and words[0].isdigit():
-                found[name] = int(words[0]) * 1024
+                sizes[name] = int(words[0]) * 1024
     except OSError:
         return {}
-    return found
+    return sizes

@@ -168,20 +168,20 @@ class Sampler:
             if now - self._looked < EACH / 2:
                 return
             before, since = self.machine, now - self._looked
-            self.machine = found = await asyncio.to_thread(machine, self._places())
+            self.machine = measured = await asyncio.to_thread(machine, self._places())
             self._looked = now
             if before is None:
-                self.first = found.own
+                self.first = measured.own
             else:
-                self.share = max(0.0, (found.cpu - before.cpu) / since)
+                self.share = max(0.0, (measured.cpu - before.cpu) / since)
             if now - self._looked_slowly >= _SLOW_EACH:
                 self._looked_slowly = now
                 deeds = await self._accounts.database.call(people.last_deed)
                 self.stored = await asyncio.to_thread(self._on_disk, deeds)
-            self._low = low_of(found.disks)
+            self._low = low_of(measured.disks)
             if now - self._noted >= _SLOW_EACH:
                 self._noted = now
-                self._note(found)
+                self._note(measured)
 
     def _places(self) -> tuple[tuple[str, Path], ...]:
         places = [("the project", self._project), ("the pendant's data", self._database.parent)]
@@ -207,13 +207,13 @@ class Sampler:
             deeds=deeds,
         )
 
-    def _note(self, found: Machine) -> None:
+    def _note(self, measured: Machine) -> None:
         health = self._watched.showing.heard_health
         values = {
-            "disk": min((one.free for one in found.disks), default=None),
-            "own": found.own,
-            "memory": found.available,
-            "load": found.load,
+            "disk": min((one.free for one in measured.disks), default=None),
+            "own": measured.own,
+            "memory": measured.available,
+            "load": measured.load,
             "lag": self.lag.all,
             "reply": None if health is None else health.reply_s,
             "logs": None if self.stored is None else self.stored.logs_size,

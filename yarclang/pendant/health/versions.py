@@ -28,14 +28,14 @@ _LIBRARIES = (
 @cache
 def versions() -> tuple[tuple[str, str], ...]:
     """Return pairs (name, version). Reads files: call it in a thread."""
-    found = [("yarclang", __version__), ("Python", platform.python_version())]
+    pairs = [("yarclang", __version__), ("Python", platform.python_version())]
     for name in _LIBRARIES:
         try:
-            found.append((name, metadata.version(name)))
+            pairs.append((name, metadata.version(name)))
         except metadata.PackageNotFoundError:
-            found.append((name, "not installed"))
+            pairs.append((name, "not installed"))
     system = f"{platform.system()} {platform.release()} {platform.machine()}"
-    return (*found, ("Operating system", f"{_distribution()}{system}"))
+    return (*pairs, ("Operating system", f"{_distribution()}{system}"))
 
 
 def _distribution() -> str:

@@ -96,7 +96,7 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
     timer = threading.Timer(_LONGEST, end)
     timer.start()
     try:
-        told, refused = _read(process, most)
+        output, refused = _read(process, most)
     finally:
         timer.cancel()
         _kill(process)
@@ -104,14 +104,14 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
         for stream in (process.stdout, process.stderr):
             if stream is not None:
                 stream.close()
-    if late.is_set() or len(told) > most:
+    if late.is_set() or len(output) > most:
         much = (
             f"takes more than {_LONGEST:.0f} s" if late.is_set() else f"has more than {most:,} bytes to say"
         )
         raise Trouble(f"git {words[0]} {much} here", "use git on the computer itself", "git")
     if process.returncode:
         raise _refusal(folder, refused.decode(errors="replace"))
-    return told
+    return output
 
 
 def _read(process: subprocess.Popen[bytes], most: int) -> tuple[bytes, bytes]:
@@ -128,12 +128,12 @@ def _read(process: subprocess.Popen[bytes], most: int) -> tuple[bytes, bytes]:
 
     listening = threading.Thread(target=listen, daemon=True)
     listening.start()
-    told = process.stdout.read(most + 1)
-    if len(told) > most:
+    output = process.stdout.read(most + 1)
+    if len(output) > most:
         _kill(process)
     process.wait()
     listening.join(1.0)
-    return told, b"".join(complaints)
+    return output, b"".join(complaints)
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
@@ -141,16 +141,17 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _refusal(folder: Path, told: str) -> Exception:
-    if "dubious ownership" in told:
+def _refusal(folder: Path, output: str) -> Exception:
+    if "dubious ownership" in output:
         return Trouble(
             f"{quoted(str(folder))} belongs to another user than the pendant runs as, and git refuses "
                 f"such folders",
             f"if you trust it: git config --global --add safe.directory {folder}", "git",
         )  # fmt: skip
-    if not told.strip() or "safe.bareRepository" in told or "not a git repository" in told:
-        return Missing(told)
-    first = next((line for line in told.splitlines() if line.startswith(("fatal:", "error:"))), "")
-    if "Needed a single revision" in told or "unknown revision" in told or "bad revision" in told:
-        return Missing(told)
-    return Trouble(f"git can't read this repository: {first[:200] or 'it gives no reason'}", "use git on the computer itself", "git")  # fmt: skip
+    if not output.strip() or "safe.bareRepository" in output or "not a git repository" in output:
+        return Missing(output)
+    first = next((line for line in output.splitlines() if line.startswith(("fatal:", "error:"))), "")
+    if "Needed a single revision" in output or "unknown revision" in output or "bad revision" in output:
+        return Missing(output)
+    return Trouble(f"git can't read this repository: {first[:200] or 'it gives no reason'}",
+        "use git on the computer itself", "git")  # fmt: skip

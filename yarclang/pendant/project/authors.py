@@ -33,7 +33,7 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
         deeds: entries of the audit trail, newest first. A refused action has two entries: the action, which
             is ignored, and the refusal.
     """
-    found: dict[str, Authors] = {}
+    by_file: dict[str, Authors] = {}
     refused: Counter[tuple[str, str, str]] = Counter()
     for deed in deeds:
         key = (deed.user, deed.action, deed.detail)
@@ -43,11 +43,11 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
             refused[key] -= 1
         else:
             for file, sha256 in _changed(deed):
-                authors = found.setdefault(file, Authors())
+                authors = by_file.setdefault(file, Authors())
                 if authors.sha256 is None:
                     authors.sha256 = sha256
                 authors.users[deed.user] = None
-    return found
+    return by_file
 
 
 def _changed(deed: Deed) -> Iterable[tuple[str, str]]:

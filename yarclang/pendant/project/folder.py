@@ -107,13 +107,13 @@ class ProjectFolder:
         return self._listed(Walk(self._places, suffixes), most)
 
     def _listed(self, walk: Walk, most: int) -> tuple[tuple[Entry, ...], bool]:
-        found: list[Entry] = []
+        entries: list[Entry] = []
         with in_words(self.root.name):
             for entry in walk.entries():
-                if len(found) == most:
-                    return tuple(found), True
-                found.append(entry)
-        return tuple(found), walk.cut
+                if len(entries) == most:
+                    return tuple(entries), True
+                entries.append(entry)
+        return tuple(entries), walk.cut
 
     def read(self, name: str, most: int = MOST_TEXT) -> tuple[bytes, Written]:
         """Return the content of a file.
@@ -125,9 +125,9 @@ class ProjectFolder:
         Raises:
             Trouble: the file can't be read, or is larger.
         """
-        with self.opened(name) as (handle, told, _):
-            if told.st_size > most:
-                raise _too_large(name, told.st_size, most)
+        with self.opened(name) as (handle, status, _):
+            if status.st_size > most:
+                raise _too_large(name, status.st_size, most)
             pieces: list[bytes] = []
             size = 0
             while data := os.read(handle, _PIECE):
@@ -136,7 +136,7 @@ class ProjectFolder:
                 if size > most:  # the file is growing meanwhile
                     raise _too_large(name, size, most)
             content = b"".join(pieces)
-            return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(told.st_mtime))
+            return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(status.st_mtime))
 
     def sha256(self, name: str) -> str:
         """Return the hash of a file that isn't larger than `MOST_COPIED`.
@@ -159,12 +159,12 @@ class ProjectFolder:
         with self._places.at(name) as place:
             handle = place.open(os.O_RDONLY)
             try:
-                told = os.fstat(handle)
-                if self._places.is_private(told):
+                status = os.fstat(handle)
+                if self._places.is_private(status):
                     raise Trouble(
                         f"{quoted(name)} belongs to the pendant itself", "name a file of the project", ""
                     )
-                yield handle, told, place.name
+                yield handle, status, place.name
             finally:
                 os.close(handle)
 
@@ -176,40 +176,40 @@ class ProjectFolder:
         with self._changing:
             yield
 
-    def write(self, name: str, data: bytes, known: str | None) -> Written:
+    def write(self, name: str, data: bytes, known_hash: str | None) -> Written:
         """Write a file as a whole.
 
         Args:
             name: path in the project.
             data: the new content.
-            known: SHA-256 of the version that is replaced; None for a new file.
+            known_hash: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version isn't `known` (code "changed"), or the file can't be written. The
-                file is unchanged.
+            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written.
+                The file is unchanged.
         """
         with self.draft(name, len(data)) as draft, in_words(name):
             draft.write(data)
-            return self.stand(draft, name, known)
+            return self.stand(draft, name, known_hash)
 
-    def change(self, name: str, data: bytes, known: str, user: str) -> Written:
+    def change(self, name: str, data: bytes, known_hash: str, user: str) -> Written:
         """Replace a file as a whole, and keep the old version in the trash.
 
         Args:
             name: path in the project.
             data: the new content.
-            known: SHA-256 of the version that is replaced.
+            known_hash: SHA-256 of the version that is replaced.
             user: user who changes the file.
 
         Raises:
-            Trouble: the present version isn't `known` (code "changed"), or the file can't be written or its
-                old version can't be kept. The file is unchanged.
+            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written or
+                its old version can't be kept. The file is unchanged.
         """
         with self._changing, in_words(name):
             before, told = self.read(name)
-            if told.sha256 == known:
+            if told.sha256 == known_hash:
                 self.trash.keep(name, before, user)
-            return self.write(name, data, known)
+            return self.write(name, data, known_hash)
 
     @contextmanager
     def draft(self, name: str, size: int) -> Iterator[Draft]:
@@ -230,22 +230,22 @@ class ProjectFolder:
         with closing(made):
             yield made
 
-    def stand(self, draft: Draft, name: str, known: str | None) -> Written:
+    def stand(self, draft: Draft, name: str, known_hash: str | None) -> Written:
         """Complete a drafted file: as a new file, or as a replacement of a known version.
 
         Args:
             draft: the file.
             name: path in the project.
-            known: SHA-256 of the version that is replaced; None for a new file.
+            known_hash: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version isn't `known` (code "changed"), or the file can't be written.
+            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written.
         """
         with in_words(name):
             draft.settle()
         with self._changing, self._places.at(name) as place:
             before = place.look()
-            if known is None:
+            if known_hash is None:
                 if before is None:
                     self._check_new(place, name)
                     with _as_taken(name):
@@ -255,7 +255,7 @@ class ProjectFolder:
             else:
                 if before is None:
                     raise Trouble(f"{quoted(name)} was deleted meanwhile", "save it as a new file", "changed")
-                if self._sha256(place) != known:
+                if self._sha256(place) != known_hash:
                     raise self._other(place, name)
                 if not os.access(place.name, os.W_OK, dir_fd=place.folder):
                     raise OSError(errno.EACCES, "")
@@ -291,17 +291,17 @@ class ProjectFolder:
             Trouble: the path is taken, or the file or folder can't be moved.
         """
         with self._changing, self._places.at(name, link=True) as old:
-            told = self._there(old, name)
+            status = self._status_of(old, name)
             target = parts_of(to)
-            if stat.S_ISDIR(told.st_mode) and target[: len(old.parts)] == old.parts and target != old.parts:
+            if stat.S_ISDIR(status.st_mode) and target[: len(old.parts)] == old.parts and target != old.parts:
                 raise Trouble(f"{quoted(name)} can't be moved into itself", "choose another folder", "")
             with self._places.at(to, link=True) as new:
-                self._check_new(new, to, but=told)
+                self._check_new(new, to, but=status)
                 there = new.look()
-                if there is not None and (there.st_dev, there.st_ino) != (told.st_dev, told.st_ino):
+                if there is not None and (there.st_dev, there.st_ino) != (status.st_dev, status.st_ino):
                     raise OSError(errno.EEXIST, "")
                 with in_words(to):
-                    _moved(old, new, told, same=there is not None)
+                    _moved(old, new, status, same=there is not None)
 
     def make_folder(self, name: str) -> None:
         """Create a folder.
@@ -334,7 +334,7 @@ class ProjectFolder:
             Trouble: the file can't be removed.
         """
         with self._changing, self._places.at(name, link=True) as place:
-            self._there(place, name)
+            self._status_of(place, name)
             os.unlink(place.name, dir_fd=place.folder)
 
     def remove_empty(self, name: str) -> None:
@@ -357,7 +357,7 @@ class ProjectFolder:
             Trouble: the file or folder can't be moved to the trash; it is unchanged.
         """
         with self._changing, self._places.at(name, link=True) as place:
-            self._there(place, name)
+            self._status_of(place, name)
             return self.trash.take(place, name, user)
 
     def restore(self, number: str) -> str:
@@ -372,28 +372,28 @@ class ProjectFolder:
 
     # checks
 
-    def _there(self, place: At, name: str) -> os.stat_result:
-        told = place.look()
-        if told is None:
+    def _status_of(self, place: At, name: str) -> os.stat_result:
+        status = place.look()
+        if status is None:
             raise OSError(errno.ENOENT, "")
-        kind = stat.S_IFMT(told.st_mode)
+        kind = stat.S_IFMT(status.st_mode)
         if kind not in (stat.S_IFDIR, stat.S_IFREG, stat.S_IFLNK):
             raise Trouble(f"{quoted(name)} is not a file", "leave it to the system", "")
-        if kind == stat.S_IFDIR and self._places.holds_private(told):
+        if kind == stat.S_IFDIR and self._places.holds_private(status):
             raise Trouble(f"{quoted(name)} holds files of the pendant itself", "leave it where it is", "")
-        return told
+        return status
 
     def _check_new(self, place: At, name: str, but: os.stat_result | None = None) -> None:
         """Check that a name is allowed and that no similar name exists, except the name `but`."""
         check_new(place.parts)
         wanted = folded(place.name)
         with os.scandir(place.folder) as listed:
-            for one in listed:
-                if one.name != place.name and folded(one.name) == wanted:
-                    if but is not None and one.inode() == but.st_ino:
+            for entry_name in listed:
+                if entry_name.name != place.name and folded(entry_name.name) == wanted:
+                    if but is not None and entry_name.inode() == but.st_ino:
                         continue
                     raise Trouble(
-                        f"{quoted(name)} looks like {quoted(one.name)}, which is there already",
+                        f"{quoted(name)} looks like {quoted(entry_name.name)}, which is there already",
                         "choose another name", "",
                     )  # fmt: skip
 
@@ -438,9 +438,9 @@ def _as_taken(name: str) -> Iterator[None]:
         raise Changed(name, "") from None
 
 
-def _moved(old: At, new: At, told: os.stat_result, *, same: bool) -> None:
+def _moved(old: At, new: At, status: os.stat_result, *, same: bool) -> None:
     """Move a file or folder to another place. The new place must be unused, unless it is `same`."""
-    if not same and stat.S_ISREG(told.st_mode):
+    if not same and stat.S_ISREG(status.st_mode):
         try:
             os.link(old.name, new.name, src_dir_fd=old.folder, dst_dir_fd=new.folder, follow_symlinks=False)
         except OSError as error:

@@ -116,7 +116,8 @@ class Git:
             raise Trouble("there is no commit to compare with", "commit on the computer itself", "git")
         blob = self._blobs().get(file)
         if blob is not None and blob.size > MOST_TEXT:
-            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, and at most {MOST_TEXT:,} are compared", "use git on the computer itself", "large")  # fmt: skip
+            raise Trouble(f"{quoted(file)} had {blob.size:,} bytes, and at most {MOST_TEXT:,} are compared",
+                "use git on the computer itself", "large")  # fmt: skip
         base = b"" if blob is None else ask(self._folder.root, "cat-file", "blob", blob.hash, most=MOST_TEXT)
         try:
             present = self._folder.read(file)[0]
@@ -144,27 +145,27 @@ class Git:
 
     def _blobs(self) -> dict[str, _Blob]:
         """Return the files of the last commit that are in the project's folder."""
-        found: dict[str, _Blob] = {}
+        blobs: dict[str, _Blob] = {}
         for row in ask(self._folder.root, "ls-tree", "-r", "-l", "-z", "HEAD").split(b"\0"):
             told, _, name = row.partition(b"\t")
             words = told.decode("ascii", "replace").split()
             if len(words) == 4 and words[0] in _FILES and words[3].isdigit():
-                found[os.fsdecode(name)] = _Blob(words[2], int(words[3]))
-        return found
+                blobs[os.fsdecode(name)] = _Blob(words[2], int(words[3]))
+        return blobs
 
     def _listed(self, *options: str) -> set[str]:
         return {os.fsdecode(one) for one in ask(self._folder.root, "ls-files", "-z", *options).split(b"\0")}
 
     def _is_changed(self, file: str, blob: _Blob) -> bool:
         try:
-            with self._folder.opened(file) as (handle, told, _):
-                if told.st_size > _MOST_COMPARED:
-                    return told.st_size != blob.size
+            with self._folder.opened(file) as (handle, status, _):
+                if status.st_size > _MOST_COMPARED:
+                    return status.st_size != blob.size
                 kind = "sha1" if len(blob.hash) == 40 else "sha256"
-                key = (kind, told.st_ino, told.st_mtime_ns, told.st_ctime_ns, told.st_size)
-                if told.st_size == blob.size:
+                key = (kind, status.st_ino, status.st_mtime_ns, status.st_ctime_ns, status.st_size)
+                if status.st_size == blob.size:
                     return self._hash(handle, key) != blob.hash
-                if told.st_size > MOST_TEXT or told.st_size < blob.size:
+                if status.st_size > MOST_TEXT or status.st_size < blob.size:
                     return True
                 data = _whole(handle).replace(b"\r\n", b"\n")  # a work tree may have other line endings
                 return _hashed(kind, data) != blob.hash
@@ -172,13 +173,13 @@ class Git:
             return True
 
     def _hash(self, handle: int, key: _Key) -> str:
-        found = self._known.get(key)
-        if found is None:
-            found = _hashed(key[0], _whole(handle))
-            self._known[key] = found
+        hashed = self._known.get(key)
+        if hashed is None:
+            hashed = _hashed(key[0], _whole(handle))
+            self._known[key] = hashed
             if len(self._known) > _MOST_REMEMBERED:
                 self._known.popitem(last=False)
-        return found
+        return hashed
 
 
 def text_of(file: str, content: bytes) -> str:
@@ -202,14 +203,14 @@ def text_of(file: str, content: bytes) -> str:
 
 def _commit(name: str, content: bytes) -> Commit:
     head, _, message = content.decode(errors="replace").partition("\n\n")
-    author, when = "", ""
+    author, moment = "", ""
     for line in head.splitlines():
         if line.startswith("author "):
             words = line.removeprefix("author ").rsplit(" ", 2)
             author = words[0].rpartition(" <")[0] or words[0]
         elif line.startswith("committer "):
-            when = _moment(line.rsplit(" ", 2)[-2])
-    return Commit(name, author[:200], when, message.strip().partition("\n")[0][:200])
+            moment = _moment(line.rsplit(" ", 2)[-2])
+    return Commit(name, author[:200], moment, message.strip().partition("\n")[0][:200])
 
 
 def _moment(seconds: str) -> str:

@@ -82,13 +82,13 @@ class _Look:
         self._robots = tuple(one for one in robots if one != places.root and one.is_relative_to(places.root))
 
     def reason(self, name: str) -> str:
-        found: dict[tuple[str, ...], None] = {}
+        reasons: dict[tuple[str, ...], None] = {}
         for link in (True, False):  # the link itself, and its target
             try:
-                found[self._places.resolved(name, link=link)] = None
+                reasons[self._places.resolved(name, link=link)] = None
             except (Trouble, OSError, ValueError, RuntimeError):
                 continue  # opening it reports the reason
-        for parts in found:
+        for parts in reasons:
             path = self._places.root.joinpath(*parts)
             if self._is_guarded(path):
                 return f"{name[:80]} describes the robot or its cell"
@@ -127,7 +127,7 @@ class _Look:
         """Devices and inodes of the files that are guarded by name. A file may have further names (hard
         links).
         """
-        found = set()
+        identities = set()
         named = [self._places.root / one.file for one in Walk(self._places, _DESCRIBES).entries()]
         for robot in self._robots:
             named += [Path(top) / name for top, _, files in os.walk(robot) for name in files]
@@ -136,8 +136,8 @@ class _Look:
                 told = path.stat()
             except OSError:
                 continue
-            found.add((told.st_dev, told.st_ino))
-        return frozenset(found)
+            identities.add((told.st_dev, told.st_ino))
+        return frozenset(identities)
 
 
 def _holds(name: str, inside: str) -> str:

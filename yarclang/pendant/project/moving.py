@@ -32,23 +32,23 @@ def measured(folder: int, name: str) -> int:
     return _size(folder, name, left, 0)
 
 
-def _size(folder: int, name: str, left: list[int], depth: int) -> int:
-    told = os.stat(name, dir_fd=folder, follow_symlinks=False)
-    left[0] -= 1
-    if left[0] < 0 or depth > _DEEPEST:
+def _size(folder: int, name: str, entries_left: list[int], depth: int) -> int:
+    status = os.stat(name, dir_fd=folder, follow_symlinks=False)
+    entries_left[0] -= 1
+    if entries_left[0] < 0 or depth > _DEEPEST:
         raise Trouble(
             f"this folder has more than {_MOST_THINGS:,} files, or {_DEEPEST} folders within each other",
             "delete parts of it first", "",
         )  # fmt: skip
-    if stat.S_ISDIR(told.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         inner = os.open(name, _FOLDER, dir_fd=folder)
         try:
-            return sum(_size(inner, one, left, depth + 1) for one in _names(inner))
+            return sum(_size(inner, one, entries_left, depth + 1) for one in _names(inner))
         finally:
             os.close(inner)
-    if not stat.S_ISREG(told.st_mode) and not stat.S_ISLNK(told.st_mode):
+    if not stat.S_ISREG(status.st_mode) and not stat.S_ISLNK(status.st_mode):
         raise Trouble(f"{name[:80]!r} is not a file", "remove it on the computer itself", "")
-    return told.st_size
+    return status.st_size
 
 
 def _names(folder: int) -> list[str]:
@@ -68,26 +68,26 @@ def carried(folder: int, name: str, to: int, new: str) -> None:
     Raises:
         OSError: the original can't be copied; a partial copy remains.
     """
-    told = os.stat(name, dir_fd=folder, follow_symlinks=False)
-    if stat.S_ISLNK(told.st_mode):
+    status = os.stat(name, dir_fd=folder, follow_symlinks=False)
+    if stat.S_ISLNK(status.st_mode):
         os.symlink(os.readlink(name, dir_fd=folder), new, dir_fd=to)
         return
-    if stat.S_ISREG(told.st_mode):
+    if stat.S_ISREG(status.st_mode):
         _carry_file(folder, name, to, new)
         return
-    if not stat.S_ISDIR(told.st_mode):
+    if not stat.S_ISDIR(status.st_mode):
         raise OSError(errno.EINVAL, "it is not a file")
     inner = os.open(name, _FOLDER, dir_fd=folder)
     try:
         os.mkdir(new, 0o700, dir_fd=to)
-        there = os.open(new, _FOLDER, dir_fd=to)
+        copy = os.open(new, _FOLDER, dir_fd=to)
         try:
             for one in _names(inner):
-                carried(inner, one, there, one)
-            os.fsync(there)
-            _keep(told, there)
+                carried(inner, one, copy, one)
+            os.fsync(copy)
+            _keep(status, copy)
         finally:
-            os.close(there)
+            os.close(copy)
     finally:
         os.close(inner)
 
@@ -109,12 +109,12 @@ def _carry_file(folder: int, name: str, to: int, new: str) -> None:
         os.close(source)
 
 
-def _keep(told: os.stat_result, target: int) -> None:
+def _keep(status: os.stat_result, target: int) -> None:
     """Give a copy the owner, mode and times of its original."""
     with suppress(OSError):  # only root may change the owner
-        os.fchown(target, told.st_uid, told.st_gid)
-    os.fchmod(target, stat.S_IMODE(told.st_mode))
-    os.utime(target, ns=(told.st_atime_ns, told.st_mtime_ns))
+        os.fchown(target, status.st_uid, status.st_gid)
+    os.fchmod(target, stat.S_IMODE(status.st_mode))
+    os.utime(target, ns=(status.st_atime_ns, status.st_mtime_ns))
 
 
 def removed(folder: int, name: str) -> None:

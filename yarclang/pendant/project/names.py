@@ -30,22 +30,25 @@ def parts_of(name: str) -> tuple[str, ...]:
     if not name or "\0" in name or not _is_text(name):
         raise Trouble(f"{quoted(name)} isn't the name of a file", "name a file of the project", "")
     if len(name.encode()) > MOST_PATH:
-        what = f"the path {quoted(name)} has {len(name.encode())} bytes, and at most {MOST_PATH} are allowed"
-        raise Trouble(what, "choose a shorter one", "")
+        problem = (
+            f"the path {quoted(name)} has {len(name.encode())} bytes, and at most {MOST_PATH} are allowed"
+        )
+        raise Trouble(problem, "choose a shorter one", "")
     parts = tuple(name.split("/"))
-    if any(one in ("", ".", "..") for one in parts):
+    if any(part in ("", ".", "..") for part in parts):
         raise Trouble(
             f"{quoted(name)} isn't in the project's folder",
             "name a file of the project, as the list of files does", "",
         )  # fmt: skip
-    for one in parts:
-        if one.startswith("."):
-            raise Trouble(f"{quoted(one)} is hidden, and the pendant leaves such files alone", "choose another name", "")  # fmt: skip
-        if len(one.encode()) > MOST_NAME:
-            what = (
-                f"the name {quoted(one)} has {len(one.encode())} bytes, and at most {MOST_NAME} are allowed"
+    for part in parts:
+        if part.startswith("."):
+            raise Trouble(f"{quoted(part)} is hidden, and the pendant leaves such files alone",
+                "choose another name", "")  # fmt: skip
+        if len(part.encode()) > MOST_NAME:
+            problem = (
+                f"the name {quoted(part)} has {len(part.encode())} bytes, and at most {MOST_NAME} are allowed"
             )
-            raise Trouble(what, "choose a shorter one", "")
+            raise Trouble(problem, "choose a shorter one", "")
     return parts
 
 

@@ -168,27 +168,27 @@ class Places:
         os.close(folder)
         return inner
 
-    def is_private(self, told: os.stat_result) -> bool:
+    def is_private(self, status: os.stat_result) -> bool:
         """Return True if a file's status is that of a private file or folder, whatever its name."""
-        return (told.st_dev, told.st_ino) in self.private_now()
+        return (status.st_dev, status.st_ino) in self.private_now()
 
     def private_now(self) -> frozenset[tuple[int, int]]:
         """Return the devices and inodes of the private files and folders."""
         return _identities(self._private)
 
-    def holds_private(self, told: os.stat_result) -> bool:
+    def holds_private(self, status: os.stat_result) -> bool:
         """Return True if a folder contains a private file or folder at any depth."""
         above = {up for one in self._private for up in one.parents}
-        return (told.st_dev, told.st_ino) in _identities(above)
+        return (status.st_dev, status.st_ino) in _identities(above)
 
 
 def _identities(places: Iterable[Path]) -> frozenset[tuple[int, int]]:
-    found = set()
+    identities = set()
     for one in places:
         with suppress(OSError):  # it doesn't exist yet
             told = one.stat()
-            found.add((told.st_dev, told.st_ino))
-    return frozenset(found)
+            identities.add((told.st_dev, told.st_ino))
+    return frozenset(identities)
 
 
 def _private(name: str) -> Trouble:

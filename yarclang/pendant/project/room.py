@@ -10,13 +10,13 @@ KEPT = 64 << 20
 """Space that stays free for run logs and the audit trail [bytes]."""
 
 
-def check_room(disk: os.statvfs_result, size: int, what: str) -> None:
+def check_room(disk: os.statvfs_result, size: int, subject: str) -> None:
     """Check that a disk has room.
 
     Args:
         disk: state of the disk, from the operating system.
         size: required space [bytes].
-        what: subject and verb for the message: "the backup has".
+        subject: subject and verb for the message: "the backup has".
 
     Raises:
         Trouble: there is too little room.
@@ -24,6 +24,7 @@ def check_room(disk: os.statvfs_result, size: int, what: str) -> None:
     free = disk.f_bavail * disk.f_frsize
     if size + KEPT > free:
         raise Trouble(
-            f"{what} {size:,} bytes, and {free:,} are free on the disk, of which {KEPT:,} are kept for logs",
+            f"{subject} {size:,} bytes, and {free:,} are free on the disk, "
+            f"of which {KEPT:,} are kept for logs",
             "make room on the disk", "",
         )  # fmt: skip

@@ -122,7 +122,7 @@ class Trash:
             Trouble: the file or folder is too large, or contains something that can't be kept.
             OSError: the file or folder can't be moved; it is unchanged.
         """
-        told = os.stat(place.name, dir_fd=place.folder, follow_symlinks=False)
+        status = os.stat(place.name, dir_fd=place.folder, follow_symlinks=False)
         size = measured(place.folder, place.name)
         if size > LARGEST:
             raise Trouble(
@@ -131,28 +131,28 @@ class Trash:
             )  # fmt: skip
         now = time.time()
         number = f"{int(now * 1000):014d}-{secrets.token_hex(4)}"
-        made = Deleted(
-            number, "/".join(place.parts), size, now, moment(now), user, stat.S_ISDIR(told.st_mode)
+        deleted = Deleted(
+            number, "/".join(place.parts), size, now, moment(now), user, stat.S_ISDIR(status.st_mode)
         )
-        kept = self._folder / number
-        kept.mkdir(mode=0o700, parents=True)
+        kept_file = self._folder / number
+        kept_file.mkdir(mode=0o700, parents=True)
         self._folder.chmod(0o700)
         hidden = f".yarc-deleted-{number}"
         try:
-            _write(kept / _NOTE, asdict(made))
+            _write(kept_file / _NOTE, asdict(deleted))
             # Rename the folder to a hidden name first, so that nobody changes it while it is copied to
             # another disk.
             os.rename(place.name, hidden, src_dir_fd=place.folder, dst_dir_fd=place.folder)
             try:
-                self._bring(place.folder, hidden, kept)
+                self._bring(place.folder, hidden, kept_file)
             except BaseException:
                 os.rename(hidden, place.name, src_dir_fd=place.folder, dst_dir_fd=place.folder)
                 raise
         except BaseException:
-            shutil.rmtree(kept, ignore_errors=True)
+            shutil.rmtree(kept_file, ignore_errors=True)
             raise
         self._bound()
-        return made
+        return deleted
 
     def keep(self, name: str, content: bytes, user: str) -> Deleted:
         """Keep the old version of a text before it is changed.
@@ -183,22 +183,22 @@ class Trash:
         """
         now = time.time()
         number = f"{int(now * 1000):014d}-{secrets.token_hex(4)}"
-        kept = self._folder / number
-        kept.mkdir(mode=0o700, parents=True)
+        kept_file = self._folder / number
+        kept_file.mkdir(mode=0o700, parents=True)
         self._folder.chmod(0o700)
         try:
-            part = kept / f"{_CONTENT}.part"
+            part = kept_file / f"{_CONTENT}.part"
             with part.open("xb") as file:
                 keeping = Keeping(name, user, number, now, file)
                 yield keeping
                 file.flush()
                 os.fsync(file.fileno())
-            _write(kept / _NOTE, asdict(keeping.made()))
-            part.rename(kept / _CONTENT)
-            for folder in (kept, self._folder):
+            _write(kept_file / _NOTE, asdict(keeping.made()))
+            part.rename(kept_file / _CONTENT)
+            for folder in (kept_file, self._folder):
                 _settle(folder)
         except BaseException:
-            shutil.rmtree(kept, ignore_errors=True)
+            shutil.rmtree(kept_file, ignore_errors=True)
             raise
         self._bound()
 
@@ -208,15 +208,15 @@ class Trash:
         Raises:
             Trouble: it is no longer in the trash, or is not a file.
         """
-        found = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
-        if found is None:
+        deleted = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
+        if deleted is None:
             raise Trouble("this isn't kept any more", "look at the list of what was deleted", "missing")
-        with in_words(found.file):
+        with in_words(deleted.file):
             flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
-            return found, os.open(self._folder / found.number / _CONTENT, flags)
+            return deleted, os.open(self._folder / deleted.number / _CONTENT, flags)
 
-    def _bring(self, folder: int, name: str, kept: Path) -> None:
-        target = os.open(kept, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    def _bring(self, folder: int, name: str, kept_file: Path) -> None:
+        target = os.open(kept_file, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         try:
             try:
                 os.rename(name, _CONTENT, src_dir_fd=folder, dst_dir_fd=target)
@@ -239,14 +239,14 @@ class Trash:
             Trouble: the file or folder is no longer in the trash.
             OSError: it can't be moved, and stays in the trash.
         """
-        found = next((one for one in self.kept() if one.number == number), None)
-        if found is None:
+        deleted = next((one for one in self.kept() if one.number == number), None)
+        if deleted is None:
             raise Trouble("this isn't kept any more", "look at the list of what was deleted", "missing")
-        kept = self._folder / number
-        source = os.open(kept, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        kept_file = self._folder / number
+        source = os.open(kept_file, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         try:
             for count in range(1, 100):
-                name = found.file if count == 1 else _numbered(found.file, count)
+                name = deleted.file if count == 1 else _numbered(deleted.file, count)
                 with self._places.at(name, link=True, make=True) as place:
                     if place.look() is None:
                         with in_words(name):
@@ -254,11 +254,11 @@ class Trash:
                         break
             else:
                 raise Trouble(
-                    f"{quoted(found.file)} and 98 names like it are taken", "rename one of them", ""
+                    f"{quoted(deleted.file)} and 98 names like it are taken", "rename one of them", ""
                 )
         finally:
             os.close(source)
-        shutil.rmtree(kept, ignore_errors=True)
+        shutil.rmtree(kept_file, ignore_errors=True)
         return "/".join(place.parts)
 
     def _return(self, source: int, place: At) -> None:
@@ -283,13 +283,13 @@ class Trash:
 
     def kept(self) -> tuple[Deleted, ...]:
         """Return the records of all files and folders in the trash, newest first."""
-        found = []
+        deleted_files = []
         with suppress(OSError):
             for one in sorted(self._folder.iterdir(), reverse=True):
                 note = _read(one / _NOTE)
                 if note is not None and os.path.lexists(one / _CONTENT):
-                    found.append(note)
-        return tuple(found)
+                    deleted_files.append(note)
+        return tuple(deleted_files)
 
     def _bound(self) -> None:
         """Remove files and folders that exceed the limits of age or size, oldest first."""
@@ -302,12 +302,12 @@ class Trash:
     def _recover(self) -> None:
         """Rename back the files that were hidden when the computer was switched off during a deletion."""
         with suppress(OSError):
-            for one in list(self._folder.iterdir()):
-                note = _read(one / _NOTE)
-                if os.path.lexists(one / _CONTENT):
+            for entry in list(self._folder.iterdir()):
+                note = _read(entry / _NOTE)
+                if os.path.lexists(entry / _CONTENT):
                     continue
                 if note is None or self._shows_again(note):
-                    shutil.rmtree(one, ignore_errors=True)
+                    shutil.rmtree(entry, ignore_errors=True)
         self._bound()
 
     def _shows_again(self, note: Deleted) -> bool:

@@ -96,37 +96,37 @@ class Walk:
             os.close(inner)
 
     def _names(self, folder: int) -> list[str]:
-        found = []
+        entries = []
         with suppress(OSError), os.scandir(folder) as listed:
-            for one in listed:
+            for entry in listed:
                 if self._left <= 0:
                     self.cut = True
                     break
                 self._left -= 1
                 if self._left % _BREATH == 0:
                     time.sleep(0.0005)
-                if self._is_wanted(one):
-                    found.append(one.name)
-                    if len(found) >= MOST_IN_FOLDER:
+                if self._is_wanted(entry):
+                    entries.append(entry.name)
+                    if len(entries) >= MOST_IN_FOLDER:
                         self.cut = True
                         break
-        return sorted(found)
+        return sorted(entries)
 
-    def _is_wanted(self, one: os.DirEntry[str]) -> bool:
-        if one.name.startswith(".") or not _is_text(one.name):
+    def _is_wanted(self, entry: os.DirEntry[str]) -> bool:
+        if entry.name.startswith(".") or not _is_text(entry.name):
             return False
-        wanted = not self.suffixes or one.name.lower().endswith(self.suffixes)
-        return wanted or one.is_dir(follow_symlinks=False)
+        wanted = not self.suffixes or entry.name.lower().endswith(self.suffixes)
+        return wanted or entry.is_dir(follow_symlinks=False)
 
     def _entry(self, folder: int, name: str, path: str) -> tuple[Entry | None, bool]:
-        told = os.stat(name, dir_fd=folder, follow_symlinks=False)
-        if (told.st_dev, told.st_ino) in self._private:
+        target_status = os.stat(name, dir_fd=folder, follow_symlinks=False)
+        if (target_status.st_dev, target_status.st_ino) in self._private:
             return None, False
-        if stat.S_ISDIR(told.st_mode):
-            return (None if self.suffixes else _shown(path + name, told)), True
-        if stat.S_ISLNK(told.st_mode):
-            told = self._behind(path + name)
-        return (_shown(path + name, told) if stat.S_ISREG(told.st_mode) else None), False
+        if stat.S_ISDIR(target_status.st_mode):
+            return (None if self.suffixes else _as_entry(path + name, target_status)), True
+        if stat.S_ISLNK(target_status.st_mode):
+            target_status = self._behind(path + name)
+        return (_as_entry(path + name, target_status) if stat.S_ISREG(target_status.st_mode) else None), False
 
     def _behind(self, path: str) -> os.stat_result:
         """Return the status of a link's target.
@@ -136,12 +136,12 @@ class Walk:
         """
         try:
             with self.places.at(path) as place:
-                told = place.look()
+                status = place.look()
         except Trouble:
-            told = None
-        if told is None:
+            status = None
+        if status is None:
             raise FileNotFoundError(path)
-        return told
+        return status
 
 
 def moment(seconds: float) -> str:
@@ -152,9 +152,9 @@ def moment(seconds: float) -> str:
         return datetime.fromtimestamp(0, UTC).isoformat(timespec="seconds")
 
 
-def _shown(path: str, told: os.stat_result) -> Entry:
-    is_folder = stat.S_ISDIR(told.st_mode)
-    return Entry(path, 0 if is_folder else told.st_size, moment(told.st_mtime), is_folder)
+def _as_entry(path: str, status: os.stat_result) -> Entry:
+    is_folder = stat.S_ISDIR(status.st_mode)
+    return Entry(path, 0 if is_folder else status.st_size, moment(status.st_mtime), is_folder)
 
 
 def _is_text(name: str) -> bool:

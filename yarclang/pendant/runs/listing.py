@@ -79,12 +79,12 @@ class Listing:
         """Return a log's summary, and the time since its last change [s]."""
         try:
             with self._folders.opened(file.place, file.file) as (handle, told, _):
-                found = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)
+                summary = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)
                 age = self._wall() - told.st_mtime
         except (Trouble, OSError):
             return _UNREADABLE, _FRESH  # the log was removed meanwhile, or can't be read
-        brief = found or _UNREADABLE
-        if brief.is_whole or (found is None and age > _FRESH):
+        brief = summary or _UNREADABLE
+        if brief.is_whole or (summary is None and age > _FRESH):
             self._known[file] = brief
             while len(self._known) > _REMEMBERED:
                 self._known.popitem(last=False)

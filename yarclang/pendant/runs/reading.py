@@ -40,21 +40,21 @@ class Readings:
         self._waiting = 0
         self._known: OrderedDict[_Key, bytes] = OrderedDict()
 
-    async def shown(self, handle: int, told: os.stat_result, window: Window | None) -> bytes:
+    async def shown(self, handle: int, status: os.stat_result, window: Window | None) -> bytes:
         """Return the content of a log as the JSON of `RunShown`.
 
         Args:
             handle: the open file.
-            told: status of the file from the operating system.
+            status: status of the file from the operating system.
             window: time range of the lines [s]; None for all.
 
         Raises:
             Trouble: the log can't be shown, or too many are being read.
         """
-        if told.st_size > LARGEST:
-            what = f"the log has {told.st_size:,} bytes; up to {LARGEST:,} are shown here"
+        if status.st_size > LARGEST:
+            what = f"the log has {status.st_size:,} bytes; up to {LARGEST:,} are shown here"
             raise Trouble(what, "download it: `yarc plot` and `yarc replay` show it", "large")
-        key = (told.st_dev, told.st_ino, told.st_size, told.st_mtime_ns, window)
+        key = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, window)
         if (known := self._known.get(key)) is not None:
             return known
         if self._waiting >= AT_ONCE + WAITING:
@@ -62,25 +62,25 @@ class Readings:
         self._waiting += 1
         try:
             async with self._reading:
-                made = await self._read(handle, window)
+                content = await self._read(handle, window)
         finally:
             self._waiting -= 1
-        self._known[key] = made
+        self._known[key] = content
         while len(self._known) > _REMEMBERED:
             self._known.popitem(last=False)
-        return made
+        return content
 
     async def _read(self, handle: int, window: Window | None) -> bytes:
         more = () if window is None else tuple(map(repr, window))
         command = command_of("yarclang.pendant.runs.shown", (f"/dev/fd/{handle}", *more), _MOST_MEMORY)
         process = await begun(command, talks=False, handles=(handle,))
         assert process.stdout is not None
-        found = bytearray()
+        content = bytearray()
         try:
             async with asyncio.timeout(_LONGEST):
                 while data := await process.stdout.read(1 << 18):
-                    found += data
-                    if len(found) > _LARGEST_ANSWER:
+                    content += data
+                    if len(content) > _LARGEST_ANSWER:
                         raise Trouble(_WHAT, _REMEDY, "large")
                 status = await process.wait()
         except TimeoutError:
@@ -90,11 +90,11 @@ class Readings:
                 if process.returncode is None:
                     process.kill()
                     await process.wait()
-        if status != 0 or not found:
+        if status != 0 or not content:
             raise Trouble(f"{_WHAT}: it takes more memory than may be used for it", _REMEDY, "large")
-        if found.startswith(b'{"refused"'):
-            raise Trouble(json.loads(found)["refused"], "look at another one", "unreadable")
-        return bytes(found)
+        if content.startswith(b'{"refused"'):
+            raise Trouble(json.loads(content)["refused"], "look at another one", "unreadable")
+        return bytes(content)
 
 
 _WHAT = "the log can't be shown here"

@@ -148,20 +148,24 @@ def _line(
     if window is not None:
         inside = (times >= window[0]) & (times <= window[1])
     columns = max(_FEWEST, _INTERVALS // max(1, len(ends) - 1))
-    found: list[tuple[Array, Array]] = []
+    lines_of_passes: list[tuple[Array, Array]] = []
     for a, b in list(pairwise(ends))[: _INTERVALS // _FEWEST]:
         rows = a + np.flatnonzero(inside[a:b])
         if len(rows):
-            found.append(thinned(times[rows], values[rows], columns))
-    made = [_clean(np.concatenate(each)) for each in zip(*found, strict=True)] if found else []
-    starts = np.cumsum([len(each) for each, _ in found])[:-1] if found else ()
+            lines_of_passes.append(thinned(times[rows], values[rows], columns))
+    lines_made = (
+        [_clean(np.concatenate(each)) for each in zip(*lines_of_passes, strict=True)]
+        if lines_of_passes
+        else []
+    )
+    starts = np.cumsum([len(each) for each, _ in lines_of_passes])[:-1] if lines_of_passes else ()
     return said.RunLines(
         title=title,
         unit=unit,
         names=names,
-        times=tuple(made[0].round(4).tolist()) if found else (),
-        values=tuple(tuple(column) for column in made[1].T.round(5).tolist())
-        if found
+        times=tuple(lines_made[0].round(4).tolist()) if lines_of_passes else (),
+        values=tuple(tuple(column) for column in lines_made[1].T.round(5).tolist())
+        if lines_of_passes
         else ((),) * len(names),
         breaks=tuple(int(one) for one in starts),
     )

@@ -50,19 +50,19 @@ def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
         stage: stage of the robot at rest, or of a program, with the times at which it has its parts.
         before: the previous scene, whose meshes are reused.
     """
-    kept, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))
-    made: dict[bytes, Blob] = {}
+    drawn_items, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))
+    blobs: dict[bytes, Blob] = {}
     items: list[SceneItem] = []
-    for item in kept:
+    for item in drawn_items:
         key = _key(item.solid)
-        if key not in made:
+        if key not in blobs:
             known = None if before is None else before.made.get(key)
-            made[key] = known or blob_of(item.solid)
-        items.append(_item(item, made[key].id))
-    low, high = _box(kept)
+            blobs[key] = known or blob_of(item.solid)
+        items.append(_item(item, blobs[key].id))
+    low, high = _box(drawn_items)
     robot_low, robot_high = shown_box(stage, whole=False)
     eye, target = first_view(stage)
-    shown = SceneShown(
+    scene = SceneShown(
         version="",
         title=stage.title,
         notes=(*stage.notes, *notes),
@@ -92,9 +92,9 @@ def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
         touching=colours.TOUCHING,
         stale=colours.STALE,
     )
-    version = hashlib.sha256(shown.model_dump_json().encode()).hexdigest()[:16]
-    meshes = {blob.id: blob for blob in made.values()}
-    return Drawn(shown.model_copy(update={"version": version}), meshes, stage.scene, made)
+    version = hashlib.sha256(scene.model_dump_json().encode()).hexdigest()[:16]
+    meshes = {blob.id: blob for blob in blobs.values()}
+    return Drawn(scene.model_copy(update={"version": version}), meshes, stage.scene, blobs)
 
 
 def _key(solid: Solid) -> bytes:
@@ -103,24 +103,24 @@ def _key(solid: Solid) -> bytes:
 
 def _bounded(items: Iterable[Item]) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     """Return the items that are drawn, and a note about those that are left out."""
-    kept: list[Item] = []
-    left: list[str] = []
+    drawn_items: list[Item] = []
+    omitted: list[str] = []
     sizes: dict[int, int] = {}
     for item in items:
         size = sizes.get(id(item.solid), len(item.solid.faces))
-        if len(kept) >= MOST_ITEMS or sum(sizes.values()) + size > MOST_TRIANGLES:
-            left.append(item.name)
+        if len(drawn_items) >= MOST_ITEMS or sum(sizes.values()) + size > MOST_TRIANGLES:
+            omitted.append(item.name)
             continue
         sizes[id(item.solid)] = size
-        kept.append(item)
-    if not left:
-        return tuple(kept), ()
-    more = f" and {len(left) - 3} more" if len(left) > 3 else ""
+        drawn_items.append(item)
+    if not omitted:
+        return tuple(drawn_items), ()
+    more = f" and {len(omitted) - 3} more" if len(omitted) > 3 else ""
     note = (
         f"not drawn, as the bodies have more than {MOST_TRIANGLES:,} triangles or are more than "
-        f"{MOST_ITEMS}: {', '.join(left[:3])}{more}"
+        f"{MOST_ITEMS}: {', '.join(omitted[:3])}{more}"
     )
-    return tuple(kept), (note,)
+    return tuple(drawn_items), (note,)
 
 
 def _item(item: Item, mesh: str) -> SceneItem:

@@ -80,12 +80,12 @@ def creased(solid: Solid) -> tuple[Array, Array, Rows]:
     return solid.vertices[faces.ravel()[first]], normals[first], back.reshape(-1, 3)
 
 
-def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
+def _means(at: Rows, face_of_corner: Rows, flat: Array, across: Array) -> Array:
     """Return the normal of each corner of each face (3 F, 3), weighted by the faces' areas.
 
     Args:
         at: (3 F,) the place of each corner.
-        own: (3 F,) the face of each corner.
+        face_of_corner: (3 F,) the face of each corner.
         flat: (F, 3) unit normals of the faces.
         across: (F, 3) normals of the faces, whose lengths are twice the areas.
     """
@@ -94,7 +94,7 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
     summed = np.zeros((len(at), 3))
     rank = np.arange(len(at)) - np.repeat(begins, counts)
     count, begin = np.repeat(counts, counts), np.repeat(begins, counts)
-    mine = own[order]
+    mine = face_of_corner[order]
     rows = np.arange(len(at))
     # In round `step`, each corner of a face looks at the face that is `step` places further in the group of
     # faces around the same place.
@@ -104,7 +104,7 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
         alike = np.einsum("ij,ij->i", flat[here], flat[other]) >= _EDGE
         summed[order[rows[alike]]] += across[other[alike]]
     length = np.linalg.norm(summed, axis=1, keepdims=True)
-    return np.where(length > 0.0, summed / np.maximum(length, 1e-300), flat[own])
+    return np.where(length > 0.0, summed / np.maximum(length, 1e-300), flat[face_of_corner])
 
 
 def _packed(values: Array, bits: int) -> Rows:

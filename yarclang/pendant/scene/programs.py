@@ -108,16 +108,16 @@ class ProgramScenes:
                 self._kept.move_to_end(session.id)
                 return before.drawn
             loaded = await self._loaded(session, seat, number)
-            found = await asyncio.to_thread(self._draw, loaded)
+            drawn = await asyncio.to_thread(self._draw, loaded)
             if self._seats.taken(session) is not seat:  # the session has ended meanwhile
                 raise _unknown(number)
             # A page may still request meshes of the previous scene.
-            meshes = {**(before.drawn.meshes if before else {}), **found.meshes}
-            self._kept[session.id] = _Kept(seat, number, found, meshes)
+            meshes = {**(before.drawn.meshes if before else {}), **drawn.meshes}
+            self._kept[session.id] = _Kept(seat, number, drawn, meshes)
             self._kept.move_to_end(session.id)
             while len(self._kept) > _MOST:
                 self._kept.popitem(last=False)
-            return found
+            return drawn
 
     async def loaded(self, session: Session, number: int) -> Loaded:
         """Return a program that a session has loaded.

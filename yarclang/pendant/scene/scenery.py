@@ -100,7 +100,7 @@ class Scenery:
                 except Trouble:
                     pass  # a request for the scene reports the reason
             turn = (turn + 1) % _LOOKS
-            if await _heard(self._changed, _EACH):
+            if await _came_within(self._changed, _EACH):
                 turn = 0
 
     def hear(self, event: events.BaseEvent) -> None:
@@ -123,27 +123,36 @@ class Scenery:
                 pass
 
     async def _renewed(self, attached: Attached) -> Drawn:
-        told = await attached.ask(orders.AskSurroundings())
-        around = (told.robot, told.cell)
-        seen, before = self._seen, self._drawn
-        stamp = await asyncio.to_thread(_stamp, around[1], None if seen is None else seen.place.cell)
-        if seen is None or seen.around != around or seen.stamp != stamp:
-            place = await asyncio.to_thread(read_place, attached.welcome, told)
+        surroundings = await attached.ask(orders.AskSurroundings())
+        around = (surroundings.robot, surroundings.cell)
+        drawn_state, before = self._seen, self._drawn
+        stamp = await asyncio.to_thread(
+            _stamp, around[1], None if drawn_state is None else drawn_state.place.cell
+        )
+        if drawn_state is None or drawn_state.around != around or drawn_state.stamp != stamp:
+            place = await asyncio.to_thread(read_place, attached.welcome, surroundings)
             stage = await asyncio.to_thread(self._empty, place)
             stamp = await asyncio.to_thread(_stamp, around[1], place.cell)
         else:
-            place, stage = seen.place, seen.stage
+            place, stage = drawn_state.place, drawn_state.stage
         parts = await self._parts(
-            attached, place.cell, None if seen is None or seen.place is not place else seen.parts
+            attached,
+            place.cell,
+            None if drawn_state is None or drawn_state.place is not place else drawn_state.parts,
         )
-        if before is not None and seen is not None and seen.place is place and seen.parts == parts:
+        if (
+            before is not None
+            and drawn_state is not None
+            and drawn_state.place is place
+            and drawn_state.parts == parts
+        ):
             return before
-        found = await asyncio.to_thread(self._draw, stage, parts)
-        self._seen, self._drawn = _Seen(around, place, stage, parts, stamp), found
+        drawn = await asyncio.to_thread(self._draw, stage, parts)
+        self._seen, self._drawn = _Seen(around, place, stage, parts, stamp), drawn
         # A page may still request meshes of the previous scene.
-        self._meshes = found.meshes if before is None else {**before.meshes, **found.meshes}
-        self._showing.scene = found.shown.version
-        return found
+        self._meshes = drawn.meshes if before is None else {**before.meshes, **drawn.meshes}
+        self._showing.scene = drawn.shown.version
+        return drawn
 
     def _empty(self, place: Place) -> Stage:
         """Return the stage without parts. It is reused, because only the parts change while the robot
@@ -191,7 +200,7 @@ def _stamp(file: str | None, cell: Cell | None) -> Stamp:
     return stamp_of((*(() if file is None else (Path(file),)), *(() if cell is None else meshes_of(cell))))
 
 
-async def _heard(event: asyncio.Event, within: float) -> bool:
+async def _came_within(event: asyncio.Event, within: float) -> bool:
     try:
         await asyncio.wait_for(event.wait(), within)
     except TimeoutError:
@@ -200,36 +209,42 @@ async def _heard(event: asyncio.Event, within: float) -> bool:
     return True
 
 
-def parts_told(cell: Cell, told: replies.Parts) -> Parts | None:
+def parts_told(cell: Cell, reply: replies.Parts) -> Parts | None:
     """Return the parts' positions from the coordinator's reply; None if they belong to another cell."""
     kinds = {part.body.name: part for part in cell.parts}
-    variables = {name: one.variable for name, one in cell.outputs.items()}
+    variables = {name: told_part.variable for name, told_part in cell.outputs.items()}
     items: list[Item] = []
-    for one in told.parts:
-        name, _, number = one.name.rpartition(" ")
-        part = kinds.get(one.name) or (kinds.get(name) if number.isdecimal() else None)
+    for told_part in reply.parts:
+        name, _, number = told_part.name.rpartition(" ")
+        part = kinds.get(told_part.name) or (kinds.get(name) if number.isdecimal() else None)
         if part is None:
             return None
-        gripper = None if one.held is None else variables.get(one.held, "")
-        pose = np.array(one.pose).tobytes()
+        gripper = None if told_part.held is None else variables.get(told_part.held, "")
+        pose = np.array(told_part.pose).tobytes()
         items.append(
-            Item(part, int(number) if part.count > 1 and number.isdecimal() else 1, pose, gripper, one.sure)
+            Item(
+                part,
+                int(number) if part.count > 1 and number.isdecimal() else 1,
+                pose,
+                gripper,
+                told_part.sure,
+            )
         )
     return Parts(tuple(items))
 
 
-def placed(robot: Robot, asked: Placements) -> bytes:
+def placed(robot: Robot, request: Placements) -> bytes:
     """Return the placements of links at joint positions: float32, (N, n, 7), x y z [m] and the quaternion x y
     z w.
 
     Raises:
         Trouble: a row has the wrong number of joints.
     """
-    for number, row in enumerate(asked.joints):
+    for number, row in enumerate(request.joints):
         if len(row) != robot.size:
             what = (
                 f"row {number + 1} has {len(row)} joint positions, and {robot.name} has {robot.size} joints"
             )
             raise Trouble(what, "give one for each joint", "")
-    q = np.array(asked.joints, dtype=float).reshape(-1, robot.size) * robot.axis_units
+    q = np.array(request.joints, dtype=float).reshape(-1, robot.size) * robot.axis_units
     return packed(moved_links(robot.chain, q)).astype("<f4").tobytes()

@@ -37,17 +37,17 @@ async def _list(service: Service, request: Request) -> Response:
     service.session(request)
     book = service.alarms.book
     before, count = number_in(request, "before"), min(number_in(request, "count") or 100, _MOST_LISTED)
-    which = request.query_params.get("which", "open")
-    if which == "open":
-        found: Iterable[Alarm] = (one for one in book.open() if before is None or one.number < before)
-    elif which == "past":
-        found = book.past(before)
+    wanted_list = request.query_params.get("which", "open")
+    if wanted_list == "open":
+        alarms: Iterable[Alarm] = (one for one in book.open() if before is None or one.number < before)
+    elif wanted_list == "past":
+        alarms = book.past(before)
     else:
-        raise Malformed(f"which is {which[:40]!r}; it may be open or past", "see the API's page", "")
-    listed = tuple(islice(found, count + 1))
+        raise Malformed(f"which is {wanted_list[:40]!r}; it may be open or past", "see the API's page", "")
+    listed = tuple(islice(alarms, count + 1))
     return answer(
         AlarmList(
-            alarms=tuple(_shown(one) for one in listed[:count]),
+            alarms=tuple(_alarm_shown(one) for one in listed[:count]),
             open=book.open_count,
             all=len(book),
             more=len(listed) > count,
@@ -57,13 +57,13 @@ async def _list(service: Service, request: Request) -> Response:
     )
 
 
-async def _one(service: Service, request: Request) -> Response:
+async def _alarm_by_number(service: Service, request: Request) -> Response:
     service.session(request)
     text = request.path_params["number"]
     found = service.alarms.book.get(int(text)) if text.isdecimal() and len(text) < 16 else None
     if found is None:
         return _missing(f"there is no alarm {text[:20]!r}", "look at the list of alarms")
-    return answer(_shown(found))
+    return answer(_alarm_shown(found))
 
 
 async def _export(service: Service, request: Request) -> Response:
@@ -75,15 +75,18 @@ async def _export(service: Service, request: Request) -> Response:
 
 async def _acknowledge(service: Service, request: Request) -> Response:
     session = service.session(request, Role.OPERATOR)
-    asked = await body(request, Acknowledge)
+    request_body = await body(request, Acknowledge)
     service.accounts.used(session)
     book = service.alarms.book
-    wanted = asked.numbers
-    if asked.up_to is not None:
-        wanted = (*wanted, *(one.number for one in book.open() if one.number <= asked.up_to))
-    if not wanted:
+    wanted_numbers = request_body.numbers
+    if request_body.up_to is not None:
+        wanted_numbers = (
+            *wanted_numbers,
+            *(one.number for one in book.open() if one.number <= request_body.up_to),
+        )
+    if not wanted_numbers:
         raise Malformed("no alarm is named", "give numbers, or up_to", "")
-    numbers = book.unacknowledged(wanted)
+    numbers = book.unacknowledged(wanted_numbers)
     if numbers:
         more = f" and {len(numbers) - _MOST_TOLD} more" if len(numbers) > _MOST_TOLD else ""
         detail = f"{' '.join(map(str, numbers[:_MOST_TOLD]))}{more}"
@@ -94,32 +97,32 @@ async def _acknowledge(service: Service, request: Request) -> Response:
 async def _finding(service: Service, request: Request) -> Response:
     service.session(request)
     code = request.path_params["code"].upper()
-    found = CATALOGUE.get(code)
-    if found is None:
+    finding = CATALOGUE.get(code)
+    if finding is None:
         return _missing(f"there is no finding {code[:20]!r}", "codes are Y and four digits, as in Y0101")
     return answer(
         FindingShown(
-            code=found.code,
-            name=found.name,
-            severity=found.severity,
-            family=FAMILIES[found.family],
-            title=found.title,
-            why=found.why,
-            example=found.example,
-            better=found.better,
+            code=finding.code,
+            name=finding.name,
+            severity=finding.severity,
+            family=FAMILIES[finding.family],
+            title=finding.title,
+            why=finding.why,
+            example=finding.example,
+            better=finding.better,
         )
     )
 
 
-def _missing(what: str, remedy: str) -> Response:
-    made = refusal(Trouble(what, remedy, "missing"))
+def _missing(subject: str, remedy: str) -> Response:
+    made = refusal(Trouble(subject, remedy, "missing"))
     made.status_code = 404
     return made
 
 
-def _shown(alarm: Alarm) -> AlarmShown:
+def _alarm_shown(alarm: Alarm) -> AlarmShown:
     raised, stood = alarm.raised, alarm.stood
-    known = CATALOGUE.get(raised.code)
+    finding = CATALOGUE.get(raised.code)
     return AlarmShown(
         number=alarm.number,
         time=utc(alarm.time),
@@ -131,7 +134,7 @@ def _shown(alarm: Alarm) -> AlarmShown:
         by=alarm.by,
         source=raised.source,
         code=raised.code,
-        title="" if known is None else known.title,
+        title="" if finding is None else finding.title,
         what=raised.what,
         remedy=raised.remedy,
         program=stood.program,
@@ -145,11 +148,15 @@ def _shown(alarm: Alarm) -> AlarmShown:
 
 
 ROUTES = (
-    Route("GET", "/api/alarms", _list, "Return alarms, the newest first: open ones, or with ?which=past the others (`before`: smaller "
-            "numbers only; `count`: 500 at most).", None, AlarmList, "viewer"),
-    Route("GET", "/api/alarms/export", _export, "Return all alarms as CSV, to be saved.", None, None, "viewer"),
-    Route("GET", "/api/alarms/{number}", _one, "Return an alarm.", None, AlarmShown, "viewer"),
-    Route("POST", "/api/alarms/acknowledge", _acknowledge, "Acknowledge alarms, for all screens.", Acknowledge, Acknowledged, "operator"),
-    Route("GET", "/api/findings/{code}", _finding, "Return what the catalogue of findings says of a code.", None, FindingShown, "viewer"),
+    Route("GET", "/api/alarms", _list,
+        "Return alarms, the newest first: open ones, or with ?which=past the others (`before`: smaller "
+        "numbers only; `count`: 500 at most).", None, AlarmList, "viewer"),
+    Route("GET", "/api/alarms/export", _export, "Return all alarms as CSV, to be saved.", None, None,
+        "viewer"),
+    Route("GET", "/api/alarms/{number}", _alarm_by_number, "Return an alarm.", None, AlarmShown, "viewer"),
+    Route("POST", "/api/alarms/acknowledge", _acknowledge, "Acknowledge alarms, for all screens.",
+        Acknowledge, Acknowledged, "operator"),
+    Route("GET", "/api/findings/{code}", _finding, "Return what the catalogue of findings says of a code.",
+        None, FindingShown, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -39,23 +39,24 @@ async def analyse(service: Service, analysts: Analysts, socket: WebSocket) -> No
 
 async def _language(service: Service, request: Request) -> Response:
     service.session(request)
-    known = words()
+    language_words = words()
     return answer(
         Language(
-            blocks=known.blocks,
-            declarations=known.declarations,
-            commands=known.commands,
-            suffixes=known.suffixes,
-            options=known.options,
-            operators=known.operators,
-            functions=known.functions,
-            constants=known.constants,
-            units=known.units,
+            blocks=language_words.blocks,
+            declarations=language_words.declarations,
+            commands=language_words.commands,
+            suffixes=language_words.suffixes,
+            options=language_words.options,
+            operators=language_words.operators,
+            functions=language_words.functions,
+            constants=language_words.constants,
+            units=language_words.units,
         )
     )
 
 
 ROUTES = (
-    Route("GET", "/api/language", _language, "Return the words of the language by their kinds.", None, Language, "viewer"),
+    Route("GET", "/api/language", _language, "Return the words of the language by their kinds.", None,
+        Language, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -43,7 +43,7 @@ class _Zip(StreamingResponse):
 
     def __init__(self, pieces: Generator[bytes], ended: Callable[[str], None], name: str) -> None:
         headers = {"content-disposition": disposition(name), "cache-control": "no-store"}
-        super().__init__(_taken(pieces), headers=headers, media_type="application/zip")
+        super().__init__(_taken_pieces(pieces), headers=headers, media_type="application/zip")
         self._pieces = pieces
         self._told_end = ended
 
@@ -66,7 +66,7 @@ class _Zip(StreamingResponse):
                 self._pieces.close()
 
 
-async def _taken(pieces: Generator[bytes]) -> AsyncIterator[bytes]:
+async def _taken_pieces(pieces: Generator[bytes]) -> AsyncIterator[bytes]:
     end = b"end"
     while (piece := await asyncio.to_thread(next, pieces, end)) is not end:
         if piece:
@@ -85,23 +85,24 @@ async def _about(service: Service, request: Request) -> Response:
     waits = backups.waits(session)
 
     def looked() -> BackupShown:
-        undo = tuple(_kept(one) for one in backups.undoable())
+        undo = tuple(_kept_restore(one) for one in backups.undoable())
         notes = _outside(service)
         try:
-            found = backups.selection()
+            selection = backups.selection()
         except Trouble as trouble:
             return BackupShown(
-                robot=backups.robot.name, files=0, size=0, logs=0, logs_size=0, trouble=f"{trouble.what}: {trouble.remedy}",
+                robot=backups.robot.name, files=0, size=0, logs=0, logs_size=0,
+                    trouble=f"{trouble.what}: {trouble.remedy}",
                 left_out=(), notes=notes, undo=undo, waits=waits,
             )  # fmt: skip
         return BackupShown(
             robot=backups.robot.name,
-            files=len(found.files),
-            size=found.size,
-            logs=len(found.skipped),
-            logs_size=sum(one.size for one in found.skipped),
+            files=len(selection.files),
+            size=selection.size,
+            logs=len(selection.skipped),
+            logs_size=sum(one.size for one in selection.skipped),
             trouble="",
-            left_out=tuple(FileAndWhy(file=one.file, why=one.why) for one in found.left_out[:100]),
+            left_out=tuple(FileAndWhy(file=one.file, why=one.why) for one in selection.left_out[:100]),
             notes=notes,
             undo=undo,
             waits=waits,
@@ -125,8 +126,8 @@ def _outside(service: Service) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _kept(one: Deleted) -> KeptRestore:
-    return KeptRestore(number=one.number, user=one.user, made=one.deleted, size=one.size)
+def _kept_restore(deleted: Deleted) -> KeptRestore:
+    return KeptRestore(number=deleted.number, user=deleted.user, made=deleted.deleted, size=deleted.size)
 
 
 async def _upload(service: Service, request: Request) -> Response:
@@ -225,13 +226,20 @@ def _notes(backups: Backups, upload: Upload) -> tuple[str, ...]:
 
 
 ROUTES = (
-    Route("GET", "/api/backup", _backup, "Return a zip of the project to be saved; `?logs=1`: with logs of runs.", None, None, "service"),
-    Route("GET", "/api/backup/about", _about, "Return what a backup would have, and which restores can be undone.", None, BackupShown, "service"),
-    Route("POST", "/api/backup/upload", _upload, "Take a zip as the body, judge it and return what restoring it would change; nothing is changed "
-            "yet.", None, RestorePlan, "service", MOST_ZIP),
-    Route("GET", "/api/backup/plan", _plan, "Return what the zip that waits would change now.", None, RestorePlan, "service"),
+    Route("GET", "/api/backup", _backup,
+        "Return a zip of the project to be saved; `?logs=1`: with logs of runs.", None, None, "service"),
+    Route("GET", "/api/backup/about", _about,
+        "Return what a backup would have, and which restores can be undone.", None, BackupShown, "service"),
+    Route("POST", "/api/backup/upload", _upload,
+        "Take a zip as the body, judge it and return what restoring it would change; nothing is changed "
+        "yet.", None, RestorePlan, "service", MOST_ZIP),
+    Route("GET", "/api/backup/plan", _plan, "Return what the zip that waits would change now.", None,
+        RestorePlan, "service"),
     Route("POST", "/api/backup/forget", _forget, "Forget the zip that waits.", None, Done, "service"),
-    Route("POST", "/api/backup/restore", _apply, "Restore the zip that waits. What is replaced or deleted is kept.", ApplyRestore, Restored, "service, PIN"),
-    Route("POST", "/api/backup/undo", _undo, "Take what a restore has replaced as the zip that waits.", UndoRestore, RestorePlan, "service"),
+    Route("POST", "/api/backup/restore", _apply,
+        "Restore the zip that waits. What is replaced or deleted is kept.", ApplyRestore, Restored,
+            "service, PIN"),
+    Route("POST", "/api/backup/undo", _undo, "Take what a restore has replaced as the zip that waits.",
+        UndoRestore, RestorePlan, "service"),
 )  # fmt: skip
 """All routes of this file."""

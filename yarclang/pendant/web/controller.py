@@ -44,20 +44,20 @@ async def _controller(service: Service, request: Request) -> Response:
     )
 
 
-def _ending(how: How) -> Serve:
+def _ending(way: How) -> Serve:
     async def serve(service: Service, request: Request) -> Response:
         session = service.session(request, Role.SERVICE, pin=True)
         asked = await body(request, EndProcess)
         service.accounts.used(session)
-        await service.life.may(how)
+        await service.life.may(way)
         if service.watched.showing.under_way and not asked.stop and _is_ended_by(service):
             what = f"{service.watched.showing.under_way} is under way"
             raise Trouble(what, "wait for its end, or let it be stopped on its path first", "under-way")
-        await service.accounts.did(Deed(session.user, address_of(request), how))
+        await service.accounts.did(Deed(session.user, address_of(request), way))
         if _is_ended_by(service):
             await _rested(service)
-        await service.life.may(how)  # another request may have come first
-        service.life.end(how)
+        await service.life.may(way)  # another request may have come first
+        service.life.end(way)
         return answer(Done())
 
     return serve
@@ -95,8 +95,12 @@ async def _rested(service: Service) -> None:
 
 
 ROUTES = (
-    Route("GET", "/api/system/controller", _controller, "Return what the controller is, and which files wait for a restart.", None, ControllerShown, "viewer"),
-    Route("POST", "/api/system/restart", _ending("restart"), "Restart the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
-    Route("POST", "/api/system/shut-down", _ending("shut-down"), "End the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
+    Route("GET", "/api/system/controller", _controller,
+        "Return what the controller is, and which files wait for a restart.", None, ControllerShown,
+            "viewer"),
+    Route("POST", "/api/system/restart", _ending("restart"),
+        "Restart the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
+    Route("POST", "/api/system/shut-down", _ending("shut-down"),
+        "End the pendant's process; the robot rests first. Needs the PIN.", EndProcess, Done, "service"),
 )  # fmt: skip
 """All routes of this file."""

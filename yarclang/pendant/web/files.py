@@ -54,7 +54,8 @@ _KINDS: dict[str, _Kind] = {
     ".yarc": "program",
     **dict.fromkeys((".png", ".jpg", ".jpeg", ".gif", ".webp", ".bmp", ".tif", ".tiff"), "picture"),
     **dict.fromkeys(
-        (".toml", ".txt", ".md", ".csv", ".urdf", ".srdf", ".xml", ".json", ".yaml", ".yml", ".ini", ".py", ".svg"),
+        (".toml", ".txt", ".md", ".csv", ".urdf", ".srdf", ".xml", ".json", ".yaml", ".yml", ".ini", ".py",
+            ".svg"),
         "text",
     ),
 }  # fmt: skip
@@ -65,13 +66,13 @@ async def _list(service: Service, request: Request) -> Response:
 
     def listed() -> Response:
         found, cut = service.files.folder.entries(_MOST_LISTED)
-        files = tuple(_shown(one) for one in found)
+        files = tuple(_file_shown(one) for one in found)
         return answer(FileList(folder=str(service.files.folder.root), files=files, cut=cut))
 
     return await asyncio.to_thread(listed)
 
 
-def _shown(entry: Entry) -> FileShown:
+def _file_shown(entry: Entry) -> FileShown:
     suffix = PurePosixPath(entry.file).suffix.lower()
     kind: _Kind = "program" if suffix in suffixes() else _KINDS.get(suffix, "other")
     return FileShown(
@@ -98,13 +99,13 @@ async def _download(service: Service, request: Request) -> Response:
     service.session(request)
     opening = ExitStack()
     file = request.path_params["path"]
-    handle, told, name = await asyncio.to_thread(opening.enter_context, service.files.folder.opened(file))
+    handle, status, name = await asyncio.to_thread(opening.enter_context, service.files.folder.opened(file))
     headers = {
         "content-disposition": disposition(name),
-        "content-length": str(told.st_size),
+        "content-length": str(status.st_size),
         "cache-control": "no-store",
     }
-    content = pieces(opening, handle, told.st_size)
+    content = pieces(opening, handle, status.st_size)
     return StreamingResponse(content, headers=headers, media_type="application/octet-stream")
 
 
@@ -146,20 +147,20 @@ async def _save(service: Service, request: Request) -> Response:
 
 async def _upload(service: Service, request: Request) -> Response:
     session = service.session(request, Role.PROGRAMMER)
-    known = request.query_params.get("known")
-    if known is not None and not re.fullmatch("[0-9a-f]{64}", known):
+    known_hash = request.query_params.get("known")
+    if known_hash is not None and not re.fullmatch("[0-9a-f]{64}", known_hash):
         raise Malformed("known isn't a SHA-256 in hexadecimal digits", "see the API's page", "")
     told = request.headers.get("content-length", "")
     length = int(told) if told.isascii() and told.isdigit() and len(told) < 16 else None
     file = request.path_params["path"]
     stream = request.stream()
     try:
-        made = await service.files.upload(session, address_of(request), file, known, length, stream)
+        written = await service.files.upload(session, address_of(request), file, known_hash, length, stream)
     except Changed as changed:
         return other(changed)
     except ClientDisconnect:
         raise Trouble("the upload was broken off", "try again", "") from None
-    return answer(_written(made))
+    return answer(_written(written))
 
 
 def other(changed: Changed) -> Response:
@@ -169,8 +170,8 @@ def other(changed: Changed) -> Response:
     )
 
 
-def _written(made: Written) -> FileWritten:
-    return FileWritten(file=made.file, size=made.size, sha256=made.sha256, changed=made.changed)
+def _written(written: Written) -> FileWritten:
+    return FileWritten(file=written.file, size=written.size, sha256=written.sha256, changed=written.changed)
 
 
 async def _copy(service: Service, request: Request) -> Response:
@@ -211,14 +212,14 @@ async def _trash(service: Service, request: Request) -> Response:
     return answer(DeletedList(deleted=tuple(_deleted(one) for one in kept)))
 
 
-def _deleted(one: Deleted) -> DeletedShown:
+def _deleted(deleted: Deleted) -> DeletedShown:
     return DeletedShown(
-        number=one.number,
-        file=one.file,
-        size=one.size,
-        deleted=one.deleted,
-        user=one.user,
-        folder=one.is_folder,
+        number=deleted.number,
+        file=deleted.file,
+        size=deleted.size,
+        deleted=deleted.deleted,
+        user=deleted.user,
+        folder=deleted.is_folder,
     )
 
 
@@ -235,19 +236,33 @@ async def _difference(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/files", _list, "Return the files and folders of the project.", None, FileList, "viewer"),
-    Route("GET", "/api/files/{path:path}", _text, "Return a text of the project, up to 1 MiB in UTF-8.", None, FileText, "viewer"),
-    Route("PUT", "/api/files/{path:path}", _save, "Save a text: 409 with the code `changed` and the present hash if it isn't as it was opened.", SaveFile, FileWritten, "programmer", _MOST_SAVED),
-    Route("POST", "/api/files/copy", _copy, "Copy a file to a path that is free.", TwoPaths, FileWritten, "programmer"),
-    Route("POST", "/api/files/rename", _rename, "Give a file or folder another path, which must be free.", TwoPaths, OnePath, "programmer"),
+    Route("GET", "/api/files", _list, "Return the files and folders of the project.", None, FileList,
+        "viewer"),
+    Route("GET", "/api/files/{path:path}", _text, "Return a text of the project, up to 1 MiB in UTF-8.", None,
+        FileText, "viewer"),
+    Route("PUT", "/api/files/{path:path}", _save,
+        "Save a text: 409 with the code `changed` and the present hash if it isn't as it was opened.",
+            SaveFile, FileWritten, "programmer", _MOST_SAVED),
+    Route("POST", "/api/files/copy", _copy, "Copy a file to a path that is free.", TwoPaths, FileWritten,
+        "programmer"),
+    Route("POST", "/api/files/rename", _rename, "Give a file or folder another path, which must be free.",
+        TwoPaths, OnePath, "programmer"),
     Route("POST", "/api/files/folder", _folder, "Make a folder.", OnePath, OnePath, "programmer"),
-    Route("POST", "/api/files/delete", _delete, "Delete a file or folder; it can be brought back.", OnePath, DeletedShown, "programmer"),
-    Route("POST", "/api/files/restore", _restore, "Restore a deleted file; return its present path.", Restore, OnePath, "programmer"),
-    Route("GET", "/api/trash", _trash, "Return what was deleted and can be brought back.", None, DeletedList, "viewer"),
-    Route("POST", "/api/upload/{path:path}", _upload, "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it "
-            "replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
-    Route("GET", "/api/download/{path:path}", _download, "Return a file to be saved, never shown.", None, None, "viewer"),
-    Route("GET", "/api/git", _git, "Return what has changed since the last commit, and who did so at the pendant.", None, GitState, "viewer"),
-    Route("GET", "/api/git/difference/{path:path}", _difference, "Return a text as of the last commit and as it is now.", None, Difference, "viewer"),
+    Route("POST", "/api/files/delete", _delete, "Delete a file or folder; it can be brought back.", OnePath,
+        DeletedShown, "programmer"),
+    Route("POST", "/api/files/restore", _restore, "Restore a deleted file; return its present path.", Restore,
+        OnePath, "programmer"),
+    Route("GET", "/api/trash", _trash, "Return what was deleted and can be brought back.", None, DeletedList,
+        "viewer"),
+    Route("POST", "/api/upload/{path:path}", _upload,
+        "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it "
+        "replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
+    Route("GET", "/api/download/{path:path}", _download, "Return a file to be saved, never shown.", None,
+        None, "viewer"),
+    Route("GET", "/api/git", _git,
+        "Return what has changed since the last commit, and who did so at the pendant.", None, GitState,
+            "viewer"),
+    Route("GET", "/api/git/difference/{path:path}", _difference,
+        "Return a text as of the last commit and as it is now.", None, Difference, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

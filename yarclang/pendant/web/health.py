@@ -34,7 +34,7 @@ async def _health(service: Service, request: Request) -> Response:
         await sampler.look()
     judged = _judged(service)
     known = await asyncio.to_thread(versions)
-    shown = (*known, *await _robot(service))
+    rows = (*known, *await _robot(service))
     sessions, pages = len(service.accounts.sessions.all()), sampler.pages
     history = sampler.history
     return answer(
@@ -56,8 +56,8 @@ async def _health(service: Service, request: Request) -> Response:
             uptime_s=round(sampler.uptime, 1),
             sessions=sessions,
             pages=pages,
-            versions=tuple(VersionShown(name=name, version=version) for name, version in shown),
-            text=_text(judged, shown, sampler.uptime, sessions, pages),
+            versions=tuple(VersionShown(name=name, version=version) for name, version in rows),
+            text=_text(judged, rows, sampler.uptime, sessions, pages),
         )
     )
 
@@ -73,7 +73,8 @@ def _judged(service: Service) -> tuple[Judgement, ...]:
         *of_speed(machine, sampler.share, sampler.lag.all),
         *of_link(showing.heard_health, connected=showing.connected),
         *of_stored(
-            stored.logs, stored.logs_size, stored.growth, stored.project, stored.data, stored.database, stored.deeds
+            stored.logs, stored.logs_size, stored.growth, stored.project, stored.data, stored.database,
+                stored.deeds
         ),
     )  # fmt: skip
 
@@ -93,19 +94,21 @@ async def _robot(service: Service) -> tuple[tuple[str, str], ...]:
 
 def _text(
     judged: tuple[Judgement, ...],
-    shown: tuple[tuple[str, str], ...],
+    shown_rows: tuple[tuple[str, str], ...],
     uptime: float,
     sessions: int,
     pages: int,
 ) -> str:
     """Return the whole report as text."""
-    rows = [f"{name}: {version}" for name, version in shown]
+    rows = [f"{name}: {version}" for name, version in shown_rows]
     rows += ["", f"Running for {lasting(uptime)}; {sessions} sessions, {pages} pages"]
     rows += [f"{one.name}: {one.value} [{one.level}]" for one in judged]
     return "\n".join(rows) + "\n"
 
 
 ROUTES = (
-    Route("GET", "/api/system/health", _health, "Return how disk, memory, processors, link and records are, and the versions.", None, SystemHealth, "viewer"),
+    Route("GET", "/api/system/health", _health,
+        "Return how disk, memory, processors, link and records are, and the versions.", None, SystemHealth,
+            "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -47,18 +47,18 @@ Pages may ask initialize, completion, hover, signatureHelp, codeAction, formatti
 It tells publishDiagnostics, `yarc/begun` (each time before initialize), `yarc/refused` (why a message wasn't handed on), and `yarc/ended`. At most 4 serve at once: then the socket is closed with the code 4409; with 4403 for other roles.
 
 A socket is closed with the code 4401 if nobody is logged in, or the session has ended.
-"""
+"""  # noqa: E501
 
 
 def document(routes: Iterable[Route]) -> dict[str, Any]:
     """Return the OpenAPI document."""
-    kept = tuple(routes)
+    kept_routes = tuple(routes)
     models: dict[type[Message], None] = dict.fromkeys((Denied, *_SAID, *_HEARD, *_EVENTS))
-    for route in kept:
+    for route in kept_routes:
         models.update(dict.fromkeys(one for one in (route.body, route.answer) if one is not None))
-    _, found = models_json_schema([(model, "serialization") for model in models], ref_template=_PLACE)
+    _, schemas = models_json_schema([(model, "serialization") for model in models], ref_template=_PLACE)
     paths: dict[str, dict[str, Any]] = {}
-    for route in kept:
+    for route in kept_routes:
         paths.setdefault(_plain(route.path), {})[route.method.lower()] = _operation(route)
     return {
         "openapi": "3.1.0",
@@ -69,7 +69,7 @@ def document(routes: Iterable[Route]) -> dict[str, Any]:
         },
         "paths": paths,
         "components": {
-            "schemas": found.get("$defs", {}),
+            "schemas": schemas.get("$defs", {}),
             "securitySchemes": {
                 "session": {
                     "type": "apiKey",
@@ -87,7 +87,7 @@ def document(routes: Iterable[Route]) -> dict[str, Any]:
 
 
 def _operation(route: Route) -> dict[str, Any]:
-    made: dict[str, Any] = {
+    operation: dict[str, Any] = {
         "summary": route.summary,
         "description": f"Role: {route.role}." if route.role else "Nobody has to be logged in.",
         "operationId": f"{route.method.lower()}{re.sub(r'[^a-z]+', '_', _plain(route.path))}".strip("_"),
@@ -97,14 +97,14 @@ def _operation(route: Route) -> dict[str, Any]:
         },
     }
     if parameters := re.findall(r"\{(\w+)\}", _plain(route.path)):
-        made["parameters"] = [
+        operation["parameters"] = [
             {"name": one, "in": "path", "required": True, "schema": {"type": "string"}} for one in parameters
         ]
     if route.body is not None:
-        made["requestBody"] = {"required": True, **_content(route.body, "")}
+        operation["requestBody"] = {"required": True, **_content(route.body, "")}
     if route.role:
-        made["security"] = [{"session": []}]
-    return made
+        operation["security"] = [{"session": []}]
+    return operation
 
 
 def _plain(path: str) -> str:

@@ -52,9 +52,9 @@ async def _logged_in(service: Service, request: Request, user: str, password: st
     session, token, device = await service.accounts.login(
         user, password, address_of(request), request.headers.get("user-agent", ""), device
     )
-    made = answer(_me(service, session))
+    response = answer(_me(service, session))
     for name, value, lasts in ((COOKIE, token, int(LONGEST)), (DEVICE, device, _YEAR)):
-        made.set_cookie(
+        response.set_cookie(
             cookie(request, name),
             value,
             max_age=lasts,
@@ -63,7 +63,7 @@ async def _logged_in(service: Service, request: Request, user: str, password: st
             samesite="strict",
             secure=is_secure(request),
         )
-    return made
+    return response
 
 
 async def _logout(service: Service, request: Request) -> Response:
@@ -76,7 +76,7 @@ async def _logout(service: Service, request: Request) -> Response:
     return made
 
 
-async def _who(service: Service, request: Request) -> Response:
+async def _names_of_users(service: Service, request: Request) -> Response:
     found = service.accounts.session_of(request.cookies.get(cookie(request, COOKIE), ""))
     if found is None:
         first = bool(service.accounts.first)
@@ -199,7 +199,7 @@ async def _end_session(service: Service, request: Request) -> Response:
 async def _audit(service: Service, request: Request) -> Response:
     service.session(request, Role.SERVICE)
     before, count = (number_in(request, name) for name in ("before", "count"))
-    found = await service.accounts.deeds(before, min(max(count or 100, 1), _MOST_ENTRIES))
+    deeds = await service.accounts.deeds(before, min(max(count or 100, 1), _MOST_ENTRIES))
     return answer(
         Audit(
             entries=tuple(
@@ -212,15 +212,16 @@ async def _audit(service: Service, request: Request) -> Response:
                     detail=deed.detail,
                     outcome=deed.outcome,
                 )
-                for number, when, deed in found
+                for number, when, deed in deeds
             )
         )
     )
 
 
 ROUTES = (
-    Route("GET", "/api/me", _who, "Return who is logged in here.", None, Me, ""),
-    Route("POST", "/api/first", _first, "Make the first user, with the token of the one-time link, and log in.", First, Me, ""),
+    Route("GET", "/api/me", _names_of_users, "Return who is logged in here.", None, Me, ""),
+    Route("POST", "/api/first", _first,
+        "Make the first user, with the token of the one-time link, and log in.", First, Me, ""),
     Route("POST", "/api/login", _login, "Log in: sets the cookie of the session.", Login, Me, ""),
     Route("POST", "/api/logout", _logout, "End this session.", None, Done, "viewer"),
     Route("POST", "/api/pin", _pin, "Allow service work for five minutes.", Pin, Me, "service"),
@@ -229,9 +230,12 @@ ROUTES = (
     Route("POST", "/api/users", _add_user, "Add a user.", NewUser, Done, "service, PIN"),
     Route("POST", "/api/users/{user}", _change_user, "Change a user.", ChangeUser, Done, "service, PIN"),
     Route("DELETE", "/api/users/{user}", _remove_user, "Remove a user.", None, Done, "service, PIN"),
-    Route("GET", "/api/sessions", _sessions, "Return the sessions of everybody (service), or one's own.", None, SessionList, "viewer"),
-    Route("DELETE", "/api/sessions/{session}", _end_session, "End a session: one's own, or (service, PIN) anybody's.", None, Done, "viewer"),
-    Route("GET", "/api/audit", _audit, "Return entries of the audit trail, the newest first (`before`: smaller numbers only; `count`: "
-            "500 at most).", None, Audit, "service"),
+    Route("GET", "/api/sessions", _sessions, "Return the sessions of everybody (service), or one's own.",
+        None, SessionList, "viewer"),
+    Route("DELETE", "/api/sessions/{session}", _end_session,
+        "End a session: one's own, or (service, PIN) anybody's.", None, Done, "viewer"),
+    Route("GET", "/api/audit", _audit,
+        "Return entries of the audit trail, the newest first (`before`: smaller numbers only; `count`: 500 "
+        "at most).", None, Audit, "service"),
 )  # fmt: skip
 """All routes of this file."""

@@ -37,8 +37,8 @@ async def _list(service: Service, request: Request) -> Response:
     return await asyncio.to_thread(_listing, service.robot, place, asked)
 
 
-def _listing(robot: Robot, place: Path, asked: said.ListProgram) -> Response:
-    found = listing.listing(SourceFile(str(place), asked.text), robot.joint_names, asked.lines)
+def _listing(robot: Robot, place: Path, request_body: said.ListProgram) -> Response:
+    listed = listing.listing(SourceFile(str(place), request_body.text), robot.joint_names, request_body.lines)
     return answer(
         said.ProgramListing(
             commands=tuple(
@@ -55,7 +55,7 @@ def _listing(robot: Robot, place: Path, asked: said.ListProgram) -> Response:
                     taught=one.taught,
                     fields=_fields(one.fields),
                 )
-                for one in found
+                for one in listed
             )
         )
     )
@@ -78,37 +78,37 @@ def _fields(fields: Iterable[Field]) -> tuple[said.CommandField, ...]:
 async def _edit(service: Service, request: Request) -> Response:
     session = service.session(request, Role.PROGRAMMER)
     service.accounts.used(session)
-    asked = await body(request, said.EditProgram)
-    place = await asyncio.to_thread(service.files.folder.path, asked.file)
-    change, joints = asked.change, None
+    request_body = await body(request, said.EditProgram)
+    place = await asyncio.to_thread(service.files.folder.path, request_body.file)
+    change, joints = request_body.change, None
     if isinstance(change, said.TeachMotion | said.TouchUp | said.DeclareName):
         joints = (
-            _given(service.robot, change.joints)
+            _joint_positions(service.robot, change.joints)
             if change.joints is not None
             else await stands(service.watched)
         )
-    return await asyncio.to_thread(_edited, service.robot, place, asked.text, change, joints)
+    return await asyncio.to_thread(_edited, service.robot, place, request_body.text, change, joints)
 
 
-def _given(robot: Robot, values: tuple[float, ...]) -> Array:
+def _joint_positions(robot: Robot, values: tuple[float, ...]) -> Array:
     """Return the joint positions (n,) that a message contains [rad or m].
 
     Raises:
         Trouble: the number of joints is wrong, or a position is beyond its limits.
     """
     if len(values) != robot.size:
-        what = f"{len(values)} joint values were given; {robot.name} has {robot.size} joints"
-        raise Trouble(what, "give one a joint", "joints")
+        problem = f"{len(values)} joint values were given; {robot.name} has {robot.size} joints"
+        raise Trouble(problem, "give one a joint", "joints")
     q = np.array(values) * robot.axis_units
     for at, name in enumerate(robot.joint_names):
         lower, upper = robot.limits.lower[at], robot.limits.upper[at]
         if not lower - 1e-9 <= q[at] <= upper + 1e-9:
             unit, factor = robot.axis_unit_names[at], robot.axis_units[at]
-            what = (
+            problem = (
                 f"{name} {values[at]:g} {unit} is beyond its limits, {lower / factor:g} to "
                 f"{upper / factor:g} {unit}"
             )
-            raise Trouble(what, "move it inside", "joints")
+            raise Trouble(problem, "move it inside", "joints")
     return q
 
 
@@ -143,15 +143,15 @@ def _with_names(named: Around, change: said.ProgramChange, joints: Array | None)
     assert joints is not None  # a change that teaches a position has joints, given or from the robot
     match change:
         case said.TeachMotion():
-            wanted = motions.Taught(
+            taught = motions.Taught(
                 change.motion,
                 change.target,
-                None if change.via is None else _given(named.robot, change.via),
+                None if change.via is None else _joint_positions(named.robot, change.via),
                 change.name,
                 change.axes,
                 _time(change.time),
             )
-            return motions.teach(named, change.after, wanted, joints)
+            return motions.teach(named, change.after, taught, joints)
         case said.TouchUp():
             return points.touch_up(named, change.line, joints, change.point)
         case said.DeclareName():
@@ -172,8 +172,8 @@ def _time(text: str) -> str:
     return checked("time", "number", text)
 
 
-def _text_edits(program: Program, made: Edited) -> Iterable[said.TextEdit]:
-    for edit in made.edits:
+def _text_edits(program: Program, edited: Edited) -> Iterable[said.TextEdit]:
+    for edit in edited.edits:
         span = edit.span
         yield said.TextEdit(
             line=span.line,
@@ -207,13 +207,13 @@ def _forms_of(service: Service, file: str, text: str | None) -> Response:
     if text is None:
         text = text_of(file, folder.read(file)[0])
     names = forms.known(around(Program(SourceFile(str(place), text)), place.parent, robot))
-    found = tuple(
+    found_forms = tuple(
         said.CommandForm(
             command=one.command, label=one.label, summary=one.summary, fields=_fields(one.fields)
         )
         for one in forms.forms(names, robot)
     )
-    return answer(said.CommandForms(forms=found))
+    return answer(said.CommandForms(forms=found_forms))
 
 
 async def _templates(service: Service, request: Request) -> Response:
@@ -236,12 +236,21 @@ async def _new(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("POST", "/api/program/list", _list, "Return a program as a list of commands, however broken it is.", said.ListProgram, said.ProgramListing, "viewer"),
-    Route("POST", "/api/program/edit", _edit, "Return the edits that make a change of a program; nothing is saved.", said.EditProgram, said.EditedProgram, "programmer"),
-    Route("GET", "/api/program/forms", _forms, "Return the forms for new commands, with the names that the saved program `file` knows (?file=; "
-            "without: those of the project).", None, said.CommandForms, "viewer"),
-    Route("POST", "/api/program/forms", _forms_for, "Return the forms for new commands, with the names that a text knows.", said.ListProgram, said.CommandForms, "viewer"),
-    Route("GET", "/api/program/templates", _templates, "Return the programs to begin with.", None, said.ProgramTemplates, "viewer"),
-    Route("POST", "/api/program/new", _new, "Return a program to begin with that is proved for this robot; nothing is saved.", said.NewProgram, said.NewText, "programmer"),
+    Route("POST", "/api/program/list", _list, "Return a program as a list of commands, however broken it is.",
+        said.ListProgram, said.ProgramListing, "viewer"),
+    Route("POST", "/api/program/edit", _edit,
+        "Return the edits that make a change of a program; nothing is saved.", said.EditProgram,
+            said.EditedProgram, "programmer"),
+    Route("GET", "/api/program/forms", _forms,
+        "Return the forms for new commands, with the names that the saved program `file` knows (?file=; "
+        "without: those of the project).", None, said.CommandForms, "viewer"),
+    Route("POST", "/api/program/forms", _forms_for,
+        "Return the forms for new commands, with the names that a text knows.", said.ListProgram,
+            said.CommandForms, "viewer"),
+    Route("GET", "/api/program/templates", _templates, "Return the programs to begin with.", None,
+        said.ProgramTemplates, "viewer"),
+    Route("POST", "/api/program/new", _new,
+        "Return a program to begin with that is proved for this robot; nothing is saved.", said.NewProgram,
+            said.NewText, "programmer"),
 )  # fmt: skip
 """All routes of this file."""

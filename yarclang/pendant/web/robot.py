@@ -37,13 +37,13 @@ def order_in(text: bytes) -> tuple[Order[Any], int | str | None]:
     Raises:
         Malformed: the object isn't an order of the API.
     """
-    asked = read_order(text, MOST_LINE)
-    if isinstance(asked.what, Denied):
-        raise Malformed(asked.what.error, asked.what.help or "see the API's page", "")
-    if type(asked.what) not in OVER_HTTP:
-        what = f"{name_of(asked.what)} isn't ordered this way"
+    order = read_order(text, MOST_LINE)
+    if isinstance(order.what, Denied):
+        raise Malformed(order.what.error, order.what.help or "see the API's page", "")
+    if type(order.what) not in OVER_HTTP:
+        what = f"{name_of(order.what)} isn't ordered this way"
         raise Malformed(what, "motions that are held go by the socket /api/jog", "")
-    return asked.what, asked.id
+    return order.what, order.id
 
 
 def _order_route(kind: type[Order[Any]]) -> Route:
@@ -70,8 +70,10 @@ async def robot_shown(service: Service) -> RobotShown:
     attached = service.watched.attached
     frames = (await attached.ask(orders.AskFrames())).frames
     robot, welcome = service.robot, attached.welcome
-    shown = [(one, FrameShown(name=one.name, pose=one.pose)) for one in frames]
-    moving = sorted((frame for one, frame in shown if one.on_flange), key=lambda one: one.name != "{TCP}")
+    frames_shown = [(one, FrameShown(name=one.name, pose=one.pose)) for one in frames]
+    moving = sorted(
+        (frame for one, frame in frames_shown if one.on_flange), key=lambda one: one.name != "{TCP}"
+    )
     return RobotShown(
         name=robot.name,
         title=robot.title,
@@ -82,7 +84,7 @@ async def robot_shown(service: Service) -> RobotShown:
         joints=_joints(robot),
         jog_speed_mm_s=round(robot.jog_speed / MM, 6),
         jog_turn_deg_s=TURN,
-        fixed=tuple(frame for one, frame in shown if not one.on_flange),
+        fixed=tuple(frame for one, frame in frames_shown if not one.on_flange),
         moving=tuple(moving),
     )
 
@@ -127,10 +129,14 @@ async def _programs(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/robot", _robot, "Return what the robot is: joints, limits, frames.", None, RobotShown, "viewer"),
+    Route("GET", "/api/robot", _robot, "Return what the robot is: joints, limits, frames.", None, RobotShown,
+        "viewer"),
     Route("GET", "/api/programs", _programs, "Return the programs of the project.", None, Programs, "viewer"),
-    Route("POST", "/api/control", _ask_control, "Take control of the robot, or ask its owner for it.", None, Asked, "operator"),
-    Route("POST", "/api/control/give", _give_control, "Give control to the session that asked, keep it, or (to nobody) release it.", GiveControl, Asked, "operator"),
+    Route("POST", "/api/control", _ask_control, "Take control of the robot, or ask its owner for it.", None,
+        Asked, "operator"),
+    Route("POST", "/api/control/give", _give_control,
+        "Give control to the session that asked, keep it, or (to nobody) release it.", GiveControl, Asked,
+            "operator"),
     *(_order_route(kind) for kind in OVER_HTTP),
 )  # fmt: skip
 """All routes of this file."""

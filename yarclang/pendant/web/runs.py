@@ -52,15 +52,15 @@ async def _download(service: Service, request: Request) -> Response:
     service.session(request)
     opening = ExitStack()
     try:
-        handle, told, name = await asyncio.to_thread(opening.enter_context, _opened(service, request))
+        handle, status, name = await asyncio.to_thread(opening.enter_context, _opened(service, request))
     except Trouble as trouble:
         return _missing(trouble)
     headers = {
         "content-disposition": disposition(name),
-        "content-length": str(told.st_size),
+        "content-length": str(status.st_size),
         "cache-control": "no-store",
     }
-    content = pieces(opening, handle, told.st_size)
+    content = pieces(opening, handle, status.st_size)
     return StreamingResponse(content, headers=headers, media_type="application/octet-stream")
 
 
@@ -92,9 +92,12 @@ def _window(request: Request) -> Window | None:
 
 
 ROUTES = (
-    Route("GET", "/api/runs", _list, "Return the logs of runs, up to 1,000, those that were changed last first.", None, RunList, "viewer"),
-    Route("GET", "/api/runs/show/{place}/{path:path}", _show, "Return what a log shows: lines, signals, states, events and the way of the robot (?from=&to=: "
-            "lines of this time only [s]).", None, RunShown, "viewer"),
-    Route("GET", "/api/runs/download/{place}/{path:path}", _download, "Return a log to be saved.", None, None, "viewer"),
+    Route("GET", "/api/runs", _list,
+        "Return the logs of runs, up to 1,000, those that were changed last first.", None, RunList, "viewer"),
+    Route("GET", "/api/runs/show/{place}/{path:path}", _show,
+        "Return what a log shows: lines, signals, states, events and the way of the robot (?from=&to=: "
+        "lines of this time only [s]).", None, RunShown, "viewer"),
+    Route("GET", "/api/runs/download/{place}/{path:path}", _download, "Return a log to be saved.", None, None,
+        "viewer"),
 )  # fmt: skip
 """All routes of this file."""

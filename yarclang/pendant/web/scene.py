@@ -72,11 +72,14 @@ async def _placements(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/scene", _scene, "Return what is to be seen: bodies, zones, parts, frames. With ?program=N those of a program "
-            "that this session has loaded, its parts from when to when they are there.", None, SceneShown, "viewer"),
-    Route("GET", "/api/scene/mesh/{id}", _mesh, "Return a mesh, little endian: V and F (uint32), corners (V x 3 float32) [m], triangles (F x 3 "
-            "uint32), normals (V x 3 int8).", None, None, "viewer"),
-    Route("POST", "/api/scene/placements", _placements, "Return where the links are at N joint positions: float32, (N, n, 7), x y z [m] and the "
-            "quaternion x y z w.", Placements, None, "viewer"),
+    Route("GET", "/api/scene", _scene,
+        "Return what is to be seen: bodies, zones, parts, frames. With ?program=N those of a program that "
+        "this session has loaded, its parts from when to when they are there.", None, SceneShown, "viewer"),
+    Route("GET", "/api/scene/mesh/{id}", _mesh,
+        "Return a mesh, little endian: V and F (uint32), corners (V x 3 float32) [m], triangles (F x 3 "
+        "uint32), normals (V x 3 int8).", None, None, "viewer"),
+    Route("POST", "/api/scene/placements", _placements,
+        "Return where the links are at N joint positions: float32, (N, n, 7), x y z [m] and the quaternion "
+        "x y z w.", Placements, None, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -22,7 +22,11 @@ async def _values(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/signals", _signals, "Return inputs and outputs by name, with what the cell's file says of them.", None, SignalsShown, "viewer"),
-    Route("GET", "/api/signals/values", _values, "Return the values of inputs and outputs, and the WAIT at which the robot stands.", None, SignalValues, "viewer"),
+    Route("GET", "/api/signals", _signals,
+        "Return inputs and outputs by name, with what the cell's file says of them.", None, SignalsShown,
+            "viewer"),
+    Route("GET", "/api/signals/values", _values,
+        "Return the values of inputs and outputs, and the WAIT at which the robot stands.", None,
+            SignalValues, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

@@ -39,18 +39,18 @@ async def _tools(service: Service, request: Request) -> Response:
     attached = service.watched.attached
     frames = (await attached.ask(orders.AskFrames())).frames
     cell = await service.signals.cell(attached)
-    return answer(await asyncio.to_thread(_shown, service.robot, service.files.folder, frames, cell))
+    return answer(await asyncio.to_thread(_tools_shown, service.robot, service.files.folder, frames, cell))
 
 
-def _shown(
+def _tools_shown(
     robot: Robot, project: ProjectFolder, frames: tuple[NamedFrame, ...], cell: Cell | None
 ) -> said.ToolsShown:
-    file, tools, why = None, tuple[said.ToolKnown, ...](), ""
+    file, tools, reason = None, tuple[said.ToolKnown, ...](), ""
     try:
         file = robot_file(robot, project)
-        tools, why = tuple(_told(file)), file.why_not
+        tools, reason = tuple(_tools_in_file(file)), file.why_not
     except Trouble as trouble:
-        why = f"{trouble.what}: {trouble.remedy}"
+        reason = f"{trouble.what}: {trouble.remedy}"
     dynamics = robot.dynamics
     names = robot.joint_names
     return said.ToolsShown(
@@ -63,7 +63,7 @@ def _shown(
         tools=tools,
         sits_on=tuple(robot.flange_from_frame),
         file=str(robot.folder) if file is None else file.file,
-        why_not=why,
+        why_not=reason,
         restart=file is None or differs(robot, file.read()),
         without_mass=()
         if dynamics is None
@@ -94,7 +94,7 @@ def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
     return "session"
 
 
-def _told(file: RobotFile) -> list[said.ToolKnown]:
+def _tools_in_file(file: RobotFile) -> list[said.ToolKnown]:
     """Return the tools of a file, without values that are invalid."""
     from yarclang.robot.draft import read_draft
 
@@ -144,7 +144,7 @@ async def _save(service: Service, request: Request) -> Response:
     return answer(said.PayloadWritten(file=made.file, sha256=made.sha256, restart=restart))
 
 
-def _written(robot: Robot, project: ProjectFolder, asked: said.SavePayload) -> tuple[str, str]:
+def _written(robot: Robot, project: ProjectFolder, request_body: said.SavePayload) -> tuple[str, str]:
     """Return the text of robot.toml with a payload, and the file's path.
 
     Raises:
@@ -153,9 +153,9 @@ def _written(robot: Robot, project: ProjectFolder, asked: said.SavePayload) -> t
     file = robot_file(robot, project)
     if file.outside:
         raise Trouble(file.outside, file.remedy, "outside")
-    if file.sha256 != asked.known:
+    if file.sha256 != request_body.known:
         raise Changed(file.file, file.sha256)
-    text = with_payload(file, asked)
+    text = with_payload(file, request_body)
     read = read_robot(SourceFile(file.file, text), file.folder)
     if read.value is None:
         first = read.diagnostics[0]
@@ -168,9 +168,14 @@ def _restart(robot: Robot, project: ProjectFolder) -> bool:
 
 
 ROUTES = (
-    Route("GET", "/api/tools", _tools, "Return frames with their origin, and the tools of robot.toml with their masses.", None, said.ToolsShown, "viewer"),
-    Route("POST", "/api/tools/payload", _propose, "Return what a payload would change: robot.toml, its findings, and the torques of the joints. "
-            "Nothing is written.", said.Payload, said.PayloadShown, "programmer"),
-    Route("POST", "/api/tools/payload/save", _save, "Write a payload into robot.toml: 409 with the code `changed` if it isn't as it was shown.", said.SavePayload, said.PayloadWritten, "service"),
+    Route("GET", "/api/tools", _tools,
+        "Return frames with their origin, and the tools of robot.toml with their masses.", None,
+            said.ToolsShown, "viewer"),
+    Route("POST", "/api/tools/payload", _propose,
+        "Return what a payload would change: robot.toml, its findings, and the torques of the joints. "
+        "Nothing is written.", said.Payload, said.PayloadShown, "programmer"),
+    Route("POST", "/api/tools/payload/save", _save,
+        "Write a payload into robot.toml: 409 with the code `changed` if it isn't as it was shown.",
+            said.SavePayload, said.PayloadWritten, "service"),
 )  # fmt: skip
 """All routes of this file."""

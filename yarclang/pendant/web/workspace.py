@@ -25,7 +25,7 @@ from yarclang.pendant.web.routes import Route
 from yarclang.pendant.web.service import Service, address_of
 
 
-async def _shown(service: Service, request: Request) -> Response:
+async def _workspace_shown(service: Service, request: Request) -> Response:
     service.session(request)
     return answer(await service.workspace.shown())
 
@@ -89,14 +89,25 @@ async def _distances(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/workspace", _shown, "Return zones, obstacles and limits as cell.toml and robot.toml have them.", None, WorkspaceShown, "viewer"),
-    Route("POST", "/api/workspace/draft", _propose, "Return what changes make of the files; nothing is written.", WorkspaceDraft, Proposed, "programmer"),
-    Route("POST", "/api/workspace/save", _save, "Write what changes make of the files: at rest, with the PIN; 409 with the code `changed` if a "
-            "file is another one.", WorkspaceDraft, SavedWorkspace, "service"),
-    Route("POST", "/api/workspace/cell", _make, "Make a cell for a project that has none, and name it in yarc.toml.", MakeCell, SavedWorkspace, "service"),
-    Route("POST", "/api/workspace/check", _check, "Begin to check which programs of the project no longer hold with changes; one check at a time.", WorkspaceDraft, CheckShown, "programmer"),
-    Route("GET", "/api/workspace/check", _checked, "Return how far the last check is, and what it has found.", None, CheckShown, "viewer"),
+    Route("GET", "/api/workspace", _workspace_shown,
+        "Return zones, obstacles and limits as cell.toml and robot.toml have them.", None, WorkspaceShown,
+            "viewer"),
+    Route("POST", "/api/workspace/draft", _propose,
+        "Return what changes make of the files; nothing is written.", WorkspaceDraft, Proposed, "programmer"),
+    Route("POST", "/api/workspace/save", _save,
+        "Write what changes make of the files: at rest, with the PIN; 409 with the code `changed` if a "
+        "file is another one.", WorkspaceDraft, SavedWorkspace, "service"),
+    Route("POST", "/api/workspace/cell", _make,
+        "Make a cell for a project that has none, and name it in yarc.toml.", MakeCell, SavedWorkspace,
+            "service"),
+    Route("POST", "/api/workspace/check", _check,
+        "Begin to check which programs of the project no longer hold with changes; one check at a time.",
+            WorkspaceDraft, CheckShown, "programmer"),
+    Route("GET", "/api/workspace/check", _checked, "Return how far the last check is, and what it has found.",
+        None, CheckShown, "viewer"),
     Route("DELETE", "/api/workspace/check", _cancel, "End one's own check.", None, CheckShown, "programmer"),
-    Route("POST", "/api/workspace/distances", _distances, "Return what is nearest to what now, with the bodies of changes if some are given.", AskDistances, Distances, "viewer"),
+    Route("POST", "/api/workspace/distances", _distances,
+        "Return what is nearest to what now, with the bodies of changes if some are given.", AskDistances,
+            Distances, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

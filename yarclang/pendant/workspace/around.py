@@ -57,29 +57,29 @@ class Around:
     robot_why: str
 
 
-def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
+def around_of(folder: ProjectFolder, surroundings: Surroundings) -> Around:
     """Return the files of a workspace from the coordinator's reply."""
-    cell = None if told.cell is None else Path(told.cell)
-    text, why = None, ""
+    cell = None if surroundings.cell is None else Path(surroundings.cell)
+    text, reason = None, ""
     if cell is None:
-        why = "there is no cell: make one, or name one in yarc.toml"
+        reason = "there is no cell: make one, or name one in yarc.toml"
         # The coordinator doesn't use a cell that can't be read, but the file can be repaired here.
         project = find_project(folder.root)
         if project.value is None:
-            why = f"{FILE_NAME} can't be read: {project.diagnostics[0].message}"
+            reason = f"{FILE_NAME} can't be read: {project.diagnostics[0].message}"
         elif project.value.cell is not None:
             cell = project.value.folder / project.value.cell
     if cell is not None:
         try:
-            text, why = text_in(folder, cell), ""
+            text, reason = text_in(folder, cell), ""
         except Trouble as trouble:
-            why = f"{trouble.what}: {trouble.remedy}"
+            reason = f"{trouble.what}: {trouble.remedy}"
             if not cell.resolve().is_relative_to(folder.root):
-                why = (
+                reason = (
                     f"{cell} is outside of the project: change it on the computer itself, or copy it "
                     f"into the project and name it in yarc.toml"
                 )
-    path = Path(told.robot) / DESCRIPTION
+    path = Path(surroundings.robot) / DESCRIPTION
     robot, robot_why = None, ""
     try:
         robot = text_in(folder, path)
@@ -90,7 +90,7 @@ def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
                 f"{path} is outside of the project: copy the folder {path.parent.name} into the "
                 f"project, name it in yarc.toml as robot, and serve the robot again"
             )
-    return Around(cell, text, why, path, robot, robot_why)
+    return Around(cell, text, reason, path, robot, robot_why)
 
 
 def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
@@ -143,36 +143,36 @@ def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[Pr
     Raises:
         Trouble: the files have changed since the draft was begun (code "changed"), or can't be changed here.
     """
-    found = []
+    files_found = []
     if draft.entries:
         if around.text is None:
             raise Trouble("the cell can't be changed here", around.why, "")
         check_known(around.text, draft.known)
-        after, what = with_entries(around.text.source, draft.entries)
+        after, description = with_entries(around.text.source, draft.entries)
         placed = SourceFile(str(around.text.path), after)
-        _, said = cell_of(placed, around.text.path.parent, robot)
-        found.append(_file(around.text, after, what, said, ""))
+        _, diagnostics = cell_of(placed, around.text.path.parent, robot)
+        files_found.append(_file(around.text, after, description, diagnostics, ""))
     if draft.limits:
         if around.robot is None:
             raise Trouble("robot.toml can't be changed here", around.robot_why, "")
         check_known(around.robot, draft.robot_known)
-        after, what = with_limits(around.robot.source, draft.limits)
+        after, description = with_limits(around.robot.source, draft.limits)
         folder = around.robot_path.parent
         _, before = checked_robot(around.robot.placed, folder)
-        _, said = checked_robot(SourceFile(str(around.robot.path), after), folder)
+        _, diagnostics = checked_robot(SourceFile(str(around.robot.path), after), folder)
         known = {one.message for one in before}
-        wider = [one.message for one in said if one.code == _WIDER and one.message not in known]
-        found.append(_file(around.robot, after, what, said, wider[0] if wider else ""))
-    return tuple(one for one in found if one.before != one.after)
+        wider = [one.message for one in diagnostics if one.code == _WIDER and one.message not in known]
+        files_found.append(_file(around.robot, after, description, diagnostics, wider[0] if wider else ""))
+    return tuple(one for one in files_found if one.before != one.after)
 
 
-def check_known(text: Text, known: str | None) -> None:
+def check_known(text: Text, known_hash: str | None) -> None:
     """Check that the file is still the version from which a draft was made.
 
     Raises:
         Changed: the file is another version.
     """
-    if text.known != known:
+    if text.known != known_hash:
         raise Changed(text.file, text.known)
 
 
@@ -181,14 +181,16 @@ def digest_of(files: tuple[ProposedFile, ...]) -> str:
     return hashlib.sha256("\0".join(f"{one.file}\0{one.after}" for one in files).encode()).hexdigest()
 
 
-def _file(text: Text, after: str, what: str, said: tuple[Diagnostic, ...], refused: str) -> ProposedFile:
-    error = next((one.message for one in said if one.is_error), "")
+def _file(
+    text: Text, after: str, subject: str, diagnostics: tuple[Diagnostic, ...], refused: str
+) -> ProposedFile:
+    error = next((one.message for one in diagnostics if one.is_error), "")
     return ProposedFile(
         file=text.file,
         before=text.mark + text.text,
         after=text.mark + after,
         known=text.known,
-        what=what,
+        what=subject,
         refused=refused or error,
-        findings=findings_of(said),
+        findings=findings_of(diagnostics),
     )

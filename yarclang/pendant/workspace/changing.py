@@ -32,34 +32,34 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
         Trouble: there is no such entry, or the file is written in a form that can't be changed.
     """
     if len(changes) * len(source.text) > _MOST_WORK:
-        what = (
+        problem = (
             f"{len(changes)} changes of {source.name}, which has {len(source.text):,} characters, are "
             f"too many at once"
         )
-        raise Trouble(what, "save fewer at a time, or change the file by hand under Program", "large")
+        raise Trouble(problem, "save fewer at a time, or change the file by hand under Program", "large")
     data = _data(source)
-    told: list[str] = []
+    descriptions: list[str] = []
     text = source.text
     _check_each_once(changes, data)
     try:
-        for one in changes:
-            if one.at is not None and one.values is not None:
-                text, said = _changed(text, source.name, one, data[one.table][one.at])
-                told += said
-        for one in sorted(changes, key=lambda each: -(each.at or 0)):
-            if one.at is not None and one.values is None:
-                text = without(SourceFile(source.name, text), (one.table, one.at))
-                told.append(f"{_called(one, data[one.table][one.at])} removed")
-        for one in changes:
-            if one.at is None and one.values is not None:
-                count = len(tomllib.loads(text).get(one.table, ()))
-                values = _given(one.values)
-                text = with_table(SourceFile(source.name, text), (one.table, count), values)
-                told.append(f"{_called(one, values)} added")
+        for change in changes:
+            if change.at is not None and change.values is not None:
+                text, said = _changed(text, source.name, change, data[change.table][change.at])
+                descriptions += said
+        for change in sorted(changes, key=lambda each: -(each.at or 0)):
+            if change.at is not None and change.values is None:
+                text = without(SourceFile(source.name, text), (change.table, change.at))
+                descriptions.append(f"{_called(change, data[change.table][change.at])} removed")
+        for change in changes:
+            if change.at is None and change.values is not None:
+                count = len(tomllib.loads(text).get(change.table, ()))
+                values = _values_set(change.values)
+                text = with_table(SourceFile(source.name, text), (change.table, count), values)
+                descriptions.append(f"{_called(change, values)} added")
     except ChangeError as error:
-        what = f"{source.name} writes this in a form that can't be changed here: {str(error)[:200]}"
-        raise Trouble(what, _BY_HAND, "") from None
-    return text, "; ".join(told)[:_LONGEST]
+        problem = f"{source.name} writes this in a form that can't be changed here: {str(error)[:200]}"
+        raise Trouble(problem, _BY_HAND, "") from None
+    return text, "; ".join(descriptions)[:_LONGEST]
 
 
 def with_limits(source: SourceFile, limits: Sequence[LimitChange]) -> tuple[str, str]:
@@ -70,23 +70,25 @@ def with_limits(source: SourceFile, limits: Sequence[LimitChange]) -> tuple[str,
     """
     data = _data(source)
     tables = data.get("joints", {})
-    text, told = source.text, []
-    for one in limits:
-        table = tables.get(one.joint) if isinstance(tables, dict) else None
+    text, descriptions = source.text, []
+    for row in limits:
+        table = tables.get(row.joint) if isinstance(tables, dict) else None
         if not isinstance(table, dict):
-            raise Trouble(f"{source.name} has no joint {one.joint[:40]}", "open the page again", "")
-        if not one.lower < one.upper:
-            what = f"the lower limit {one.lower:g} of {one.joint} isn't below the upper limit {one.upper:g}"
+            raise Trouble(f"{source.name} has no joint {row.joint[:40]}", "open the page again", "")
+        if not row.lower < row.upper:
+            what = f"the lower limit {row.lower:g} of {row.joint} isn't below the upper limit {row.upper:g}"
             raise Trouble(what, "exchange the two", "Y1316")
-        wanted = [one.lower, one.upper]
-        if table.get("position") == wanted:
+        limits_asked = [row.lower, row.upper]
+        if table.get("position") == limits_asked:
             continue
         try:
-            text = with_value(SourceFile(source.name, text), ("joints", one.joint, "position"), wanted)
+            text = with_value(SourceFile(source.name, text), ("joints", row.joint, "position"), limits_asked)
         except ChangeError as error:
             raise Trouble(f"{source.name} can't be changed here: {error}", _BY_HAND, "") from None
-        told.append(f"position of {one.joint} from {table.get('position', 'none')} to {_plain(wanted)}")
-    return text, "; ".join(told)[:_LONGEST]
+        descriptions.append(
+            f"position of {row.joint} from {table.get('position', 'none')} to {_plain(limits_asked)}"
+        )
+    return text, "; ".join(descriptions)[:_LONGEST]
 
 
 def _data(source: SourceFile) -> dict[str, Any]:
@@ -97,33 +99,41 @@ def _data(source: SourceFile) -> dict[str, Any]:
 
 
 def _check_each_once(changes: Sequence[EntryChange], data: dict[str, Any]) -> None:
-    seen = set()
-    for one in changes:
-        if one.at is None:
+    names_seen = set()
+    for change in changes:
+        if change.at is None:
             continue
-        entries = data.get(one.table)
-        if not isinstance(entries, list) or one.at >= len(entries) or not isinstance(entries[one.at], dict):
-            raise Trouble(f"there is no entry {one.at + 1} of {one.table}", "open the page again", "")
-        if (one.table, one.at) in seen:
-            raise Trouble(f"entry {one.at + 1} of {one.table} is changed twice", "open the page again", "")
-        seen.add((one.table, one.at))
+        entries = data.get(change.table)
+        if (
+            not isinstance(entries, list)
+            or change.at >= len(entries)
+            or not isinstance(entries[change.at], dict)
+        ):
+            raise Trouble(f"there is no entry {change.at + 1} of {change.table}", "open the page again", "")
+        if (change.table, change.at) in names_seen:
+            raise Trouble(
+                f"entry {change.at + 1} of {change.table} is changed twice", "open the page again", ""
+            )
+        names_seen.add((change.table, change.at))
 
 
-def _changed(text: str, name: str, one: EntryChange, before: dict[str, Any]) -> tuple[str, list[str]]:
+def _changed(text: str, name: str, change: EntryChange, before: dict[str, Any]) -> tuple[str, list[str]]:
     """Return the text with a changed entry, and a description of each changed value."""
-    assert one.values is not None
-    wanted, told = _given(one.values), list[str]()
+    assert change.values is not None
+    new_values, descriptions = _values_set(change.values), list[str]()
     changed = text
     for key in EntryValues.model_fields:
-        path = (one.table, one.at or 0, key)
-        called = f"{key} of {_called(one, before)}"
-        if key in wanted and before.get(key) != wanted[key]:
-            changed = _put(changed, name, path, wanted[key])
-            told.append(f"{called} from {_plain(before.get(key, 'none'))} to {_plain(wanted[key])}")
-        elif key not in wanted and key in before:
+        path = (change.table, change.at or 0, key)
+        called = f"{key} of {_called(change, before)}"
+        if key in new_values and before.get(key) != new_values[key]:
+            changed = _put(changed, name, path, new_values[key])
+            descriptions.append(
+                f"{called} from {_plain(before.get(key, 'none'))} to {_plain(new_values[key])}"
+            )
+        elif key not in new_values and key in before:
             changed = _put(changed, name, path, None)
-            told.append(f"{called} from {_plain(before[key])} to none")
-    return changed, told
+            descriptions.append(f"{called} from {_plain(before[key])} to none")
+    return changed, descriptions
 
 
 def _put(text: str, name: str, path: tuple[str, int, str], value: object) -> str:
@@ -139,13 +149,13 @@ def _put(text: str, name: str, path: tuple[str, int, str], value: object) -> str
         return with_value(source, path[:2], entry if value is None else entry | {path[2]: value})
 
 
-def _given(values: EntryValues) -> dict[str, Any]:
+def _values_set(values: EntryValues) -> dict[str, Any]:
     found: dict[str, Any] = values.model_dump(mode="json", exclude_none=True)
     return found
 
 
-def _called(one: EntryChange, values: dict[str, Any]) -> str:
-    return f"{one.table[:-1]} {str(values.get('name', 'without a name'))[:40]}"
+def _called(change: EntryChange, values: dict[str, Any]) -> str:
+    return f"{change.table[:-1]} {str(values.get('name', 'without a name'))[:40]}"
 
 
 def _plain(value: object) -> str:

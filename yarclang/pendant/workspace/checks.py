@@ -202,13 +202,13 @@ class Checks:
         await asyncio.sleep(0.1)
 
 
-def _take(check: _Check, told: Mapping[str, Any], first: int) -> None:
-    if "standing" in told:
-        check.standing = tuple(str(one)[:300] for one in told["standing"][:50])
-    elif "at" in told:
-        check.at = first + int(told["at"])
-    elif "holds" in told:
-        check.programs.append(JudgedProgram.model_validate(dict(told)))
+def _take(check: _Check, answer: Mapping[str, Any], first: int) -> None:
+    if "standing" in answer:
+        check.standing = tuple(str(one)[:300] for one in answer["standing"][:50])
+    elif "at" in answer:
+        check.at = first + int(answer["at"])
+    elif "holds" in answer:
+        check.programs.append(JudgedProgram.model_validate(dict(answer)))
 
 
 async def _ask(process: Process, check: _Check) -> None:

@@ -60,8 +60,8 @@ def nearest(robot: Robot, cell: Cell | None, moving: Moving, q: Array) -> tuple[
     return tuple(sorted(found, key=_room)[:MOST])
 
 
-def _room(one: Near) -> float:
-    return one.distance - one.margin
+def _room(near: Near) -> float:
+    return near.distance - near.margin
 
 
 def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
@@ -70,17 +70,17 @@ def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
         return []
     placed = place(scene, q[None])
     bound = box_gaps(scene, pair, relative(placed, np.zeros_like(pair), pair)) - scene.pairs.margin[pair]
-    found: dict[tuple[str, str], Near] = {}
+    nearest_pairs: dict[tuple[str, str], Near] = {}
     best: list[float] = []
     for row in np.argsort(bound, kind="stable")[:_LOOKED_AT].tolist():
         if len(best) >= most and bound[row] > best[most - 1]:
             break
         near = _measured(scene, placed, int(pair[row]))
         key = (near.first, near.second)
-        if key not in found or _room(near) < _room(found[key]):
-            found[key] = near
-            best = sorted(map(_room, found.values()))
-    return sorted(found.values(), key=_room)[:most]
+        if key not in nearest_pairs or _room(near) < _room(nearest_pairs[key]):
+            nearest_pairs[key] = near
+            best = sorted(map(_room, nearest_pairs.values()))
+    return sorted(nearest_pairs.values(), key=_room)[:most]
 
 
 def _measured(scene: Scene, placed: Placed, pair: int) -> Near:
@@ -103,7 +103,7 @@ def _measured(scene: Scene, placed: Placed, pair: int) -> Near:
 
 
 def _zones(robot: Robot, cell: Cell, scene: Scene, moving: Moving, q: Array) -> list[Near]:
-    found: dict[tuple[str, str], Near] = {}
+    nearest_zones: dict[tuple[str, str], Near] = {}
     for watch in watches_of(robot, cell, moving):
         if watch.item is None or watch.zone.rule == "slow":
             continue
@@ -113,6 +113,6 @@ def _zones(robot: Robot, cell: Cell, scene: Scene, moving: Moving, q: Array) -> 
             continue
         key = (watch.item.name, watch.zone.name)
         distance = room + watch.zone.margin
-        if key not in found or distance < found[key].distance:
-            found[key] = Near(*key, distance, watch.zone.margin)
-    return list(found.values())
+        if key not in nearest_zones or distance < nearest_zones[key].distance:
+            nearest_zones[key] = Near(*key, distance, watch.zone.margin)
+    return list(nearest_zones.values())

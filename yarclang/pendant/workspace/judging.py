@@ -45,20 +45,20 @@ def main() -> None:
         out.flush()
 
 
-def answers(asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+def answers(request: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Yield the problems at the robot's present position, and then the result for each file.
 
     Args:
-        asked: a mapping with `folder` and `files` of the project, `robot`, `cell` (the session's, or null),
+        request: a mapping with `folder` and `files` of the project, `robot`, `cell` (the session's, or null),
             `drafts` (text by path), and `joints` (n,) [rad or m].
     """
-    drafts = {Path(path): SourceFile(path, text) for path, text in asked["drafts"].items()}
-    before = Options(robot=asked["robot"], cell=asked["cell"])
+    drafts = {Path(path): SourceFile(path, text) for path, text in request["drafts"].items()}
+    before = Options(robot=request["robot"], cell=request["cell"])
     after = replace(before, texts=drafts)
-    yield {"standing": list(_standing(asked, after))}
-    for number, file in enumerate(asked["files"]):
+    yield {"standing": list(_standing(request, after))}
+    for number, file in enumerate(request["files"]):
         yield {"at": number}
-        yield {"file": file, **_judged(str(Path(asked["folder"]) / file), before, after)}
+        yield {"file": file, **_judged(str(Path(request["folder"]) / file), before, after)}
     yield {"done": True}
 
 
@@ -73,7 +73,7 @@ def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
     if error is None:
         return {"held": None, "holds": True} if _matters(now, after) else {}
     held = not any(one.is_error for one in check_file(path, before).diagnostics)
-    return {"held": held, "holds": False, **_said(error)}
+    return {"held": held, "holds": False, **_messages(error)}
 
 
 def _matters(checked: Checked, options: Options) -> bool:
@@ -88,7 +88,7 @@ def _matters(checked: Checked, options: Options) -> bool:
     return robot is not None and file_of(robot.folder.absolute() / "robot.toml") in files
 
 
-def _said(error: Diagnostic) -> dict[str, Any]:
+def _messages(error: Diagnostic) -> dict[str, Any]:
     return {
         "line": None if error.span is None else error.span.line,
         "code": error.code,
@@ -96,13 +96,13 @@ def _said(error: Diagnostic) -> dict[str, Any]:
     }
 
 
-def _standing(asked: Mapping[str, Any], options: Options) -> Iterator[str]:
+def _standing(request: Mapping[str, Any], options: Options) -> Iterator[str]:
     """Yield the problems that the drafts cause at the robot's present position."""
-    if asked["joints"] is None:
+    if request["joints"] is None:
         yield "it isn't known where the robot stands"
         return
-    q = np.array(asked["joints"], dtype=float)
-    robot = robot_for(Path(asked["folder"]), asked["robot"], options.texts).value
+    q = np.array(request["joints"], dtype=float)
+    robot = robot_for(Path(request["folder"]), request["robot"], options.texts).value
     if robot is None or robot.size != len(q):
         return
     drafted = options.texts.get(robot.folder.absolute() / "robot.toml")

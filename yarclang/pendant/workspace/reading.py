@@ -79,13 +79,13 @@ def text_in(folder: ProjectFolder, path: Path) -> Text:
     """
     inside = folder.path(str(path.absolute()))
     file = inside.relative_to(folder.root).as_posix()
-    content, told = folder.read(file)
+    content, status = folder.read(file)
     try:
         text = content.decode()
     except UnicodeDecodeError:
         raise Trouble(f"{file} is not UTF-8 text", "save it as UTF-8 text", "Y1302") from None
     mark = _MARK if text.startswith(_MARK) else ""
-    return Text(file, inside, text.removeprefix(_MARK), mark, told.sha256)
+    return Text(file, inside, text.removeprefix(_MARK), mark, status.sha256)
 
 
 def cell_of(text: SourceFile, folder: Path, robot: Robot) -> tuple[Cell | None, tuple[Diagnostic, ...]]:
@@ -102,14 +102,14 @@ def entries_of(text: SourceFile) -> tuple[WorkspaceEntry, ...]:
     places = find_places(text)
     measures = Measures(TomlFile(text, places))
     measures.read_common(_word(data.get("units")))
-    found = []
+    entries_found = []
     for table in _TABLES:
         entries = data.get(table)
         for at, entry in enumerate(entries if isinstance(entries, list) else ()):
             if isinstance(entry, dict):
                 units = measures.of_entry(_word(entry.get("units")), (table, at)) or {}
-                found.append(_entry(table, at, entry, units, places))
-    return tuple(found)
+                entries_found.append(_entry(table, at, entry, units, places))
+    return tuple(entries_found)
 
 
 def units_of(text: SourceFile) -> Mapping[Kind, Unit]:
@@ -124,13 +124,13 @@ def frames_of(cell: Cell | None) -> tuple[WorkspaceFrame, ...]:
     """Return the frames in which bodies can be placed."""
     still = WorkspaceFrame(name="B", on_flange=False, pose=_rows(np.eye(4)))
     carried = WorkspaceFrame(name="FLANGE", on_flange=True, pose=_rows(np.eye(4)))
-    own = () if cell is None else cell.frames.values()
+    cell_frames = () if cell is None else cell.frames.values()
     return (
         still,
         carried,
         *(
             WorkspaceFrame(name=one.name, on_flange=one.mount.on_flange, pose=_rows(one.mount.transform))
-            for one in own
+            for one in cell_frames
         ),
     )
 
@@ -147,28 +147,28 @@ def limits_of(text: str, robot: Robot) -> tuple[JointLimits, ...]:
     except (tomllib.TOMLDecodeError, RecursionError):
         return ()
     allowed = _of_urdf(robot)
-    found = []
+    limits_found = []
     for at, name in enumerate(robot.joint_names):
         table = tables.get(name) if isinstance(tables, dict) else None
         position = table.get("position") if isinstance(table, dict) else None
-        given = _pair(position)
+        from_toml = _pair(position)
         least, largest = allowed.get(name, (None, None))
-        found.append(
+        limits_found.append(
             JointLimits(
                 name=name,
                 unit=robot.axis_unit_names[at],
-                lower=given[0],
-                upper=given[1],
+                lower=from_toml[0],
+                upper=from_toml[1],
                 least=least,
                 largest=largest,
             )
         )
-    return tuple(found)
+    return tuple(limits_found)
 
 
-def findings_of(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
+def findings_of(diagnostics: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
     """Return findings as messages, but not more than a page shows."""
-    return finding_messages(found[:100])
+    return finding_messages(diagnostics[:100])
 
 
 def checked_robot(text: SourceFile, folder: Path) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
@@ -179,22 +179,22 @@ def checked_robot(text: SourceFile, folder: Path) -> tuple[Robot | None, tuple[D
 
 def _of_urdf(robot: Robot) -> dict[str, tuple[float | None, float | None]]:
     """Return the position limits in a robot's URDF by joint [deg or mm], where given."""
-    found: dict[str, tuple[float | None, float | None]] = {}
+    limits_found: dict[str, tuple[float | None, float | None]] = {}
     source = read_text(robot.folder / robot.urdf, "")
     if isinstance(source, Diagnostic):
-        return found
+        return limits_found
     for joint in read_urdf(source).joints.values():
         if joint.name in robot.joint_names and joint.kind != "continuous":
             unit = float(robot.axis_units[robot.joint_names.index(joint.name)])
             if joint.lower is not None and joint.upper is not None and joint.lower < joint.upper:
-                found[joint.name] = (round(joint.lower / unit, 3), round(joint.upper / unit, 3))
-    return found
+                limits_found[joint.name] = (round(joint.lower / unit, 3), round(joint.upper / unit, 3))
+    return limits_found
 
 
 def _entry(
     table: Table, at: int, entry: dict[str, Any], units: Mapping[Kind, Unit], places: Places
 ) -> WorkspaceEntry:
-    known = {key: value for key, value in entry.items() if key in EntryValues.model_fields}
+    values = {key: value for key, value in entry.items() if key in EntryValues.model_fields}
     path: TomlPath = (table, at)
     length, angle = units.get("length"), units.get("angle")
     time = units.get("time")
@@ -202,7 +202,7 @@ def _entry(
         table=table,
         at=at,
         line=places.of_key(path).line,
-        values=_values(known),
+        values=_values(values),
         metre=None if length is None else length.factor,
         radian=None if angle is None else angle.factor,
         length_unit="" if length is None else length.name,
@@ -211,14 +211,15 @@ def _entry(
     )
 
 
-def _values(known: dict[str, Any]) -> EntryValues:
+def _values(values: dict[str, Any]) -> EntryValues:
     """Return the keys of an entry, without those of a wrong type: these are among the findings."""
     while True:
         try:
-            return EntryValues.model_validate_json(json.dumps(known, default=str))
+            return EntryValues.model_validate_json(json.dumps(values, default=str))
         except (ValidationError, ValueError) as error:
-            bad = {str(one["loc"][0]) for one in error.errors() if one["loc"]} if isinstance(error, ValidationError) else set(known)  # fmt: skip
-            known = {key: value for key, value in known.items() if key not in bad}
+            bad = {str(one["loc"][0]) for one in error.errors() if one["loc"]} if isinstance(error,
+                ValidationError) else set(values)  # fmt: skip
+            values = {key: value for key, value in values.items() if key not in bad}
             if not bad:
                 return EntryValues()
 

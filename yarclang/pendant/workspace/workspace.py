@@ -119,29 +119,29 @@ class Workspace:
         files = await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft)
         if not files:
             raise Trouble("nothing is changed", "change something first", "")
-        for one in files:
-            if one.refused:
-                raise Trouble(f"{one.file} isn't saved: {one.refused}", "correct the draft", "")
+        for file in files:
+            if file.refused:
+                raise Trouble(f"{file.file} isn't saved: {file.refused}", "correct the draft", "")
         outcome = self._checks.outcome(digest_of(files))
         written: list[Written] = []
         self._around_at = None
-        for one in files:
-            what = f"{one.what} ({outcome})"
+        for file in files:
+            what = f"{file.what} ({outcome})"
             try:
                 self._check_rest()
                 written.append(
-                    await self._filing.change(session, address, one.file, one.after, one.known, what)
+                    await self._filing.change(session, address, file.file, file.after, file.known, what)
                 )
             except Trouble as trouble:
                 if not written:
                     raise
-                half = f"{written[0].file} is saved, and {one.file} isn't: {trouble.what}"
+                half = f"{written[0].file} is saved, and {file.file} isn't: {trouble.what}"
                 raise Trouble(half, "open the page again", "changed") from None
         told = "".join(
-            _RESTART if Path(one.file).name.lower() == DESCRIPTION else f"{one.file} is saved. {_NOW}"
-            for one in files
+            _RESTART if Path(file.file).name.lower() == DESCRIPTION else f"{file.file} is saved. {_NOW}"
+            for file in files
         )
-        return SavedWorkspace(files=tuple(_written(one) for one in written), told=told.strip())
+        return SavedWorkspace(files=tuple(_written(file) for file in written), told=told.strip())
 
     async def make(self, session: Session, address: str, file: str) -> SavedWorkspace:
         """Create a cell for a project without one: a new file that yarc.toml names.
@@ -172,13 +172,13 @@ class Workspace:
             return ("" if before is None else before.mark) + text, before
 
         text, before = await asyncio.to_thread(project)
-        made = [await self._filing.save(session, address, file, _NEW_CELL, None)]
+        written = [await self._filing.save(session, address, file, _NEW_CELL, None)]
         if before is None:
-            made.append(await self._filing.save(session, address, FILE_NAME, text, None))
+            written.append(await self._filing.save(session, address, FILE_NAME, text, None))
         else:
             what = f"cell from none to {file}"
-            made.append(await self._filing.change(session, address, FILE_NAME, text, before.known, what))
-        return SavedWorkspace(files=tuple(map(_written, made)), told=f"{file} is made. {_NOW}".strip())
+            written.append(await self._filing.change(session, address, FILE_NAME, text, before.known, what))
+        return SavedWorkspace(files=tuple(map(_written, written)), told=f"{file} is made. {_NOW}".strip())
 
     # programs
 
@@ -191,16 +191,16 @@ class Workspace:
         around = await self._asked()
         files = await asyncio.to_thread(proposed_of, self._robot, around, draft)
         folder = self._filing.folder
-        found, _ = await asyncio.to_thread(folder.programs, _MOST_PROGRAMS)
+        programs_found, _ = await asyncio.to_thread(folder.programs, _MOST_PROGRAMS)
         q = self._watched.showing.joints
         root = folder.root
-        drafts = {str(root / one.file): one.after for one in files}
-        for one in files:  # the robot's folder may be named by another path
-            if Path(one.file).name == DESCRIPTION:
-                drafts[str((self._robot.folder / DESCRIPTION).absolute())] = one.after
+        drafts = {str(root / file.file): file.after for file in files}
+        for file in files:  # the robot's folder may be named by another path
+            if Path(file.file).name == DESCRIPTION:
+                drafts[str((self._robot.folder / DESCRIPTION).absolute())] = file.after
         question = Question(
             root,
-            tuple(one.file for one in found if one.file.lower().endswith(_PROGRAM)),
+            tuple(file.file for file in programs_found if file.file.lower().endswith(_PROGRAM)),
             str(self._robot.folder),
             None if around.cell is None else str(around.cell),
             drafts,
@@ -277,16 +277,16 @@ class Workspace:
             raise Trouble(f"{doing} is under way", "save when the robot is at rest", "Y1601")
 
 
-def _written(one: Written) -> FileWritten:
-    return FileWritten(file=one.file, size=one.size, sha256=one.sha256, changed=one.changed)
+def _written(written: Written) -> FileWritten:
+    return FileWritten(file=written.file, size=written.size, sha256=written.sha256, changed=written.changed)
 
 
-def _near_shown(one: Near) -> DistanceShown:
-    points = () if one.points is None else tuple(np.round(one.points, 5).ravel().tolist())
+def _near_shown(near: Near) -> DistanceShown:
+    points = () if near.points is None else tuple(np.round(near.points, 5).ravel().tolist())
     return DistanceShown(
-        first=one.first,
-        second=one.second,
-        distance=round(one.distance / MM, 2),
-        margin=round(one.margin / MM, 2),
+        first=near.first,
+        second=near.second,
+        distance=round(near.distance / MM, 2),
+        margin=round(near.margin / MM, 2),
         points=points,
     )

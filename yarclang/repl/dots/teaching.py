@@ -81,6 +81,10 @@ COMMANDS = (
         "name where the robot stands: its joints, or the tool's pose as a frame",
         "teaching",
         _teach,
-        doc="A name that is declared already is touched up: the person sees both lines and is asked, and the loaded file's line is changed as well. `.teach cell {NAME}` writes the frame into the cell.toml; a frame that is there keeps its parent, and comments and order stay.",
+        doc=(
+            "A name that is declared already is touched up: the person sees both lines and is asked, and "
+            "the loaded file's line is changed as well. `.teach cell {NAME}` writes the frame into the "
+            "cell.toml; a frame that is there keeps its parent, and comments and order stay."
+        ),
     ),
 )

@@ -132,22 +132,22 @@ def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparis
     return Comparison(first, second, frame, tolerance, second.start - first.start, tuple(commands))
 
 
-def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, other: Act | None) -> Compared:
-    if one is None or other is None:
-        return Compared(one, other)
-    longer = other.duration - one.duration
+def _compared(robot: Robot, frame: str, tolerance: Tolerance, act: Act | None, other: Act | None) -> Compared:
+    if act is None or other is None:
+        return Compared(act, other)
+    longer = other.duration - act.duration
     longer = longer if abs(longer) > SAME_TIME else 0.0
-    if one.curve is None or other.curve is None:
+    if act.curve is None or other.curve is None:
         # for a dwell, `what` contains the duration
-        return Compared(one, other, what=one.what != other.what, longer=longer)
-    path = path_difference(robot, frame, one.curve, other.curve)
+        return Compared(act, other, what=act.what != other.what, longer=longer)
+    path = path_difference(robot, frame, act.curve, other.curve)
     differs = path.position > tolerance.position or path.angle > tolerance.angle
-    ends = np.stack((one.curve.points[-1], other.curve.points[-1]))
-    carries = one.carries is not None and other.carries is not None and one.carries != other.carries
+    ends = np.stack((act.curve.points[-1], other.curve.points[-1]))
+    carries = act.carries is not None and other.carries is not None and act.carries != other.carries
     other_branch = _other_branch(robot, frame, tolerance, ends, path)
-    touches, keeps = one.may_touch != other.may_touch, one.keeps != other.keeps
+    touches, keeps = act.may_touch != other.may_touch, act.keeps != other.keeps
     return Compared(
-        one, other, path, differs, other_branch, longer, carries=carries, touches=touches, keeps=keeps
+        act, other, path, differs, other_branch, longer, carries=carries, touches=touches, keeps=keeps
     )
 
 

@@ -106,12 +106,12 @@ def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
     return [*pairs, *_apart(first[i:], second[k:])]
 
 
-def _cost(one: Act, other: Act) -> float:
+def _cost(act: Act, other: Act) -> float:
     """Return the dissimilarity of two commands; infinite if they can't be paired."""
-    if one.kind != other.kind:
+    if act.kind != other.kind:
         return np.inf
-    cost = _OTHER_PLACE * (one.place != other.place) + _OTHER_NAME * (one.name != other.name)
-    if one.curve is None or other.curve is None:
-        return cost + 0.5 * _OTHER_END * (one.what != other.what)
-    off = float(np.abs(one.curve.points[-1] - other.curve.points[-1]).max())
+    cost = _OTHER_PLACE * (act.place != other.place) + _OTHER_NAME * (act.name != other.name)
+    if act.curve is None or other.curve is None:
+        return cost + 0.5 * _OTHER_END * (act.what != other.what)
+    off = float(np.abs(act.curve.points[-1] - other.curve.points[-1]).max())
     return cost + _OTHER_END * min(1.0, off / _FAR)

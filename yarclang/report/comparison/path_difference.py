@@ -41,19 +41,19 @@ class PathDifference:
 SAME_PATH = PathDifference(0.0, 0.0, 0, 0.0, 0.0)
 
 
-def path_difference(robot: Robot, frame: str, one: Curve, other: Curve) -> PathDifference:
+def path_difference(robot: Robot, frame: str, curve: Curve, other: Curve) -> PathDifference:
     """Compare two curves at equal shares of their lengths in joint space.
 
     Args:
         robot: robot of both motions.
         frame: frame on the flange whose position and orientation are compared.
-        one: a motion.
+        curve: a motion.
         other: another motion.
     """
-    if one.points.shape == other.points.shape and np.array_equal(one.points, other.points):
+    if curve.points.shape == other.points.shape and np.array_equal(curve.points, other.points):
         return SAME_PATH
     s = np.linspace(0.0, 1.0, _PLACES)
-    q, r = _along(one, s), _along(other, s)
+    q, r = _along(curve, s), _along(other, s)
     tool = robot.flange_from_frame[frame]
     poses, others = tool_poses(robot.chain, q, tool), tool_poses(robot.chain, r, tool)
     off = np.linalg.norm(poses[:, :3, 3] - others[:, :3, 3], axis=1)

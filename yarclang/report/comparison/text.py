@@ -34,12 +34,12 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
         yield "~", f"~ the second starts elsewhere: {', '.join(parts)}"
     if comparison.holds_otherwise:
         yield from _watched_lines(comparison.first.watches, comparison.second.watches)
-    shown = [one for one in comparison.commands if all_commands or one.status != "same"]
-    titles = [_title(one) for one in shown]
+    shown = [command for command in comparison.commands if all_commands or command.status != "same"]
+    titles = [_title(command) for command in shown]
     width = max((len(title) for title in titles), default=0)
-    for title, one in zip(titles, shown, strict=True):
-        sign = _SIGNS[one.status]
-        yield sign, f"{sign} {title:{width}}  {difference_text(comparison, one)}"
+    for title, command in zip(titles, shown, strict=True):
+        sign = _SIGNS[command.status]
+        yield sign, f"{sign} {title:{width}}  {difference_text(comparison, command)}"
     yield "", totals_text(comparison)
 
 
@@ -73,8 +73,8 @@ def _watched_json(watches: Sequence[Watch]) -> list[dict[str, object]]:
     ]
 
 
-def _title(one: Compared) -> str:
-    second, first = one.second, one.first
+def _title(command: Compared) -> str:
+    second, first = command.second, command.first
     if first is None or second is None or first.title == second.title:
         act = second or first
         return act.title if act is not None else ""
@@ -83,10 +83,10 @@ def _title(one: Compared) -> str:
     return f"{second.title} (was {first.title})"
 
 
-def difference_text(comparison: Comparison, one: Compared) -> str:
+def difference_text(comparison: Comparison, command: Compared) -> str:
     """Return a description of a command's difference."""
     robot = comparison.second.robot
-    match one.status, one.first, one.second:
+    match command.status, command.first, command.second:
         case "added", _, Act() as act:
             return f"added: {_act_text(act)}"
         case "removed", Act() as act, _:
@@ -95,25 +95,26 @@ def difference_text(comparison: Comparison, one: Compared) -> str:
             return "same"
         case _, Act() as first, Act() as second:
             parts: list[str] = []
-            if one.differs and one.path is not None:
-                parts.append(f"path differs by at most {path_text(robot, one.path)}")
-            if one.other_branch and one.path is not None:
-                joint = robot.joint_names[one.path.joint]
-                unit = robot.axis_unit_names[one.path.joint]
+            if command.differs and command.path is not None:
+                parts.append(f"path differs by at most {path_text(robot, command.path)}")
+            if command.other_branch and command.path is not None:
+                joint = robot.joint_names[command.path.joint]
+                unit = robot.axis_unit_names[command.path.joint]
                 parts.append(
-                    f"ends in another configuration: {joint} by up to {one.path.joint_off:.4g} {unit}"
+                    f"ends in another configuration: {joint} by up to {command.path.joint_off:.4g} {unit}"
                 )
-            if one.what:
+            if command.what:
                 parts.append(f"{first.what} -> {second.what}")
-            elif one.longer:
-                parts.append(f"{first.duration:.3f} s -> {second.duration:.3f} s ({one.longer:+.3f} s)")
-            if one.carries:
+            elif command.longer:
+                parts.append(f"{first.duration:.3f} s -> {second.duration:.3f} s ({command.longer:+.3f} s)")
+            if command.carries:
                 parts.append(f"carries {_carried(first)} -> {_carried(second)}")
-            if one.touches:
+            if command.touches:
                 parts.append(f"may touch: {_touching(first)} -> {_touching(second)}")
-            if one.keeps:
+            if command.keeps:
                 parts.append(
-                    f"keeps to: {', '.join(first.keeps) or 'nothing'} -> {', '.join(second.keeps) or 'nothing'}"
+                    f"keeps to: {', '.join(first.keeps) or 'nothing'} -> "
+                    f"{', '.join(second.keeps) or 'nothing'}"
                 )
             return "; ".join(parts)
         case _:
@@ -131,7 +132,10 @@ def _touching(act: Act) -> str:
 def path_text(robot: Robot, path: PathDifference) -> str:
     """Return a difference of paths: `5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`."""
     joint = f"{robot.joint_names[path.joint]} by {path.joint_off:.4g} {robot.axis_unit_names[path.joint]}"
-    return f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % of the way"
+    return (
+        f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % "
+        "of the way"
+    )
 
 
 def _act_text(act: Act) -> str:

@@ -41,6 +41,7 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
         "duration_s": motion.curve.duration if motion else _stands(inspected.step),
         "flows": flows_json(inspected.flows),
         "carries": list(inspected.carries),
+        "convex_pieces": {one.name: {"count": one.count, "most": one.most} for one in inspected.divided},
         "parts": {verb.replace(" ", "_"): list(names) for verb, names in inspected.deeds},
         "limits": _limits(inspected.pace),
         "shortest_s": inspected.pace.shortest if inspected.pace else None,

@@ -68,11 +68,11 @@ def solutions_of(
     for q in nearest_turn(chain, limits, found[0][reached[0]], reference):
         excess = beyond(limits, q)
         if np.abs(excess).max() > EDGE:
-            if not any(_same(q, other) for other, _ in outside):
+            if not any(_is_same(q, other) for other, _ in outside):
                 outside.append((q, excess))
             continue
         for turned in full_turns(chain, limits, q):
-            if not any(_same(turned, other) for other in within):
+            if not any(_is_same(turned, other) for other in within):
                 within.append(turned)
     within.sort(key=lambda q: _distance(q, reference))
     nearest_first = [
@@ -133,5 +133,5 @@ def _distance(q: Array, reference: Array) -> float:
     return float(np.square(q - reference).sum())
 
 
-def _same(one: Array, other: Array) -> bool:
-    return bool(np.abs(one - other).max() < SAME)
+def _is_same(q: Array, other: Array) -> bool:
+    return bool(np.abs(q - other).max() < SAME)

@@ -29,6 +29,7 @@ from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled, Request
 from yarclang.report.carried import carried_in_plan
 from yarclang.report.inspection.branches import Solution, solutions_of
+from yarclang.report.inspection.convex import Divided, divided_bodies
 from yarclang.report.inspection.flow import NO_FLOWS, Flows, flows_of
 from yarclang.report.inspection.limits import Pace, pace_of
 from yarclang.report.inspection.way import Way, stands_before, trouble_behind, way_to
@@ -93,6 +94,7 @@ class Inspected:
         flows: its corners that are passed without a stop.
         carries: parts that grippers hold during a motion.
         deeds: effects of a SET on parts, verb and names.
+        divided: bodies in convex pieces; empty for a command without motion.
     """
 
     robot: Robot
@@ -112,6 +114,7 @@ class Inspected:
     flows: Flows = NO_FLOWS
     carries: tuple[str, ...] = ()
     deeds: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    divided: tuple[Divided, ...] = ()
 
     @property
     def origin(self) -> Origin:
@@ -169,10 +172,11 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         certificate=certificate,
         stretches=stretches,
         text=text,
-        findings=_own(studied, step),
+        findings=_own_findings(studied, step),
         flows=flows,
         carries=() if certificate is None else certificate.carries,
         deeds=() if carried is None else carried.deeds(number),
+        divided=divided_bodies(request.robot, program.cell) if isinstance(step, Motion) else (),
     )
 
 
@@ -187,7 +191,7 @@ def _way(studied: Studied, number: int) -> Way:
     return way_to(program, number, studied.request)
 
 
-def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
+def _own_findings(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
     """Return the findings about this command."""
     assert not isinstance(step, Gap)
     origin = step.origin
@@ -247,15 +251,15 @@ def _waypoint(
     robot = studied.request.robot
     reference = near if near is not None else stands if stands is not None else robot.home
     flange = pose @ np.linalg.inv(flange_from_moving)
-    known: dict[bytes, str] = {}
+    labels: dict[bytes, str] = {}
 
     def follow(q: Array) -> str:
         if not (last and in_joints):
             return ""
         key = q.tobytes()
-        if key not in known:
-            known[key] = trouble_behind(studied.program, number, q, studied.request)
-        return known[key]
+        if key not in labels:
+            labels[key] = trouble_behind(studied.program, number, q, studied.request)
+        return labels[key]
 
     solutions = solutions_of(robot, flange, reference, chosen, follow, along_path=not in_joints)
     unreachable = None

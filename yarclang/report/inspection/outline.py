@@ -107,7 +107,9 @@ class _Outline:
             else:
                 if (text := _text(step)) and not isinstance(step, Gap):
                     part = self._parts[number]
-                    takes = self._taken(number, number + 1) if part and isinstance(part, float) else None
+                    takes = (
+                        self._branch_taken(number, number + 1) if part and isinstance(part, float) else None
+                    )
                     yield Row(depth, "step", _label(step), text, takes, number)
                 number += 1
 
@@ -115,7 +117,7 @@ class _Outline:
         step, end = self._steps[number], self._ends[number][1]
         is_sub = not any(isinstance(one, NextPass) for one in self._steps[number:end])
         # the longest time of a loop is that of a whole pass, the shortest is the time until it is left
-        told = self._taken(number, end + 1)
+        told = self._branch_taken(number, end + 1)
         if not any(isinstance(one, Loop) for one in self._steps[number + 1 : end]):
             told = replace(told, loops=False)
         text = "a SUB that some ways leave" if is_sub else "again and again, a pass"
@@ -129,21 +131,23 @@ class _Outline:
         middle, end = self._ends[number]
         limit = "" if step.within is None else f", within {step.within:g} s"
         first = end if middle is None else middle
-        said = in_words(step.condition) if step.again else _said(step)
+        shift_text = in_words(step.condition) if step.again else _said(step)
         for flag in self._found.keys() & set(registers_of(step.condition)):
-            said = f"{self._found[flag]} is found"
+            shift_text = f"{self._found[flag]} is found"
         if step.offset is not None:
-            said = f"{{{step.offset.name}}} by {offset_words(step.offset)}, if it can be carried out there"
-        text = f"{step.origin.name} {said}{limit}"
-        yield Row(depth, "way", _label(step), text, self._taken(number + 1, first), number)
+            shift_text = (
+                f"{{{step.offset.name}}} by {offset_words(step.offset)}, if it can be carried out there"
+            )
+        text = f"{step.origin.name} {shift_text}{limit}"
+        yield Row(depth, "way", _label(step), text, self._branch_taken(number + 1, first), number)
         yield from self._range(number + 1, first, depth + 1)
         if middle is not None:
             other = self._steps[middle]
             assert isinstance(other, Else)
-            yield Row(depth, "way", _label(other), "ELSE", self._taken(middle + 1, end), middle)
+            yield Row(depth, "way", _label(other), "ELSE", self._branch_taken(middle + 1, end), middle)
             yield from self._range(middle + 1, end, depth + 1)
 
-    def _taken(self, begin: int, end: int) -> Lasting:
+    def _branch_taken(self, begin: int, end: int) -> Lasting:
         return schedule_of(self._parts[begin:end]).lasting
 
 
@@ -151,7 +155,7 @@ def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
     """Return the ELSE (None without one) and the end of each WHEN and loop. If one has no end, it ends with
     the program.
     """
-    found: dict[int, tuple[int | None, int]] = {}
+    ends: dict[int, tuple[int | None, int]] = {}
     opened: list[tuple[int, int | None]] = []
     for number, step in enumerate(steps):
         match step:
@@ -161,10 +165,10 @@ def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
                 opened[-1] = opened[-1][0], number
             case EndWhen() | EndLoop() if opened:
                 begin, middle = opened.pop()
-                found[begin] = middle, number
+                ends[begin] = middle, number
             case _:
                 pass
-    return found | {begin: (middle, len(steps)) for begin, middle in opened}
+    return ends | {begin: (middle, len(steps)) for begin, middle in opened}
 
 
 def offset_words(offset: Offset) -> str:

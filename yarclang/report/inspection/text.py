@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
-from yarclang.certify.outward import most, percent, up_to
+from yarclang.certify.outward import down_to, least, most, percent, up_to
 from yarclang.decisions import in_words, shown_variable, simple
 from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
@@ -77,7 +77,7 @@ def sections_of(inspected: Inspected, *, all_lines: bool = False) -> tuple[Secti
         all_lines: True to show its whole controller text.
     """
     motion = isinstance(inspected.step, Motion)
-    found = [
+    all_sections = [
         ("command", _command(inspected)),
         ("frames", _frames(inspected) if motion else iter(())),
         ("target", _target(inspected) if motion else iter(())),
@@ -87,7 +87,7 @@ def sections_of(inspected: Inspected, *, all_lines: bool = False) -> tuple[Secti
         ("certificate", _certificate(inspected.certificate)),
         ("controller text", stretch_lines(inspected.stretches, inspected.text, all_lines=all_lines)),
     ]
-    sections = (Section(title, tuple(lines)) for title, lines in found)
+    sections = (Section(title, tuple(lines)) for title, lines in all_sections)
     return tuple(one for one in sections if one.lines)
 
 
@@ -98,27 +98,37 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield printable(line)
     if origin.place and origin.place != origin.index:
         yield f"place {origin.place}, step {inspected.number} of the program"
-    if (told := _told(inspected, inspected.step)) is not None:
+    if (told := _effect(inspected, inspected.step)) is not None:
         yield told
     for verb, names in inspected.deeds:
         yield f"it {verb} {', '.join(names)}"
     if inspected.carries:
         yield f"the robot carries {', '.join(inspected.carries)}"
+    for body in inspected.divided:
+        yield printable(body.words)
     for rule in () if inspected.certificate is None else inspected.certificate.kept:
         reached = (
             "" if rule.largest is None else f": it tilts at most {up_to(most(rule.largest, DEG), 4)} deg"
         )
+        if rule.largest is not None and rule.nearest is not None and rule.farthest is not None:
+            reached = (
+                f": at most {up_to(most(rule.largest, DEG), 4)} deg off the axis, "
+                f"{down_to(least(rule.nearest, MM), 6)} to {up_to(most(rule.farthest, MM), 6)} mm away"
+            )
         yield f"keeps to {printable(rule.rule)}{reached}"
     for one in () if inspected.certificate is None else inspected.certificate.may_touch:
         needed = "they touch, or come nearer than a margin" if one.needed else "they keep apart all the same"
         yield f"not checked: {printable(one.pair)} may touch, allowed by {one.giver}; {needed}"
 
 
-def _told(inspected: Inspected, step: Step) -> str | None:
+def _effect(inspected: Inspected, step: Step) -> str | None:
     """Return the effect of a step without motion; None if there is nothing to report."""
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
-            return f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is planned and proved from there when it runs"
+            return (
+                f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is "
+                "planned and proved from there when it runs"
+            )
         case Dwell(duration=duration):
             return f"the robot stands for {duration:g} s"
         case SetOutput(output=output, value=value):
@@ -136,9 +146,16 @@ def _told(inspected: Inspected, step: Step) -> str | None:
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):
-            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines after ELSE are carried out"
+            return (
+                f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the "
+                "lines after ELSE are carried out"
+            )
         case When(offset=Offset() as offset):
-            return f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned and proved there when it runs, and refused into the ELSE; what stands here is the place without a shift"
+            return (
+                f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned "
+                "and proved there when it runs, and refused into the ELSE; what stands here is the place "
+                "without a shift"
+            )
         case When(condition=condition):
             compared = simple(condition)
             if compared is None:
@@ -175,24 +192,27 @@ def _frames(inspected: Inspected) -> Iterator[str]:
     if origin.moving is None and origin.base is None:
         yield "joint values need none"
         return
-    for what, link in (("moves", origin.moving), ("values in", origin.base)):
+    for label, link in (("moves", origin.moving), ("values in", origin.base)):
         if link is None:
             continue
         chain = chain_of(link)
         for number, one in enumerate(chain):
-            yield _link(what if number == 0 else "", one)
+            yield _link(label if number == 0 else "", one)
         if len(chain) > 2:
             yield f"{'':9}  {{{link.name}}} in {{{chain[-1].name}}}: {pose_text(chain_pose(link))}"
 
 
-def _link(what: str, link: FrameLink) -> str:
+def _link(label: str, link: FrameLink) -> str:
     name = f"{{{link.name}}}"
     if link.parent is None:
-        return f"{what:9}  {name:12}  {'the robot ends there' if link.name == 'FLANGE' else 'the robot stands there'}"
+        return (
+            f"{label:9}  {name:12}  "
+            f"{'the robot ends there' if link.name == 'FLANGE' else 'the robot stands there'}"
+        )
     where = (
         "the robot's" if link.source is None or link.span is None else f"{link.source.name}:{link.span.line}"
     )
-    return f"{what:9}  {name:12}  {pose_text(link.parent_from_frame)} in {{{link.parent.name}}}  ({where})"
+    return f"{label:9}  {name:12}  {pose_text(link.parent_from_frame)} in {{{link.parent.name}}}  ({where})"
 
 
 def _target(inspected: Inspected) -> Iterator[str]:
@@ -266,34 +286,37 @@ def _solutions(inspected: Inspected, number: int) -> tuple[str, Iterator[str]]:
     return title, _solution_lines(waypoint, robot, inspected.start is not None)
 
 
-def _solution_lines(waypoint: WayPoint, robot: Robot, known: bool) -> Iterator[str]:
+def _solution_lines(waypoint: WayPoint, robot: Robot, is_known: bool) -> Iterator[str]:
     if waypoint.near:
         yield "the distance counts from what NEAR names"
-    elif not known:
+    elif not is_known:
         yield "the distance counts from HOME, since the start isn't known"
     if (missed := waypoint.unreachable) is not None and missed.kind == "reach":
         turn = f" and {missed.miss_angle / DEG:.3g} deg" if missed.miss_angle > 1e-3 else ""
         yield f"none: the pose is out of reach by {missed.miss / MM:.4g} mm{turn}"
     if not waypoint.solutions:
         return
-    shown = waypoint.solutions[:_MOST_SOLUTIONS]
-    within = [one for one in shown if one.verdict != "out of limits"]
-    rows = [("", *robot.joint_names, "distance"), *(_row(robot, one, n) for n, one in enumerate(shown, 1))]
-    reasons = ["", *(_reason(one) for one in shown)]
+    solutions = waypoint.solutions[:_MOST_SOLUTIONS]
+    within = [one for one in solutions if one.verdict != "out of limits"]
+    rows = [
+        ("", *robot.joint_names, "distance"),
+        *(_row(robot, one, n) for n, one in enumerate(solutions, 1)),
+    ]
+    reasons = ["", *(_reason(one) for one in solutions)]
     for line, reason in zip(table(rows), reasons, strict=True):
         yield f"{line}  {reason}".rstrip()
-    if (more := len(waypoint.solutions) - len(shown)) > 0:
+    if (more := len(waypoint.solutions) - len(solutions)) > 0:
         yield f"and {more} more (--format json has all)"
     if within:
         yield "distance: sum of squared joint differences (rad, m)"
 
 
-def _row(robot: Robot, one: Solution, number: int) -> tuple[str, ...]:
-    return f"{number}", *joint_cells(robot, one.q), f"{one.distance:.3f}"
+def _row(robot: Robot, solution: Solution, number: int) -> tuple[str, ...]:
+    return f"{number}", *joint_cells(robot, solution.q), f"{solution.distance:.3f}"
 
 
-def _reason(one: Solution) -> str:
-    return f"CHOSEN: {one.reason}" if one.verdict == "chosen" else one.reason
+def _reason(solution: Solution) -> str:
+    return f"CHOSEN: {solution.reason}" if solution.verdict == "chosen" else solution.reason
 
 
 def _time(inspected: Inspected) -> Iterator[str]:
@@ -305,14 +328,17 @@ def _time(inspected: Inspected) -> Iterator[str]:
         yield f"{inspected.begins:.3f}{ends} of {inspected.total.text()}"
     if inspected.motion is not None and isinstance(inspected.step, Motion):
         curve, timing = inspected.motion.curve, inspected.step.timing
-        asked = _asked(timing)
+        asked_time = _asked_time(timing)
         law = f"{inspected.motion.profile}, " if inspected.motion.profile else ""
         if any(one.is_error for one in inspected.findings):
-            yield f"the time that is asked for, {asked}, can't be held; below, the shortest is looked at"
-            asked = "the shortest"
+            yield f"the time that is asked for, {asked_time}, can't be held; below, the shortest is looked at"
+            asked_time = "the shortest"
         if isinstance(inspected.step, TimedMove):
             yield from _table(inspected.step)
-        yield f"{law}asked for {asked}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
+        yield (
+            f"{law}asked for {asked_time}; {curve.segments} segments of {curve.segment / MS:.6g} ms: "
+            f"{curve.duration:.3f} s"
+        )
     yield from flow_lines(inspected.flows)
     speed = inspected.certificate.zone_speed if inspected.certificate is not None else None
     if speed is not None and speed.share > _AT_ITS_SPEED:
@@ -326,17 +352,23 @@ def _table(step: TimedMove) -> Iterator[str]:
     """Yield the rows of a timetable, and the interpolation between them."""
     table = step.table
     rows = len(table.times)
-    given = "velocities" if table.accelerations is None else "velocities and accelerations"
+    given_values = "velocities" if table.accelerations is None else "velocities and accelerations"
     whence = f"timetable in {step.file}" if step.file else "timetable"
-    said = f" with {given}" if table.velocities is not None else ""
+    said = f" with {given_values}" if table.velocities is not None else ""
     stretched = f", all times times {step.stretch:.10g}" if step.stretch != 1.0 else ""
-    yield f"{whence}: {rows:,} row{'s' * (rows != 1)}{said}, from {table.times[0]:.10g} to {table.times[-1]:.10g} s{stretched}"
+    yield (
+        f"{whence}: {rows:,} row{'s' * (rows != 1)}{said}, from {table.times[0]:.10g} to "
+        f"{table.times[-1]:.10g} s{stretched}"
+    )
     if table.velocities is None:
         between = (
             "the cubic spline in time through all rows, with continuous acceleration, at rest at both ends"
         )
     else:
-        between = f"the {'cubic' if table.accelerations is None else 'quintic'} polynomial in time with the {given} of both rows"
+        between = (
+            f"the {'cubic' if table.accelerations is None else 'quintic'} polynomial in time with the "
+            f"{given_values} of both rows"
+        )
     yield f"between the rows: {between}"
 
 
@@ -344,7 +376,7 @@ _AT_ITS_SPEED = 0.99
 """Share of a zone's speed, or of a ceiling, from which on it counts as a limit of the motion."""
 
 
-def _asked(timing: Timing) -> str:
+def _asked_time(timing: Timing) -> str:
     """Return the motion time as it is written in the command."""
     if timing.duration is not None:
         return f"[{timing.duration:g} s]"
@@ -373,33 +405,36 @@ def _pace(pace: Pace, duration: float) -> Iterator[str]:
 
 def _limit_text(limit: Limit) -> str:
     return (
-        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of what may be used, {limit.time:.3f} s after its start "
-        f"({limit.s * 100:.0f} % of the way)"
+        f"{limit.kind} of {limit.whose}: {limit.share * 100:.1f} % of what may be used, {limit.time:.3f} s "
+        f"after its start ({limit.s * 100:.0f} % of the way)"
     )
 
 
-def _certificate(one: CommandCertificate | None) -> Iterator[str]:
-    if one is None:
+def _certificate(certificate: CommandCertificate | None) -> Iterator[str]:
+    if certificate is None:
         return
-    deviation = one.deviation
+    deviation = certificate.deviation
     path = f"{bound_text(deviation.position, MM)} mm, {bound_text(deviation.angle, DEG)} deg"
     left = (
         f"{bound_text(deviation.remainder_position, MM)} mm, {bound_text(deviation.remainder_angle, DEG)} deg"
     )
     end = f"{bound_text(deviation.end_position, MM)} mm, {bound_text(deviation.end_angle, DEG)} deg"
-    yield f"path within {path} of the programmed one (of that {left} for what lies between the places looked at)"
+    yield (
+        f"path within {path} of the programmed one (of that {left} for what lies between the places looked "
+        "at)"
+    )
     yield f"end within {end} of the target"
     loads = (
-        ("position", one.position),
-        ("velocity", one.velocity),
-        ("acceleration", one.acceleration),
-        ("jerk", one.jerk),
-        ("motor speed", one.motor_velocity),
-        ("a hold", one.hold),
-        ("torque", one.torque or IDLE),
+        ("position", certificate.position),
+        ("velocity", certificate.velocity),
+        ("acceleration", certificate.acceleration),
+        ("jerk", certificate.jerk),
+        ("motor speed", certificate.motor_velocity),
+        ("a hold", certificate.hold),
+        ("torque", certificate.torque or IDLE),
     )
     yield "of the limits: " + ", ".join(_load(name, load) for name, load in loads if load.name)
-    for name, told in distances_of(one):
+    for name, told in distances_of(certificate):
         yield f"{name}: {told}"
 
 

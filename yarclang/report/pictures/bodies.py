@@ -19,7 +19,7 @@ from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Robot
 from yarclang.robot.placements import placements
-from yarclang.robot.visuals import visual_shapes
+from yarclang.robot.visuals import sticks, visual_shapes
 from yarclang.shapes import Shape
 from yarclang.units import MM
 
@@ -93,17 +93,20 @@ _Placed = tuple[str, Kind, Array, Shape]
 
 def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
     """Yield the links with their visual shapes. If a link has no visual shape that can be read, its collision
-    shapes are used.
+    shapes are used. If no link has a shape, bars from joint to joint are used.
     """
     moved = _moved(robot, q)
-    visuals = [(one, solid_of(one.shape)) for one in visual_shapes(robot)]
-    spoilt = {one.link for one, solid in visuals if solid is None}
-    seen = {one.link for one, _ in visuals} - spoilt
-    for one, _ in visuals:
-        if one.link in seen:
-            yield one.link, "robot", moved[one.joint] @ one.base_from_shape, one.shape
+    visuals = [(visual, solid_of(visual.shape)) for visual in visual_shapes(robot)]
+    spoilt = {visual.link for visual, solid in visuals if solid is None}
+    shaped = {visual.link for visual, _ in visuals} - spoilt
+    for visual, _ in visuals:
+        if visual.link in shaped:
+            yield visual.link, "robot", moved[visual.joint] @ visual.base_from_shape, visual.shape
+    if not shaped and not robot.shapes:
+        for bar in sticks(robot):
+            yield bar.link, "robot", moved[bar.joint] @ bar.base_from_shape, bar.shape
     for link in robot.shapes:
-        if link.link not in seen:
+        if link.link not in shaped:
             yield link.link, "robot", moved[link.joint] @ link.base_from_shape, link.shape
 
 
@@ -192,27 +195,27 @@ def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
         longest: longest edge of a triangle [mm]; longer edges are allowed if there would be too many
             triangles.
     """
-    done: list[Array] = []
-    left = triangles
-    while len(left):
-        inside = (left.max(axis=1) >= low).all(axis=1) & (left.min(axis=1) <= high).all(axis=1)
-        left = left[inside]
-        edges = np.linalg.norm(left - np.roll(left, 1, axis=1), axis=2)
+    pieces: list[Array] = []
+    large = triangles
+    while len(large):
+        inside = (large.max(axis=1) >= low).all(axis=1) & (large.min(axis=1) <= high).all(axis=1)
+        large = large[inside]
+        edges = np.linalg.norm(large - np.roll(large, 1, axis=1), axis=2)
         is_small = edges.max(axis=1, initial=0.0) <= longest
-        if 4 * int((~is_small).sum()) + sum(map(len, done)) > _MOST_PIECES:
-            done.append(left)
+        if 4 * int((~is_small).sum()) + sum(map(len, pieces)) > _MOST_PIECES:
+            pieces.append(large)
             break
-        done.append(left[is_small])
-        left = _split(left[~is_small])
-    found: Array = np.concatenate(done) if done else triangles[:0]
+        pieces.append(large[is_small])
+        large = _split(large[~is_small])
+    found: Array = np.concatenate(pieces) if pieces else triangles[:0]
     for axis in range(3):
         found = _cut(_cut(found, axis, -1.0, low[axis]), axis, 1.0, high[axis])
     return found
 
 
 def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
-    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger than
-    `sign` times `bound`.
+    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger
+    than `sign` times `bound`.
     """
     beyond = sign * (triangles[:, :, axis] - bound)
     outside = beyond > 0.0
@@ -224,21 +227,21 @@ def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
     rows = np.arange(len(triangles))[:, None]
     a, b, c = triangles[rows, order].transpose(1, 0, 2)
     at_a, at_b, at_c = beyond[rows, order].T
-    kept = [triangles[count == 0]]
+    kept_triangles = [triangles[count == 0]]
     for number in (1, 2):
-        here = count == number
-        to_b = (at_a[here] / (at_a[here] - at_b[here]))[:, None]
-        to_c = (at_a[here] / (at_a[here] - at_c[here]))[:, None]
-        on_b = a[here] + to_b * (b[here] - a[here])
-        on_c = a[here] + to_c * (c[here] - a[here])
+        chosen = count == number
+        to_b = (at_a[chosen] / (at_a[chosen] - at_b[chosen]))[:, None]
+        to_c = (at_a[chosen] / (at_a[chosen] - at_c[chosen]))[:, None]
+        on_b = a[chosen] + to_b * (b[chosen] - a[chosen])
+        on_c = a[chosen] + to_c * (c[chosen] - a[chosen])
         if number == 2:  # the single corner is kept
-            kept.append(np.stack((a[here], on_b, on_c), axis=1))
+            kept_triangles.append(np.stack((a[chosen], on_b, on_c), axis=1))
         else:
-            kept += [
-                np.stack((on_b, b[here], c[here]), axis=1),
-                np.stack((on_b, c[here], on_c), axis=1),
+            kept_triangles += [
+                np.stack((on_b, b[chosen], c[chosen]), axis=1),
+                np.stack((on_b, c[chosen], on_c), axis=1),
             ]
-    found: Array = np.concatenate(kept)
+    found: Array = np.concatenate(kept_triangles)
     return found
 
 

@@ -124,12 +124,17 @@ def _draw_bodies(axes: Any, drawn: list[tuple[Body, Array]]) -> None:
     viewer = np.array(
         [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
     )
-    seen = normal @ viewer > _FACING_AWAY
-    shade = 0.62 + 0.38 * np.clip(normal[seen] @ _LIGHT, 0.0, 1.0)
-    colours = np.clip(base[seen] * shade[:, None], 0.0, 1.0)
+    faces_viewer = normal @ viewer > _FACING_AWAY
+    shade = 0.62 + 0.38 * np.clip(normal[faces_viewer] @ _LIGHT, 0.0, 1.0)
+    colours = np.clip(base[faces_viewer] * shade[:, None], 0.0, 1.0)
     axes.add_collection(
         Poly3DCollection(
-            triangles[seen], facecolors=colours, edgecolors=colours, linewidths=0.35, zorder=2, gid="bodies"
+            triangles[faces_viewer],
+            facecolors=colours,
+            edgecolors=colours,
+            linewidths=0.35,
+            zorder=2,
+            gid="bodies",
         ),
         autolim=False,
     )
@@ -169,7 +174,7 @@ def _edges(triangles: Array) -> Array:
 def _name(axes: Any, named: list[tuple[Body, Array]]) -> None:
     """Write names at bodies and zones, except names that would overlap others."""
     renderer = axes.figure.canvas.get_renderer()
-    taken: list[Any] = []
+    taken_boxes: list[Any] = []
     texts: dict[str, tuple[Body, Array]] = {}
     for body, triangles in named:
         texts.setdefault(body.name, (body, triangles))
@@ -189,10 +194,10 @@ def _name(axes: Any, named: list[tuple[Body, Array]]) -> None:
             zorder=9,
         )
         box = text.get_window_extent(renderer)
-        if any(box.overlaps(other) for other in taken):
+        if any(box.overlaps(other) for other in taken_boxes):
             text.remove()
         else:
-            taken.append(box)
+            taken_boxes.append(box)
 
 
 def _draw_legend(axes: Any, bodies: list[Body], zones: list[Body], place: Place) -> None:

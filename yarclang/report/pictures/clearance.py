@@ -46,22 +46,22 @@ def clearance_of(plan: MotionPlan) -> Clearance | None:
     cells, owner = _cells(plan, times)
     apart = np.full(len(times), SEEN)
     pair: tuple[str, ...] = ()
-    seen = False
-    known = np.zeros(len(times), dtype=bool)
+    visible = False
+    is_computed = np.zeros(len(times), dtype=bool)
     kept = np.unique(owner)
     for number in kept[:: -(-len(kept) // _MOST_STATES)].tolist():
         scene = scene_of(plan.robot, cells[number]).value
         rows = np.flatnonzero(owner == number)
-        known[rows] = True
+        is_computed[rows] = True
         if scene is None or not len(scene.pairs.first):
             continue
-        seen = True
+        visible = True
         found = near(scene, plan.sample(times[rows])[0])
         row = int(np.argmin(found.apart))
         if found.apart[row] < apart.min():
             pair = scene.names(int(found.pair[row]))
         apart[rows] = np.maximum(found.apart, 0.0)
-    return Clearance(times[known], apart[known], pair) if seen else None
+    return Clearance(times[is_computed], apart[is_computed], pair) if visible else None
 
 
 def _cells(plan: MotionPlan, times: Array) -> tuple[tuple[Cell | None, ...], Rows]:

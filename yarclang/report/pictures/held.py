@@ -19,15 +19,20 @@ def draw_held(robot: Robot, format_: Format) -> bytes:
         figure = Figure(figsize=(16, 10), dpi=100, layout="constrained")
         home = flange_poses(robot.chain, robot.home[None])[0, :3, 3]
         places = ((float(np.hypot(home[0], home[1])), home[2]), (home[0], home[1]))
-        for axes, held, (across, up) in zip(figure.subplots(1, 2), sections(robot), places, strict=True):
+        for axes, section, (across, up) in zip(figure.subplots(1, 2), sections(robot), places, strict=True):
             drawn = axes.pcolormesh(
-                held.across * 1e3, held.up * 1e3, held.share * 100.0, vmin=0.0, vmax=100.0, cmap="viridis"
+                section.across * 1e3,
+                section.up * 1e3,
+                section.share * 100.0,
+                vmin=0.0,
+                vmax=100.0,
+                cmap="viridis",
             )
             axes.plot(across * 1e3, up * 1e3, "r+", markersize=14, label="HOME")
             axes.plot(0.0, 0.0, "k^", label="{B}")
             axes.set_aspect("equal")
-            axes.set_xlabel(f"{held.axes[0]} [mm]")
-            axes.set_ylabel(f"{held.axes[1]} [mm]")
+            axes.set_xlabel(f"{section.axes[0]} [mm]")
+            axes.set_ylabel(f"{section.axes[1]} [mm]")
             axes.legend(loc="upper right")
         figure.colorbar(drawn, ax=figure.axes, shrink=0.7, label="orientations of the flange [% of 24]")
         names = ", ".join(robot.joint_names[:9])

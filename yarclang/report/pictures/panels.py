@@ -16,6 +16,9 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.report.pictures import tool_panels
 from yarclang.report.pictures.actions import Action
 from yarclang.report.pictures.clearance import Clearance
+from yarclang.report.pictures.kept import HEIGHT as KEPT_HEIGHT
+from yarclang.report.pictures.kept import MOST_ROWS as MOST_KEPT
+from yarclang.report.pictures.kept import KeptRow, draw_kept
 from yarclang.report.pictures.palette import CORNER_COLOUR, Bar, joint_style
 from yarclang.report.pictures.passed import Passed
 from yarclang.report.pictures.ribbon import draw_actions, draw_ribbon
@@ -73,6 +76,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
         *(panel.height for panel in quantities),
         *(2 * [tool_panels.HEIGHT]),
         *([tool_panels.HEIGHT] if shown.clearance is not None else []),
+        *(min(len(shown.kept), MOST_KEPT) * [KEPT_HEIGHT]),
         *([0.16 + 0.13 * min(len(signals), MOST_ROWS)] if signals else []),
     ]
     grid = figure.add_gridspec(
@@ -89,27 +93,32 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
     ribbon.set_xlim(float(trace.times[0]) / factor, float(trace.times[-1]) / factor)
     draw_ribbon(ribbon, shown.bars, factor)
     draw_actions(ribbon, shown.actions, factor)
-    rows = [figure.add_subplot(grid[row], sharex=ribbon) for row in range(1, len(heights))]
-    left = iter(rows)
-    for row, panel in enumerate(quantities):
-        axes = next(left)
+    rows = [figure.add_subplot(grid[at], sharex=ribbon) for at in range(1, len(heights))]
+    remaining_rows = iter(rows)
+    for number, panel in enumerate(quantities):
+        axes = next(remaining_rows)
         peak = peak_of(trace, panel.values)
         _draw_quantity(axes, trace.times / factor, panel.values * 100.0, drawn.width)
-        zoomed = _scale(axes, peak.share * 100.0, can_zoom=row > 0)
+        zoomed = _scale(axes, peak.share * 100.0, can_zoom=number > 0)
         note = " · ".join(filter(None, (panel.note, zoomed)))
         _head(axes, panel.title, note, _peak_text(peak, panel, drawn))
-    axes = next(left)
+    axes = next(remaining_rows)
     note, most = tool_panels.draw_speed(axes, tool, factor, unit, drawn.width)
     _head(axes, f"speed of {{{tool.frame}}} [mm/s]", note, most)
-    axes = next(left)
+    axes = next(remaining_rows)
     least = tool_panels.draw_singularity(axes, tool, factor, unit, drawn.width)
     _head(axes, "smallest singular value", "0 is a singularity, far from one it is 0.1 to 0.5", least)
     if shown.clearance is not None:
-        axes = next(left)
+        axes = next(remaining_rows)
         least = tool_panels.draw_clearance(axes, shown.clearance, factor, unit, drawn.width)
         _head(axes, "clearance of bodies [mm]", "sampled; `yarcc` proves it", least)
+    for count, row in enumerate(shown.kept[:MOST_KEPT], 1):
+        axes = next(remaining_rows)
+        found = draw_kept(axes, row, factor, unit, drawn.width)
+        left_out = len(shown.kept) - MOST_KEPT if count == MOST_KEPT else 0
+        _head(axes, row.title, f"{left_out} more aren't drawn" if left_out > 0 else "sampled", found)
     if signals:
-        axes = next(left)
+        axes = next(remaining_rows)
         draw_rows(axes, signals, float(trace.times[-1]), factor)
         more = f"{len(signals) - MOST_ROWS} more aren't drawn" if len(signals) > MOST_ROWS else ""
         _head(axes, "inputs and outputs", more, "filled: output on; yellow: waits for the input")
@@ -146,24 +155,24 @@ def _quantities(robot: Robot, trace: Trace) -> list[_Panel]:
     return panels
 
 
-def _head(axes: Axes, title: str, note: str, found: str) -> None:
+def _head(axes: Axes, title: str, note: str, extreme: str) -> None:
     """Write the text above a panel: its title, its extreme value, and a remark if there is room between
     them.
     """
     begins = axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
-    ends = axes.set_title(found, loc="right", fontsize=9, pad=4, color="0.2")
+    ends = axes.set_title(extreme, loc="right", fontsize=9, pad=4, color="0.2")
     axes.tick_params(labelbottom=False, length=2.5, labelsize=8.5)
     canvas: Any = axes.figure.canvas
     renderer = canvas.get_renderer()
     # use widths only: the heights of titles are known only when the figure is drawn
     box = axes.get_window_extent(renderer)
-    left = box.x0 + begins.get_window_extent(renderer).width + _APART
+    text_end = box.x0 + begins.get_window_extent(renderer).width + _APART
     right = box.x1 - ends.get_window_extent(renderer).width - _APART
     for text in (note, note.rpartition(" · ")[2]):
         middle = axes.set_title(text, fontsize=8.5, pad=4, color="0.4")
         half = middle.get_window_extent(renderer).width / 2.0
-        if 2.0 * half <= right - left:
-            centre = float(np.clip((box.x0 + box.x1) / 2.0, left + half, right - half))
+        if 2.0 * half <= right - text_end:
+            centre = float(np.clip((box.x0 + box.x1) / 2.0, text_end + half, right - half))
             middle.set_x((centre - box.x0) / box.width)
             return
     axes.set_title("")
@@ -181,6 +190,7 @@ class Shown:
         actions: waits and outputs.
         signals: inputs and outputs over time.
         clearance: sampled distances; None if there is no body that could collide.
+        kept: angles and distances that rules limit (KEEP).
     """
 
     trace: Trace
@@ -190,6 +200,7 @@ class Shown:
     actions: tuple[Action, ...]
     signals: tuple[SignalRow, ...]
     clearance: Clearance | None
+    kept: tuple[KeptRow, ...]
 
 
 @frozen
@@ -347,24 +358,24 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
 
 
 def legend_row(
-    figure: Figure, handles: Sequence[Artist], left: float, height: float, right: float = _RIGHT
+    figure: Figure, handles: Sequence[Artist], left_end: float, height: float, right: float = _RIGHT
 ) -> None:
     """Draw a legend in one row, or in two rows if one would be too long.
 
     Args:
         figure: figure to draw on.
         handles: its entries.
-        left: left end, as a share of the figure's width.
+        left_end: left end, as a share of the figure's width.
         height: height of its middle, as a share of the figure's height.
         right: rightmost allowed end, as a share of the figure's width.
     """
     canvas: Any = figure.canvas
-    room = (right - left) * figure.bbox.width
+    room = (right - left_end) * figure.bbox.width
     for rows, size in ((1, 9.0), (1, 8.0), (2, 8.0), (2, 7.0), (3, 6.5)):
         legend = figure.legend(
             handles=list(handles),
             loc="center left",
-            bbox_to_anchor=(left, height),
+            bbox_to_anchor=(left_end, height),
             ncols=-(-len(handles) // rows),
             borderpad=0.0,
             borderaxespad=0.0,

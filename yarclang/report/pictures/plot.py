@@ -20,6 +20,7 @@ from yarclang.report.pictures.bodies import surroundings_of
 from yarclang.report.pictures.cell_scene import draw_cell
 from yarclang.report.pictures.clearance import clearance_of
 from yarclang.report.pictures.drawn_frame import drawn_frame
+from yarclang.report.pictures.kept import kept_rows_of
 from yarclang.report.pictures.palette import bars_of
 from yarclang.report.pictures.panels import Shown, draw_panels
 from yarclang.report.pictures.passed import passed_corners
@@ -86,6 +87,7 @@ def _figure(plan: MotionPlan) -> Figure:
             actions_of(plan),
             planned_signals(plan),
             clearance_of(plan),
+            kept_rows_of(plan),
         ),
     )
     surroundings = surroundings_of(plan)

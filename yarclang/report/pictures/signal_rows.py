@@ -50,9 +50,9 @@ def draw_rows(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float
         end: end of the time axis [s].
         factor: seconds in the axis's unit.
     """
-    shown = rows[:MOST_ROWS]
-    for row, signal in enumerate(shown):
-        middle, colour = len(shown) - 1 - row, INPUT if signal.is_input else OUTPUT
+    drawn_rows = rows[:MOST_ROWS]
+    for row, signal in enumerate(drawn_rows):
+        middle, colour = len(drawn_rows) - 1 - row, INPUT if signal.is_input else OUTPUT
         _draw_stretches(axes, signal, middle, colour, factor)
         for is_met in (True, False):
             waits = [
@@ -70,8 +70,8 @@ def draw_rows(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float
                     linewidth=1.4,
                     zorder=4,
                 )
-    axes.set_ylim(-0.6, len(shown) - 0.4)
-    axes.set_yticks(range(len(shown)), [_cut(signal.name) for signal in reversed(shown)])
+    axes.set_ylim(-0.6, len(drawn_rows) - 0.4)
+    axes.set_yticks(range(len(drawn_rows)), [_cut(signal.name) for signal in reversed(drawn_rows)])
     axes.tick_params(length=0, labelsize=8)
     axes.tick_params(axis="x", length=2.5, labelsize=8.5)
 

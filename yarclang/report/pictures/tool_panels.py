@@ -77,27 +77,29 @@ def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: fl
     return note, f"most: {trace.speed[row]:.4g} mm/s, at {trace.times[row] / factor:.4g} {unit}"
 
 
-def _joined(wanted: Array) -> Array:
+def _joined(requested: Array) -> Array:
     """Join consecutive rows of equal requested speeds (k, 3)."""
-    if len(wanted) < 2:
-        return wanted
-    same = (wanted[1:, 2] == wanted[:-1, 2]) & (np.abs(wanted[1:, 0] - wanted[:-1, 1]) < _TOGETHER)
+    if len(requested) < 2:
+        return requested
+    same = (requested[1:, 2] == requested[:-1, 2]) & (
+        np.abs(requested[1:, 0] - requested[:-1, 1]) < _TOGETHER
+    )
     first = np.flatnonzero(np.concatenate(([True], ~same)))
-    last = np.concatenate((first[1:], [len(wanted)])) - 1
-    return np.column_stack((wanted[first, 0], wanted[last, 1], wanted[first, 2]))
+    last = np.concatenate((first[1:], [len(requested)])) - 1
+    return np.column_stack((requested[first, 0], requested[last, 1], requested[first, 2]))
 
 
-def _scale(axes: Axes, wanted: float, top: float) -> str:
-    """Choose the scale of the speeds up to `top`. If `wanted` is much smaller, the requested speeds get most
-    of the height.
+def _scale(axes: Axes, requested: float, top: float) -> str:
+    """Choose the scale of the speeds up to `top`. If `requested` is much smaller, the requested speeds get
+    most of the height.
 
     Returns:
         A remark on the scale.
     """
     _scale_to(axes, max(1.12 * top, _LEAST_SPEED))
-    if not wanted:
+    if not requested:
         return ""
-    inner = 1.25 * wanted
+    inner = 1.25 * requested
     if inner > _ZOOMED_BELOW * top:
         return "dashes: [V ..]"
     data, drawn = np.array([0.0, inner, 1.12 * top]), np.array([0.0, _ZOOMED_HEIGHT, 1.0])
@@ -116,7 +118,7 @@ def _scale(axes: Axes, wanted: float, top: float) -> str:
         return speeds
 
     axes.set_yscale("function", functions=(forward, back))
-    axes.set_yticks([0.0, wanted, top], ["0", f"{wanted:.4g}", f"{top:.4g}"])
+    axes.set_yticks([0.0, requested, top], ["0", f"{requested:.4g}", f"{top:.4g}"])
     axes.minorticks_off()
     axes.axhspan(inner, 1.12 * top, color="0.95", zorder=0)
     return f"dashes: [V ..] · scale squeezed beyond {inner:.3g} mm/s"
@@ -148,7 +150,10 @@ def draw_clearance(axes: Axes, trace: Clearance, factor: float, unit: str, width
     if not trace.pair:
         return f"nowhere below {SEEN / MM:g} mm"
     first, second = map(short_name, trace.pair)
-    return f"least: {trace.apart[row] / MM:.3g} mm, {first} and {second}, at {trace.times[row] / factor:.4g} {unit}"
+    return (
+        f"least: {trace.apart[row] / MM:.3g} mm, {first} and {second}, at {trace.times[row] / factor:.4g} "
+        f"{unit}"
+    )
 
 
 def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:

@@ -66,12 +66,12 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
     times = np.concatenate((stands[:1][times[:1] > 0.0], times, stands[1:][plan.duration > times[-1:]]))
     parts = []
     for first in range(0, len(times), _AT_ONCE):
-        here = slice(first, first + _AT_ONCE)
-        rows = _followed(plan, frame, times[here])
+        piece = slice(first, first + _AT_ONCE)
+        rows = _followed(plan, frame, times[piece])
         if len(times) > MOST_SAMPLES:
-            parts.append(extremes(times[here], times[here], rows, rows, plan.duration))
+            parts.append(extremes(times[piece], times[piece], rows, rows, plan.duration))
         else:
-            parts.append((times[here], times[here], rows, rows))
+            parts.append((times[piece], times[piece], rows, rows))
     first_, last, least, most = (np.concatenate(part) for part in zip(*parts, strict=True))
     if len(times) > MOST_SAMPLES:
         first_, last, least, most = extremes(first_, last, least, most, plan.duration)
@@ -80,7 +80,7 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
     else:
         rows = least
     return ToolTrace(
-        frame.name, times, rows[:, 0], rows[:, 1], _wanted(plan, frame, float(rows[:, 0].max(initial=0.0)))
+        frame.name, times, rows[:, 0], rows[:, 1], _requested(plan, frame, float(rows[:, 0].max(initial=0.0)))
     )
 
 
@@ -93,7 +93,7 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
     return np.column_stack((speed, smallest_singular_values(chain, q, tool)))
 
 
-def _wanted(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
+def _requested(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
     """Return the speeds (k, 3) that commands request for the frame: start [s], end [s], and speed [mm/s].
 
     Ceilings are included if they are below twice the `fastest` speed [mm/s].

@@ -172,18 +172,20 @@ def _lasting(job: Mapping[str, Any]) -> Lasting:
     """Return the program's duration. Older logs only have the time of its motions."""
     if "takes" not in job:
         return known(float(job["duration_s"]))
-    said = job["takes"]
+    takes = job["takes"]
     return Lasting(
-        float(said["duration_at_least_s"]),
-        float(said["duration_s"]),
-        int(said["waits_at_least"]),
-        int(said["waits"]),
-        bool(said.get("loops", False)),  # older logs have none
+        float(takes["duration_at_least_s"]),
+        float(takes["duration_s"]),
+        int(takes["waits_at_least"]),
+        int(takes["waits"]),
+        bool(takes.get("loops", False)),  # older logs have none
     )
 
 
-def _command(one: Mapping[str, Any]) -> JobCommand:
-    begins = float(one["begins_s"])
+def _command(message: Mapping[str, Any]) -> JobCommand:
+    begins = float(message["begins_s"])
     # older logs have no clock: their times count the branches of a WHEN one after the other
-    clock = float(one.get("clock_s", begins))
-    return JobCommand(one["index"], one["name"], one["source_line"], begins, float(one["ends_s"]), clock)
+    clock = float(message.get("clock_s", begins))
+    return JobCommand(
+        message["index"], message["name"], message["source_line"], begins, float(message["ends_s"]), clock
+    )

@@ -98,24 +98,24 @@ class Messages:
 
 def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, Any]]]) -> Messages:
     """Read topics and contents; invalid messages are counted."""
-    found = Messages()
+    read_so_far = Messages()
     number, on_the_way = 0, False
     begun = False
     for topic, content in messages:
         try:
             if topic == "positions":
-                found.rows.append(_row(robot, content))
-                found.passes.append(-1 if on_the_way else number)
-            elif (one := _told(topic, content)) is not None:
-                found.told.append(one)
-                if isinstance(one, Remark):
-                    number += one.begins_pass and begun and not on_the_way
-                if isinstance(one, Pass):
-                    number += one.of_program and begun
-                    begun, on_the_way = begun or one.of_program, not one.of_program
+                read_so_far.rows.append(_row(robot, content))
+                read_so_far.passes.append(-1 if on_the_way else number)
+            elif (report := _as_report(topic, content)) is not None:
+                read_so_far.told.append(report)
+                if isinstance(report, Remark):
+                    number += report.begins_pass and begun and not on_the_way
+                if isinstance(report, Pass):
+                    number += report.of_program and begun
+                    begun, on_the_way = begun or report.of_program, not report.of_program
         except (ValueError, KeyError, TypeError):
-            found.unread += 1
-    return found
+            read_so_far.unread += 1
+    return read_so_far
 
 
 def _row(robot: RecordedRobot, content: Mapping[str, Any]) -> tuple[float, ...]:
@@ -138,7 +138,7 @@ def _row(robot: RecordedRobot, content: Mapping[str, Any]) -> tuple[float, ...]:
     return tuple(float(value) for value in row)
 
 
-def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
+def _as_report(topic: str, content: Mapping[str, Any]) -> Told | None:
     """Return a message as a report; None for an unknown topic."""
     time = float(content["time_s"])
     match topic:
@@ -219,11 +219,11 @@ def read_robot(facts: Mapping[str, str], job: Mapping[str, Any]) -> RecordedRobo
     )
 
 
-def _restored(told: dict[str, Any]) -> Controller:
-    kind = kind_of(str(told.get("kind", DEFAULT)))
+def _restored(content: dict[str, Any]) -> Controller:
+    kind = kind_of(str(content.get("kind", DEFAULT)))
     if kind is None:
-        raise ValueError(f"there is no kind of controller {told['kind']!r}")
-    return kind.restored(told)
+        raise ValueError(f"there is no kind of controller {content['kind']!r}")
+    return kind.restored(content)
 
 
 def read_only(values: Array) -> Array:

@@ -83,16 +83,16 @@ def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
     stream = io.BytesIO(content)
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None)
     records: list[McapRecord] = []
-    left = _LEAST_LEFT + _PACKED * len(content)
+    bytes_left = _LEAST_LEFT + _PACKED * len(content)
     try:
         for record in reader.records:
             if not isinstance(record, Chunk):
                 records.append(record)
                 continue
-            chunk = _unpacked(record, min(_LARGEST_CHUNK, left))
+            chunk = _unpacked(record, min(_LARGEST_CHUNK, bytes_left))
             if chunk is None:
                 return records, "is larger when it is unpacked than any log"
-            left -= len(chunk.data)
+            bytes_left -= len(chunk.data)
             records += breakup_chunk(chunk, validate_crc=True)
     except Exception:  # parsers and decompressors may raise any exception on arbitrary bytes
         return records, "is unfinished" if stream.tell() == len(content) else "is damaged"

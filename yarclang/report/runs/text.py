@@ -137,9 +137,13 @@ def head_text(run: RecordedRun) -> str:
     return printable(f"{run.program} on {run.robot.name} at {run.controller}, {started} UTC{pace}")
 
 
-def _is_usual(one: Told) -> bool:
+def _is_usual(report: Told) -> bool:
     """Return True for a state that occurs between a WAIT and the next motion and needs no line of its own."""
-    return isinstance(one, Changed) and not one.why and one.state in (State.STOP, State.INIT, State.MOVE)
+    return (
+        isinstance(report, Changed)
+        and not report.why
+        and report.state in (State.STOP, State.INIT, State.MOVE)
+    )
 
 
 @frozen(eq=False)

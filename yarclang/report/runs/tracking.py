@@ -166,30 +166,30 @@ class _Course:
         behind: Array = self.at_cut[last] + np.maximum(places - self.cut[last, 1], 0.0)
         return np.where(at > 0, behind, places)
 
-    def with_dwells(self, times: Array, told: Array) -> Array:
+    def with_dwells(self, times: Array, logged: Array) -> Array:
         """Convert times (M,) of the course to times of the program [s].
 
         Args:
             times: never decreasing.
-            told: (M,) the program times in the log [s], which are used while the robot rested.
+            logged: (M,) the program times in the log [s], which are used while the robot rested.
         """
-        found = self.places(times)
+        places = self.places(times)
         for stand in self.stands.tolist():
             ends = np.array([stand - _BESIDE, stand + _BESIDE])
             first, behind = np.searchsorted(times, ends).tolist()
             low, high = self.places(ends)
             low = max(float(low), 0.0)
-            found[first:behind] = np.clip(told[first:behind], low, min(high, self.planned.duration))
-        rising: Array = np.maximum.accumulate(found)
+            places[first:behind] = np.clip(logged[first:behind], low, min(high, self.planned.duration))
+        rising: Array = np.maximum.accumulate(places)
         return rising
 
 
-def _course(planned: Planned, told: Array) -> _Course:
-    """Return the course that a pass with program times `told` (M,) [s] can have followed: without dwells, and
-    without branches in which none of these times is.
+def _course(planned: Planned, logged: Array) -> _Course:
+    """Return the course that a pass with program times `logged` (M,) [s] can have followed: without dwells,
+    and without branches in which none of these times is.
     """
     ways = np.concatenate((planned.ways[:, :2], planned.ways[:, 1:]))
-    when = np.sort(told)
+    when = np.sort(logged)
     # times near the ends of a branch may belong to the motion before or after the branch
     margin = np.minimum(_BESIDE_WAY, 0.4 * (ways[:, 1] - ways[:, 0]))
     first, behind = np.searchsorted(when, ways[:, 0] + margin), np.searchsorted(when, ways[:, 1] - margin)
@@ -299,12 +299,12 @@ def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, wi
         best = np.clip(best + slope / ((v**2).sum(axis=2) + doubt), low, high)
     x, v = curve(best)
     final = np.where(np.take_along_axis(is_least, some, axis=1), cost(best, x), np.inf)
-    which = np.argmin(final, axis=1)[:, None]
-    times = np.take_along_axis(best, which, axis=1)
+    nearest = np.argmin(final, axis=1)[:, None]
+    times = np.take_along_axis(best, nearest, axis=1)
     # Costs are squared distances. Another minimum is equally near if its distance differs by only a few
     # counts.
-    rivals = final < np.take_along_axis(final, which, axis=1) + _NEAR**2
+    rivals = final < np.take_along_axis(final, nearest, axis=1) + _NEAR**2
     rivals &= (np.abs(best - times) > _SAME) & (np.abs(best - about) < 2.0 * _SURE)
-    weights = np.take_along_axis((v**2).sum(axis=2) + doubt, which, axis=1)
+    weights = np.take_along_axis((v**2).sum(axis=2) + doubt, nearest, axis=1)
     alone: NDArray[np.bool_] = ~np.any(rivals, axis=1, keepdims=True)
     return _Nearest(times[:, 0], weights[:, 0], alone[:, 0])

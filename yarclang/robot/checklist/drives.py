@@ -54,16 +54,16 @@ def _resolution(robot: Robot) -> Item:
     radii = reach_radii(robot.chain, robot.limits, frame)
     way = float((half * radii).sum())
     turn = float(half[~robot.chain.is_prismatic].sum())
-    found = (
+    result = (
         f"half a count of every motor moves TCP by at most {way / MM:.2g} mm, {turn / DEG:.2g} deg; the "
         f"tolerance is "
         f"{robot.tolerance.position / MM:g} mm, {robot.tolerance.angle / DEG:g} deg"
     )
     if way <= FINE * robot.tolerance.position and turn <= FINE * robot.tolerance.angle:
-        return Item("encoder resolution", "ok", found)
+        return Item("encoder resolution", "ok", result)
     remedy = "check K (counts per deg or mm at the joint, gear included), or allow a larger [tolerance]"
     verdict = "note" if way <= robot.tolerance.position and turn <= robot.tolerance.angle else "to do"
-    return Item("encoder resolution", "note" if verdict == "note" else "to do", found, remedy)
+    return Item("encoder resolution", "note" if verdict == "note" else "to do", result, remedy)
 
 
 def _speeds(robot: Robot) -> Item:

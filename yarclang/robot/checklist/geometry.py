@@ -163,13 +163,13 @@ def _text(source: object) -> SourceFile:
 def _back(robot: Robot, q: Array) -> Item:
     solved = reaching(robot.chain, robot.limits, flange_poses(robot.chain, q))[1]
     share = float(solved.mean())
-    found = f"{share * 100:.4g} % of {len(q)} reachable poses are solved within limits"
+    result = f"{share * 100:.4g} % of {len(q)} reachable poses are solved within limits"
     if share >= SOLVED:
-        return Item("inverse of forward", "ok", found)
+        return Item("inverse of forward", "ok", result)
     return Item(
         "inverse of forward",
         "to do",
-        found,
+        result,
         "look for joints that undo each other, or limits that leave no room",
     )
 
@@ -197,21 +197,22 @@ def _lines(robot: Robot, q: Array) -> Item:
         (way, track(robot.chain, robot.limits, _line(robot, best, way * length), best, reason="any"))
         for way in DIRECTIONS[~most]
     ]
-    why = [
-        f"{'-' if way.min() < 0.0 else '+'}{'xyz'[int(np.argmax(np.abs(way)))]} {_why(robot, end, length)}"
+    ended = [
+        f"{'-' if way.min() < 0.0 else '+'}{'xyz'[int(np.argmax(np.abs(way)))]} {_end(robot, end, length)}"
         for way, end in ends
         if isinstance(end, Broken)
     ]
-    if len(why) == len(DIRECTIONS):
-        found = f"no {lines} are followed, from the best of {TRIED} places; {'; '.join(why)}"
+    if len(ended) == len(DIRECTIONS):
+        result = f"no {lines} are followed, from the best of {TRIED} places; {'; '.join(ended)}"
         remedy = (
             "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
         )
-        return Item("lines", "to do", found, remedy)
-    found = (
-        f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; {'; '.join(why)}"
+        return Item("lines", "to do", result, remedy)
+    result = (
+        f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; "
+        f"{'; '.join(ended)}"
     )
-    return Item("lines", "note", found, "see yarc reach where the arm can hold its orientation")
+    return Item("lines", "note", result, "see yarc reach where the arm can hold its orientation")
 
 
 def _roomy(robot: Robot, q: Array) -> Array:
@@ -255,7 +256,7 @@ def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
     return pose_at
 
 
-def _why(robot: Robot, end: Broken, length: float) -> str:
+def _end(robot: Robot, end: Broken, length: float) -> str:
     """Return a sentence that names the place at which a line ends, and the reason."""
     place = f"ends after {end.s * length / MM:.0f} mm"
     if end.joint is None:
@@ -272,12 +273,12 @@ def _home(robot: Robot) -> Item:
         return Item("HOME", "ok", f"not near a singularity: smallest singular value {value:.2g}")
     motion = np.abs(near.joints[0])
     names = [name for name, part in zip(robot.joint_names, motion, strict=True) if part > 0.3]
-    found = (
+    result = (
         f"singular (smallest singular value {value:.2g}): {' and '.join(names)} move the tool against "
         f"each other"
     )
     return Item(
-        "HOME", "note", found, "leave HOME with MOVEJ, not with a straight line; or choose another HOME"
+        "HOME", "note", result, "leave HOME with MOVEJ, not with a straight line; or choose another HOME"
     )
 
 
@@ -300,15 +301,15 @@ def _frames(robot: Robot) -> Iterator[Item]:
     for name, pose in robot.flange_from_frame.items():
         length = float(np.linalg.norm(pose[:3, 3]))
         if length > LONG_TOOL:
-            found = f"{{{name}}} is {length / MM:.0f} mm from the flange"
-            yield Item("frames", "to do", found, "robot.toml is in mm: check xyz")
+            position = f"{{{name}}} is {length / MM:.0f} mm from the flange"
+            yield Item("frames", "to do", position, "robot.toml is in mm: check xyz")
     if "TCP" in robot.flange_from_frame:
         pose = robot.flange_from_frame["TCP"]
         same = np.allclose(pose, np.eye(4), atol=1e-9)
         place = " ".join(f"{value / MM:.4g}" for value in pose[:3, 3])
-        found = "TCP is the flange itself" if same else f"TCP is at {place} mm on the flange"
+        position = "TCP is the flange itself" if same else f"TCP is at {place} mm on the flange"
         yield Item(
-            "TCP", "note" if same else "ok", found, "give the tool's tip in [frames.TCP]" if same else ""
+            "TCP", "note" if same else "ok", position, "give the tool's tip in [frames.TCP]" if same else ""
         )
     yield from tool_axis(robot)
     yield Item("frames", "ok", f"on the flange: {', '.join(names)}")
@@ -318,7 +319,7 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
     """Yield the item about the direction of z of TCP relative to the tool: places of PICKPLACE and PALLET
     depend on it.
     """
-    out = _outwards(robot)
+    out = outwards(robot)
     if out is None:
         return
     z = (robot.chain.base_from_flange @ robot.flange_from_frame["TCP"])[:3, 2]
@@ -338,7 +339,7 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
     yield Item("tool axis", "note", f"z of TCP leads {way}; PICKPLACE and PALLET want it back", remedy)
 
 
-def _outwards(robot: Robot) -> Array | None:
+def outwards(robot: Robot) -> Array | None:
     """Return the unit direction (3,) in {B} in which the arm points outwards with all joints at 0, or None if
     it can't be determined.
 

@@ -62,7 +62,7 @@ def limit_items(robot: Robot) -> Iterator[Item]:
 
 
 def _within(
-    robot: Robot, subject: str, values: Array, usual: list[tuple[float, float]], what: str, per: str
+    robot: Robot, subject: str, values: Array, usual: list[tuple[float, float]], kind: str, per: str
 ) -> Item:
     low, high = (np.array([pair[side] for pair in usual]) for side in (0, 1))
     odd = np.isfinite(values) & ((values < low) | (values > high))
@@ -70,13 +70,13 @@ def _within(
         return Item(subject, "ok", f"all {robot.size} joints have plausible ones")
     joint = int(np.argmax(odd))
     unit = robot.axis_unit_names[joint]
-    found = (
-        f"{robot.joint_names[joint]} has {what}{' ' * bool(what)}{values[joint]:.4g} {unit}{per}; arms have "
+    sentence = (
+        f"{robot.joint_names[joint]} has {kind}{' ' * bool(kind)}{values[joint]:.4g} {unit}{per}; arms have "
         f"{low[joint]:g} to {high[joint]:g}"
     )
     more = int(odd.sum()) - 1
-    found += f"; so have {more} more" if more else ""
-    return Item(subject, "to do", found, f"check the unit ({unit}{per} in robot.toml) and the value")
+    sentence += f"; so have {more} more" if more else ""
+    return Item(subject, "to do", sentence, f"check the unit ({unit}{per} in robot.toml) and the value")
 
 
 def _times(robot: Robot, subject: str, times: Array, usual: tuple[float, float], goal: str) -> Item:

@@ -10,11 +10,16 @@ import numpy as np
 
 from yarclang.robot.checklist.item import Item, listed
 from yarclang.robot.dynamics import holding_torques
+from yarclang.robot.joint_points import joint_points
+from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Dynamics, Robot
 
 POSITIONS = 500
 """Number of joint positions, spread over the limits, in which the arm is held."""
+
+FAR_CENTER = 0.5
+"""Distance of a centre of mass from its link, as a share of the arm's length, above which it is wrong."""
 
 
 def mass_items(robot: Robot) -> Iterator[Item]:
@@ -27,22 +32,60 @@ def mass_items(robot: Robot) -> Iterator[Item]:
         remedy = "give <inertial> and <limit effort=...> in the URDF, or effort in [joints.NAME]"
         yield Item("torques", "note", f"torques aren't checked: {reason}", remedy)
         return
+    yield from _centers(robot, dynamics)
     total = f"{dynamics.mass.sum():.3g} kg move"
-    known = np.isfinite(dynamics.effort)
+    is_known = np.isfinite(dynamics.effort)
     q = within(robot.chain, robot.limits, POSITIONS)
-    held = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
-    joint = int(np.argmax(held.max(axis=0)))
+    torques = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
+    joint = int(np.argmax(torques.max(axis=0)))
     most = (
-        f"to stand, {robot.joint_names[joint]} needs up to {held.max():.0%} of its effort in "
+        f"to stand, {robot.joint_names[joint]} needs up to {torques.max():.0%} of its effort in "
         f"{POSITIONS} positions"
     )
-    free = [name for name, one in zip(robot.joint_names, known, strict=True) if not one]
+    free = [name for name, one in zip(robot.joint_names, is_known, strict=True) if not one]
     without = f"; {listed(free)} have no effort" if free else ""
-    if held.max() > 1.0:
-        remedy = "check masses (kg), effort (N m), gravity, and what the tools weigh"
+    if torques.max() > 1.0:
+        often = float((torques > 1.0).any(axis=1).mean())
+        most = f"{most}, and in {often:.0%} of them a joint needs more than all of its effort"
+        remedy = (
+            "motions there are refused: check masses (kg), effort (N m), gravity, and what the tools "
+            "weigh; [joints.NAME] effort goes before the URDF's, and checked = false in [dynamics] leaves "
+            "torques out"
+        )
         yield Item("torques", "note", f"{total}; {most}{without}", remedy)
     else:
         yield Item("torques", "ok", f"{total}; {most}{without}")
+
+
+def _centers(robot: Robot, dynamics: Dynamics) -> Iterator[Item]:
+    """Yield the item about centres of mass that lie far from their own link.
+
+    Exporters of URDFs often write them in the axes of the whole drawing. A link counts as the line from its
+    joint to the next one. Arms with sliding joints are left out: their links can be as long as their ways.
+    """
+    chain = robot.chain
+    if chain.is_prismatic.any():
+        return
+    points = joint_points(robot)
+    if points is None:
+        return
+    foot = points[:-1]
+    along = points[1:] - foot
+    square = np.maximum((along * along).sum(axis=1), 1e-12)
+    share = np.clip(((dynamics.center - foot) * along).sum(axis=1) / square, 0.0, 1.0)
+    away = np.linalg.norm(dynamics.center - foot - share[:, None] * along, axis=1)
+    away = np.where(dynamics.mass > 0.0, away, 0.0)
+    size = arm_length(chain, np.eye(4))
+    far = np.flatnonzero(away > FAR_CENTER * size)
+    if not len(far):
+        return
+    moved = listed([f"{robot.joint_names[k]} ({away[k]:.3g} m)" for k in far])
+    found = f"centres of mass lie far from what these joints move: {moved}; the arm is {size:.3g} m long"
+    remedy = (
+        "check <inertial> in the URDF: its <origin> counts from the link's own frame, not from the base; "
+        "checked = false in [dynamics] leaves torques out"
+    )
+    yield Item("centres of mass", "note", found, remedy)
 
 
 def _reason(robot: Robot, dynamics: Dynamics) -> str:

@@ -79,11 +79,11 @@ def _guesses(name_or_path: str) -> list[Item]:
     source = read_text(path, "") if path is not None else None
     if source is None or isinstance(source, Diagnostic):
         return []
-    left = guesses(source.text)
-    if not left:
+    unchecked = guesses(source.text)
+    if not unchecked:
         return [Item("guesses", "ok", "no value is marked as a guess")]
     remedy = "look it up or measure it, correct it, and delete the mark"
     return [
         Item("guess", "to do", f"line {number}: {value[:60].rstrip()}: {what}", remedy)
-        for number, value, what in left
+        for number, value, what in unchecked
     ]

@@ -78,13 +78,13 @@ def bent(
     way = np.abs(np.diff(followed.q, axis=0)).max(axis=1).sum()
     s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(way / MOVE), FEWEST, MOST)))
     band = _Band(chain, limits, pose_at(s), followed, s, cost)
-    if (known := band.onto(followed.at(s))) is None:
+    if (reference := band.onto(followed.at(s))) is None:
         return
-    least = float(band.cost(known).sum())
+    least = float(band.cost(reference).sum())
     for number in range(1 + 2 * (chain.size - 6)):
         if band.asked > MOST_ASKED:
             return
-        start = band.beside(known, number) if number else known
+        start = band.beside(reference, number) if number else reference
         found = None if start is None else band.relaxed(start)
         if found is not None and float(band.cost(found).sum()) < least:
             yield Track(sealed(s), sealed(found), sealed(spline_bends(s, found)))

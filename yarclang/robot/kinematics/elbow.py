@@ -60,16 +60,16 @@ def _foot(frame: Array, point: Array) -> Array:
     return foot
 
 
-def _nearest_on(one: Array, other: Array) -> Array:
-    """Return the point on the z axis of `one` that is nearest to the z axis of `other`.
+def _nearest_on(axis: Array, other: Array) -> Array:
+    """Return the point on the z axis of `axis` that is nearest to the z axis of `other`.
 
     For parallel axes, this is the foot of the other frame's origin.
     """
-    across = np.cross(one[:3, 2], other[:3, 2])
+    across = np.cross(axis[:3, 2], other[:3, 2])
     if float(across @ across) < 1e-12:
-        return _foot(one, other[:3, 3])
-    apart = other[:3, 3] - one[:3, 3]
+        return _foot(axis, other[:3, 3])
+    apart = other[:3, 3] - axis[:3, 3]
     # the foot of the common perpendicular of two skew lines
     along = float(np.cross(apart, other[:3, 2]) @ across) / float(across @ across)
-    nearest: Array = one[:3, 3] + along * one[:3, 2]
+    nearest: Array = axis[:3, 3] + along * axis[:3, 2]
     return nearest

@@ -132,16 +132,16 @@ def _with_twins(
     the neighbour is searched for in that direction.
     """
     rows, which = np.nonzero(valid)
-    here = q[rows, which]
-    jacobian = walk_with_jacobian(chain, np.ascontiguousarray(here.T), np.eye(4))[1].transpose(2, 0, 1)
+    candidates = q[rows, which]
+    jacobian = walk_with_jacobian(chain, np.ascontiguousarray(candidates.T), np.eye(4))[1].transpose(2, 0, 1)
     _, values, right = np.linalg.svd(jacobian)
     close = np.flatnonzero(values[:, -1] < TWIN)
     if not len(close):
         return q, valid
     ways = np.array([-4.0, -1.0, 1.0, 4.0]) * NEXT
-    twins = (here[close, None] + ways[:, None] * right[close, -1][:, None]).reshape(-1, 6)
+    twins = (candidates[close, None] + ways[:, None] * right[close, -1][:, None]).reshape(-1, 6)
     owners = np.concatenate((rows, np.repeat(rows[close], len(ways))))
-    again, order = np.unique(rows[close]), np.concatenate((here, twins))
+    again, order = np.unique(rows[close]), np.concatenate((candidates, twins))
     chosen = np.isin(owners, again)
     q[again], valid[again] = distinct(
         chain, base_from_flange[again], np.searchsorted(again, owners[chosen]), order[chosen]
@@ -175,12 +175,12 @@ def distinct(
     # number each candidate within its pose
     place = np.arange(len(rows)) - np.searchsorted(rows, rows)
     width = int(place.max(initial=0)) + 1
-    table, there = np.full((count, width, 6), np.nan), np.zeros((count, width), dtype=bool)
-    table[rows, place], there[rows, place] = solutions, True
+    table, filled = np.full((count, width, 6), np.nan), np.zeros((count, width), dtype=bool)
+    table[rows, place], filled[rows, place] = solutions, True
     away = table[:, :, None] - table[:, None]
     away -= 2.0 * math.pi * np.round(away / (2.0 * math.pi))
     same = (np.abs(away).max(axis=3) < APART) & np.tri(width, k=-1, dtype=bool)
-    first = there & ~same.any(axis=2)
+    first = filled & ~same.any(axis=2)
     number = np.cumsum(first, axis=1) - 1
     first &= number < MOST
     pose, kept = np.nonzero(first)

@@ -149,21 +149,21 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
     frame = np.empty((4, 3, count))
     frame[:] = links.first[:, :, None]
     for joint in range(chain.size):
-        here = frames[joint]
+        reached = frames[joint]
         if joint:
-            np.matmul(links.steps[joint], frame.reshape(4, -1), out=here.reshape(4, -1))
+            np.matmul(links.steps[joint], frame.reshape(4, -1), out=reached.reshape(4, -1))
         else:
-            here[:] = frame
+            reached[:] = frame
         if links.turn[joint]:
             # a turn about z combines only the columns x and y: x' = cos x + sin y, y' = cos y - sin x
-            np.multiply(here[:2], cos[joint], out=frame[:2])
-            frame[0] += here[1] * sin[joint]
-            frame[1] -= here[0] * sin[joint]
+            np.multiply(reached[:2], cos[joint], out=frame[:2])
+            frame[0] += reached[1] * sin[joint]
+            frame[1] -= reached[0] * sin[joint]
         else:
-            frame[:2] = here[:2]
-        frame[2:] = here[2:]
+            frame[:2] = reached[:2]
+        frame[2:] = reached[2:]
         if links.slide[joint]:
-            frame[3] += here[2] * (links.slide[joint] * q[joint])
+            frame[3] += reached[2] * (links.slide[joint] * q[joint])
     last = (links.last @ flange_from_tool).T
     columns = (last @ frame.reshape(4, -1)).reshape(4, 3, count)
     return columns, frames[:, 2], frames[:, 3]

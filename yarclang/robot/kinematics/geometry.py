@@ -139,12 +139,12 @@ def nominal_form(chain: Chain) -> Form | None:
         centre = meeting_point(axes[meeting], points[meeting], NEARLY_MEETING)
         if centre is None or off > NEARLY_PARALLEL:
             continue
-        meant, through = axes.copy(), points.copy()
+        aligned, through = axes.copy(), points.copy()
         # put the axes exactly in parallel and through one point
         for other in parallel:
-            meant[other] = np.copysign(1.0, float(axes[1] @ axes[other])) * axes[1]
+            aligned[other] = np.copysign(1.0, float(axes[1] @ axes[other])) * axes[1]
         through[meeting] = centre
-        screws = np.hstack((-np.cross(meant, through), meant))
+        screws = np.hstack((-np.cross(aligned, through), aligned))
         found = form_of(Chain(sealed(screws), chain.base_from_flange))
         if found is not None:
             return found
@@ -178,14 +178,14 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     second = frame_of(along, across / upper, points[1])
     x4, x6 = np.cross(along, axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
     first = np.linalg.inv(links.frames[0])
-    seen, hand = second[:3, :3].T @ fore, second[:3, :3].T @ (centre - points[3])
+    third_point, hand = second[:3, :3].T @ fore, second[:3, :3].T @ (centre - points[3])
     return ParallelArm(
         first_from_base=first,
         flange_from_wrist=np.linalg.inv(chain.base_from_flange) @ frame_of(axes[5], x6, centre),
         shoulder=first @ second,
         upper=upper,
         fore=fore_length,
-        fore_angle=float(np.arctan2(seen[1], seen[0])),
+        fore_angle=float(np.arctan2(third_point[1], third_point[0])),
         hand=hand[:2],
         depth=float(along @ (centre - points[1])),
         elbow_sign=1.0 if along @ axes[2] > 0.0 else -1.0,
@@ -229,8 +229,8 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     third = second.copy()
     third[:3, 3] += across
     # the wrist centre in frame 3: in the plane perpendicular to axis 2, and along axis 2
-    seen = np.linalg.inv(third) @ np.r_[centre, 1.0]
-    fore = float(np.hypot(seen[0], seen[1]))
+    centre_on_third = np.linalg.inv(third) @ np.r_[centre, 1.0]
+    fore = float(np.hypot(centre_on_third[0], centre_on_third[1]))
     if fore < SMALL_ANGLE:
         return None
     first = links.frames[0]
@@ -244,8 +244,8 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
         shoulder=np.linalg.inv(first) @ second,
         upper=upper,
         fore=fore,
-        fore_angle=float(np.arctan2(seen[1], seen[0])),
-        depth=float(seen[2]),
+        fore_angle=float(np.arctan2(centre_on_third[1], centre_on_third[0])),
+        depth=float(centre_on_third[2]),
         elbow_sign=1.0 if axes[1] @ axes[2] > 0.0 else -1.0,
         wrist=third[:3, :3].T @ fourth[:3, :3],
         alpha=alpha,

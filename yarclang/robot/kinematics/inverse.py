@@ -150,7 +150,7 @@ def has_all(chain: Chain) -> bool:
     return chain.size == 6 and links_of(chain).uniform
 
 
-def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _as_meant(chain: Chain, nominal_form: Form, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Return the solutions of a calibrated arm, starting from its nominal closed form.
 
     If two nominal solutions meet or nearly meet, the calibrated arm may have more or fewer solutions. For
@@ -158,7 +158,7 @@ def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array
 
     Args:
         chain: the calibrated arm.
-        meant: the closed form of its nominal arm.
+        nominal_form: the closed form of its nominal arm.
         base_from_flange: (N, 4, 4).
 
     Returns:
@@ -166,20 +166,23 @@ def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array
         solutions.
     """
     count = len(base_from_flange)
-    nominal = closed_form(meant, base_from_flange, np.zeros((6, 1)))
+    nominal = closed_form(nominal_form, base_from_flange, np.zeros((6, 1)))
     poses = np.repeat(base_from_flange, 8, axis=0)
     seeds = nominal.q.transpose(2, 1, 0).reshape(-1, 6)
     apart = misses(walk(chain, np.ascontiguousarray(seeds.T), np.eye(4))[0], pose_columns(poses))
     is_near = np.hypot(*apart) < NEARLY_REACHES
-    found, miss = seeds.copy(), np.full(len(seeds), np.inf)
-    found[is_near], miss[is_near] = polished(chain, poses[is_near], seeds[is_near])
-    jacobians = walk_with_jacobian(chain, np.ascontiguousarray(found.T), np.eye(4))[1].transpose(2, 0, 1)
+    solutions, miss = seeds.copy(), np.full(len(seeds), np.inf)
+    solutions[is_near], miss[is_near] = polished(chain, poses[is_near], seeds[is_near])
+    jacobians = walk_with_jacobian(chain, np.ascontiguousarray(solutions.T), np.eye(4))[1].transpose(2, 0, 1)
     is_regular = np.linalg.svd(jacobians, compute_uv=False)[:, -1] > REGULAR
     # a branch is plain if nominal and calibrated arm agree: both reach the pose, or neither comes near it
     is_plain = (is_near == nominal.valid.T.ravel()) & (~is_near | ((miss < REACHED) & is_regular))
     q = np.zeros((count, 8 + MOST, 6))
     valid = np.zeros((count, 8 + MOST), dtype=bool)
-    q[:, :8], valid[:, :8] = wrapped(chain, found).reshape(count, 8, 6), (miss < REACHED).reshape(count, 8)
+    q[:, :8], valid[:, :8] = (
+        wrapped(chain, solutions).reshape(count, 8, 6),
+        (miss < REACHED).reshape(count, 8),
+    )
     doubtful = np.flatnonzero(~is_plain.reshape(count, 8).all(axis=1))
     if len(doubtful):
         q[doubtful, 8:], valid[doubtful, 8:] = every_solution(chain, base_from_flange[doubtful])

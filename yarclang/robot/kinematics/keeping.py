@@ -107,12 +107,12 @@ class _Kept:
             if _is_smooth(way):
                 return way
             go_on()
-            wanted = way.copy()
+            target = way.copy()
             for _ in range(PASSES):
                 # a binomial filter (1, 2, 1) / 4 along the path; the ends stay
-                wanted[1:-1] += 0.25 * (wanted[:-2] - 2.0 * wanted[1:-1] + wanted[2:])
-            pull = Pull(self.chain, self.lower[row], self.upper[row], poses[1:], wanted[1:], self.scale)
-            back, miss = pull.put_back(wanted[1:], STEPS)
+                target[1:-1] += 0.25 * (target[:-2] - 2.0 * target[1:-1] + target[2:])
+            pull = Pull(self.chain, self.lower[row], self.upper[row], poses[1:], target[1:], self.scale)
+            back, miss = pull.put_back(target[1:], STEPS)
             if miss.max() > EXACT:
                 return None
             way = np.vstack((way[:1], back))

@@ -98,19 +98,19 @@ def marches(
     """
     strands: dict[int, Strand] = {}
     under_way = {at: _steps(chain, path, starts[at], 0, limits) for at, path in enumerate(paths)}
-    asked = {at: next(steps) for at, steps in under_way.items()}
-    while asked:
-        poses, guesses = (np.concatenate([ask[part] for ask in asked.values()]) for part in (0, 1))
+    active = {at: next(steps) for at, steps in under_way.items()}
+    while active:
+        poses, guesses = (np.concatenate([ask[part] for ask in active.values()]) for part in (0, 1))
         found = fit(chain, poses, guesses, rounds=ROUNDS)
         again: dict[int, tuple[Array, Array]] = {}
-        for row, at in enumerate(asked):
+        for row, at in enumerate(active):
             part = slice(row * LEAP, (row + 1) * LEAP)
             own = Fit(found.q[part], found.miss_position[part], found.miss_angle[part])
             try:
                 again[at] = under_way[at].send(own)
             except StopIteration as ended:
                 strands[at] = ended.value
-        asked = again
+        active = again
     return [strands[at] for at in range(len(paths))]
 
 
@@ -121,30 +121,30 @@ def _steps(
     the solutions, and return the strand.
     """
     places, joints = [np.zeros(1)], [q_start[None]]
-    here, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
+    done_to, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
     length = min(0.5, longest)
     end: End = "whole"
     beyond = q_start
     for _ in range(max(LEAPS, bends)):
-        if here >= 1.0:
+        if done_to >= 1.0:
             break
-        length = min(length, longest, 1.0 - here)
-        s = here + length * np.arange(1, LEAP + 1) / LEAP
-        if length == 1.0 - here:
+        length = min(length, longest, 1.0 - done_to)
+        s = done_to + length * np.arange(1, LEAP + 1) / LEAP
+        if length == 1.0 - done_to:
             s[-1] = 1.0
-        poses, guess = _leap(chain, pose_at, here, q, s, limits)
+        poses, guess = _leap(chain, pose_at, done_to, q, s, limits)
         found = yield poses, guess
         solution, drift = found.q, np.abs(found.q - guess).max(axis=1)
         reached = found.total < reached_within(chain)
         moves = np.diff(solution, axis=0, prepend=q[None])
         bend = np.append(drift[:1], np.abs(np.diff(moves, axis=0)).max(axis=1))
         good = reached & (drift < DRIFT) & (np.abs(moves).max(axis=1) < NEAR) & (bend < BEND)
-        kept = LEAP if good.all() else int(np.argmin(good))
-        if kept:
-            places.append(s[:kept])
-            joints.append(solution[:kept])
-            here, q = float(s[kept - 1]), solution[kept - 1]
-            length *= 2.0 if kept == LEAP else 1.5 * kept / LEAP
+        followed = LEAP if good.all() else int(np.argmin(good))
+        if followed:
+            places.append(s[:followed])
+            joints.append(solution[:followed])
+            done_to, q = float(s[followed - 1]), solution[followed - 1]
+            length *= 2.0 if followed == LEAP else 1.5 * followed / LEAP
             continue
         if length <= FINEST * LEAP:
             end, beyond = ("jump", solution[0]) if reached[0] else ("nothing", q)
@@ -156,10 +156,10 @@ def _steps(
 
 
 def _leap(
-    chain: Chain, pose_at: Callable[[Array], Array], here: float, q: Array, s: Array, limits: Limits | None
+    chain: Chain, pose_at: Callable[[Array], Array], place: float, q: Array, s: Array, limits: Limits | None
 ) -> tuple[Array, Array]:
     """Return poses (K, 4, 4) at places `s` (K,), and the joint positions (K, n) predicted there."""
-    poses = pose_at(np.concatenate([[here], s]))
+    poses = pose_at(np.concatenate([[place], s]))
     columns = pose_columns(poses)
     start, target = np.repeat(columns[:, :, :1], len(s), axis=2), columns[:, :, 1:]
     twist = pose_error(start, target)

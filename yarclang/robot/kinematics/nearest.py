@@ -105,14 +105,14 @@ def nearest_solutions(
     """
     reference = np.asarray(reference, dtype=float)
     if form_of(chain) is None:
-        found = _searched(chain, limits, base_from_flange, reference, is_only)
+        solutions = _searched(chain, limits, base_from_flange, reference, is_only)
     else:
-        found = _in_closed_form(chain, limits, base_from_flange, reference)
-    if not len(found):
+        solutions = _in_closed_form(chain, limits, base_from_flange, reference)
+    if not len(solutions):
         if not measures:
             return Unreachable("reach", sealed(reference), is_measured=False)
         return _out_of_reach(chain, base_from_flange, reference)
-    lifted = nearest_turn(chain, limits, found, reference)
+    lifted = nearest_turn(chain, limits, solutions, reference)
     excess = beyond(limits, lifted)
     inside = np.abs(excess).max(axis=1) <= EDGE
     if not inside.any():

@@ -73,11 +73,11 @@ def nearest_along(
         base_from_flange: (4, 4).
         reference: (7,) [rad or m], within limits.
     """
-    seen = _Seen(chain, limits, form, base_from_flange, reference)
+    view = _Seen(chain, limits, form, base_from_flange, reference)
     low, high = _range(chain, limits, form.joint, reference[form.joint])
-    first = (reference[form.joint], seen.next_to_reference()[form.joint])
+    first = (reference[form.joint], view.next_to_reference()[form.joint])
     values = np.sort(np.append(np.linspace(low, high, SAMPLES), np.clip(first, low, high)))
-    q, costs, over = seen.costs(*seen.at(values))
+    q, costs, over = view.costs(*view.at(values))
     branch, place = _lowest(costs)
     # minima within limits or nearly within them come first
     away = np.square(q[branch, place] - reference).sum(axis=1)
@@ -100,16 +100,16 @@ def nearest_along(
         axis=1,
     )
     steps = np.clip(np.sort(steps, axis=1), low, high)
-    every, valid = seen.at(steps.ravel())
+    every, valid = view.at(steps.ravel())
     own = every.reshape(BRANCHES, *steps.shape, chain.size)[branch, rows]
-    q, costs, _ = seen.costs(own, valid.reshape(BRANCHES, *steps.shape)[branch, rows])
+    q, costs, _ = view.costs(own, valid.reshape(BRANCHES, *steps.shape)[branch, rows])
     nearest = np.argmin(costs, axis=1)
     better = costs[rows, nearest] < cost
     best[better], cost[better] = q[rows, nearest][better], costs[rows, nearest][better]
     inside = np.argsort(cost, kind="stable")[: int(np.count_nonzero(cost < OUTSIDE))]
     best, cost = best[inside], cost[inside]
     for one in range(min(SLID, len(best))):
-        best[one], cost[one] = seen.slid(best[one], cost[one])
+        best[one], cost[one] = view.slid(best[one], cost[one])
     clear = cost < UNCLEAR
     return best[clear] if clear.any() else best
 
@@ -162,19 +162,19 @@ class _Seen:
         Returns:
             The position reached and its cost, or `q` and `cost` if no nearer position is found.
         """
-        here = q
+        place = q
         low, high = (self.low, self.high) if cost < UNCLEAR else (self.limits.lower, self.limits.upper)
         step, before, bend = 0.0, 0.0, 1.0
         way = np.zeros(len(q))
         for number in range(SLIDES):
-            pose, jacobian = pose_with_jacobian(self.chain, here)
+            pose, jacobian = pose_with_jacobian(self.chain, place)
             error = twist_between(pose, self.pose)
-            left, size, right = np.linalg.svd(jacobian)
-            away = here - self.reference
+            left_vectors, size, right = np.linalg.svd(jacobian)
+            away = place - self.reference
             if number and np.abs(error).max() < EXACT and away @ away < cost % UNCLEAR - LESS:
-                outside = np.maximum(low - here, here - high).max()
+                outside = np.maximum(low - place, place - high).max()
                 if outside <= EDGE:
-                    q, cost = here, float(away @ away) + (UNCLEAR if cost >= UNCLEAR else 0.0)
+                    q, cost = place, float(away @ away) + (UNCLEAR if cost >= UNCLEAR else 0.0)
             # the last right singular vector spans the null space: keep its sense from step to step
             way = right[6] if right[6] @ way >= 0.0 else -right[6]
             # half of the derivative of the cost along the self-motion, and its change per step (the secant)
@@ -184,13 +184,13 @@ class _Seen:
             before = slope
             sign = way if slope < 0.0 else -way
             # stop where the first joint comes to its limit
-            room = np.where(sign > 0.0, high - here, here - low) / np.maximum(np.abs(sign), 1e-9)
+            room = np.where(sign > 0.0, high - place, place - low) / np.maximum(np.abs(sign), 1e-9)
             step = -math.copysign(max(min(abs(slope) / bend, LARGEST, float(room.min())), 0.0), slope)
             if abs(step) < SETTLED and (number == 0 or np.abs(error).max() < EXACT):
                 break
             # Newton step to the pose by the pseudoinverse: V S⁻¹ Uᵀ e
-            back = right[:6].T @ ((left.T @ error) / np.maximum(size, DAMPED))
-            here = here + back + way * step
+            back = right[:6].T @ ((left_vectors.T @ error) / np.maximum(size, DAMPED))
+            place = place + back + way * step
         return q, cost
 
     def next_to_reference(self) -> Array:
@@ -215,14 +215,14 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
     """
     rows = np.arange(len(places))
     inner = np.clip(lowest, 1, places.shape[1] - 2)
-    (left, middle, right), (before, here, after) = (
+    (low, middle, right), (before, centre, after) = (
         [one[rows, inner + step] for step in (-1, 0, 1)] for one in (places, costs)
     )
     with np.errstate(invalid="ignore", divide="ignore"):
         # successive parabolic interpolation (Brent, Algorithms for Minimization without Derivatives, ch. 5)
-        down, up = (middle - left) * (here - after), (middle - right) * (here - before)
-        at = middle - 0.5 * ((middle - left) * down - (middle - right) * up) / (down - up)
-    result: Array = np.where((at > left) & (at < right), at, places[rows, lowest])
+        down, up = (middle - low) * (centre - after), (middle - right) * (centre - before)
+        at = middle - 0.5 * ((middle - low) * down - (middle - right) * up) / (down - up)
+    result: Array = np.where((at > low) & (at < right), at, places[rows, lowest])
     return result
 
 

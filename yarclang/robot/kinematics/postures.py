@@ -116,7 +116,7 @@ def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
     point = point - axis * (axis @ point)
     unit = 0.5 * extent(chain)
     poses = flange_poses(chain, q)
-    places, bearings = _seen(poses, links.frames[0], turns, axis, point, unit)
+    places, bearings = _coordinates(poses, links.frames[0], turns, axis, point, unit)
     across = poses[:, :3, :3] @ side
     return Table(
         sealed(q),
@@ -147,7 +147,7 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
     Returns:
         The rows in the order of their distance from the reference.
     """
-    wanted, bearing = _seen(
+    wanted, bearing = _coordinates(
         base_from_flange[None], table.first, table.turns, table.axis, table.point, table.unit
     )
     # squared distances, except for a constant
@@ -184,7 +184,7 @@ def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -
     return result
 
 
-def _seen(
+def _coordinates(
     poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
 ) -> tuple[Array, Array]:
     """Return the coordinates of the last axis that don't depend on the first joint, and the coordinate that

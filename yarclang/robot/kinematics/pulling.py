@@ -175,7 +175,7 @@ class Pull:
 
     def misses(self, q: Array) -> Array:
         """Return the distances (k,) of joint positions (k, n) from the pose [m and rad together]."""
-        error = self._seen(q)[1]
+        error = self._jacobians(q)[1]
         result: Array = np.sqrt(np.einsum("kr,kr->k", error, error))
         return result
 
@@ -186,7 +186,7 @@ class Pull:
         q, reached = np.clip(seeds, self.lower, self.upper), []
         for number in range(LAST_STEPS):
             go_on()
-            jacobian, error = self._seen(q)
+            jacobian, error = self._jacobians(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
             reached.append(q[miss < EXACT])
             going = (miss >= EXACT) & ((miss < AWAY) | (number < AFTER))
@@ -206,7 +206,7 @@ class Pull:
         q = np.clip(q, self.lower, self.upper)
         for number in range(steps + LAST + 1):
             go_on()
-            jacobian, error = self._seen(q)
+            jacobian, error = self._jacobians(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
             is_there = bool((miss < EXACT).all())
             if number == steps + LAST or (is_there and number >= steps):
@@ -240,10 +240,10 @@ class Pull:
             return q
         for number in range(steps + 1):
             go_on()
-            jacobian, error = self._seen(q)
+            jacobian, error = self._jacobians(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
-            wanted = self.reference - q
-            towards, along = self._steps(q, jacobian, error, miss, wanted)
+            to_reference = self.reference - q
+            towards, along = self._steps(q, jacobian, error, miss, to_reference)
             # Barzilai and Borwein: the step length is |s|² / (s · y), where s is the last step and y is the
             # change of the remaining motion
             bent = np.einsum("kn,kn->k", moved_before, wanted_before - along)
@@ -252,14 +252,14 @@ class Pull:
             share = np.where(usable, np.clip(length / np.where(usable, bent, 1.0), SHORTEST, LONGEST), share)
             size = np.abs(along).max(axis=1)
             settled = size < SETTLED
-            there = (miss < EXACT) & settled
-            away = np.einsum("kn,kn->k", wanted, wanted)
-            if there.any():
-                arrived.append(q[there])
-                nearest = min(nearest, float(away[there].min()))
+            arrived_now = (miss < EXACT) & settled
+            away = np.einsum("kn,kn->k", to_reference, to_reference)
+            if arrived_now.any():
+                arrived.append(q[arrived_now])
+                nearest = min(nearest, float(away[arrived_now].min()))
             # a lower bound on the distance that each joint position may still reach
             hoped = away - HOPE * (share * np.einsum("kn,kn->k", along, along) + miss)
-            going = ~there & (miss < LOST[number])
+            going = ~arrived_now & (miss < LOST[number])
             if number == steps or not (hoped[going] < nearest - LESS).any():
                 break
             if is_only:
@@ -297,7 +297,7 @@ class Pull:
     def _exact(self, q: Array) -> Array:
         """Return the joint positions near the pose, of (k, n), that reach it in a few steps within limits."""
         for number in range(LAST + 1):
-            jacobian, error = self._seen(q)
+            jacobian, error = self._jacobians(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
             if number == LAST or (miss < EXACT).all():
                 break
@@ -306,7 +306,7 @@ class Pull:
         kept: Array = q[miss < EXACT]
         return kept
 
-    def _seen(self, q: Array) -> tuple[Array, Array]:
+    def _jacobians(self, q: Array) -> tuple[Array, Array]:
         """Return the Jacobians (k, 6, n) at joint positions (k, n), and the twists from there to the pose (k,
         6).
         """
@@ -318,7 +318,7 @@ class Pull:
         return np.ascontiguousarray(jacobian.transpose(2, 0, 1)), error
 
     def _steps(
-        self, q: Array, jacobian: Array, error: Array, miss: Array, wanted: Array
+        self, q: Array, jacobian: Array, error: Array, miss: Array, to_reference: Array
     ) -> tuple[Array, Array]:
         """Compute steps towards the pose and along the self-motion, holding joints that would leave their
         limits.
@@ -328,17 +328,19 @@ class Pull:
             jacobian: (k, 6, n).
             error: twists to the pose (k, 6).
             miss: norms of the twists (k,).
-            wanted: moves towards the reference (k, n).
+            to_reference: moves towards the reference (k, n).
 
         Returns:
             Steps towards the pose (k, n), and along the self-motion (k, n).
         """
         if self.scale is not None:
-            towards, along = self._held(q, jacobian * self.scale, error, miss, wanted / self.scale)
+            towards, along = self._scaled_steps(
+                q, jacobian * self.scale, error, miss, to_reference / self.scale
+            )
             return towards * self.scale, along * self.scale
-        return self._held(q, jacobian, error, miss, wanted)
+        return self._scaled_steps(q, jacobian, error, miss, to_reference)
 
-    def _held(
+    def _scaled_steps(
         self, q: Array, jacobian: Array, error: Array, miss: Array, wanted: Array
     ) -> tuple[Array, Array]:
         """Compute `_steps` with all joint motions in one unit."""
@@ -362,14 +364,14 @@ class Pull:
         return towards, along
 
 
-def _least(jacobian: Array, error: Array, miss: Array, wanted: Array) -> tuple[Array, Array]:
+def _least(jacobian: Array, error: Array, miss: Array, towards: Array) -> tuple[Array, Array]:
     """Return the least steps that correct errors, and the part of wanted moves that lies in the null space.
 
     Args:
         jacobian: (k, 6, n).
         error: (k, 6).
         miss: norms of the errors (k,).
-        wanted: (k, n).
+        towards: (k, n).
 
     Returns:
         J⁺ error (k, n) and (I - J⁺ J) wanted (k, n), with the damped pseudoinverse J⁺ = Jᵀ (JJᵀ + d)⁻¹.
@@ -379,6 +381,6 @@ def _least(jacobian: Array, error: Array, miss: Array, wanted: Array) -> tuple[A
     # every seventh entry of a 6 by 6 matrix is on its diagonal
     square.reshape(len(square), -1)[:, ::7] += (DAMPING + FAR * np.minimum(miss * miss, 1.0))[:, None]
     right = np.empty((len(square), 6, 2))
-    right[:, :, 0], right[:, :, 1] = error, (jacobian @ wanted[:, :, None])[:, :, 0]
+    right[:, :, 0], right[:, :, 1] = error, (jacobian @ towards[:, :, None])[:, :, 0]
     solved = across @ np.linalg.solve(square, right)
-    return np.ascontiguousarray(solved[:, :, 0]), wanted - solved[:, :, 1]
+    return np.ascontiguousarray(solved[:, :, 0]), towards - solved[:, :, 1]

@@ -56,25 +56,25 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
     if spare < 1 or not len(q):
         return np.empty((0, chain.size))
     scale = weights(chain, limits) / np.pi
-    here = np.repeat(q, 2 * spare, axis=0)
+    positions = np.repeat(q, 2 * spare, axis=0)
     spaces = null_spaces(chain, q, scale)
     way = np.concatenate((spaces, -spaces), axis=1).reshape(-1, chain.size)
     samples = []
     for _ in range(ROUNDS):
         go_on()
         step = way * (STEP / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None] * scale
-        poses = np.broadcast_to(base_from_flange, (len(here), 4, 4))
-        moved = fit(chain, poses, here + step, lower=limits.lower, upper=limits.upper, rounds=10)
+        poses = np.broadcast_to(base_from_flange, (len(positions), 4, 4))
+        moved = fit(chain, poses, positions + step, lower=limits.lower, upper=limits.upper, rounds=10)
         # the fit holds a joint at its limit; a position that no longer moves has come to an end
-        gone = np.abs((moved.q - here) / scale).max(axis=1)
+        gone = np.abs((moved.q - positions) / scale).max(axis=1)
         going = (moved.total < reached_within(chain)) & (gone > 0.25 * STEP) & (gone < 3.0 * STEP)
         going &= np.abs(beyond(limits, moved.q)).max(axis=1) <= EDGE
         if not going.any():
             break
-        here, way = moved.q[going], way[going]
-        samples.append(here)
+        positions, way = moved.q[going], way[going]
+        samples.append(positions)
         # continue in the same direction: project it onto the new null space
-        null = null_spaces(chain, here, scale)
+        null = null_spaces(chain, positions, scale)
         way = np.einsum("nki,nk->ni", null, np.einsum("nki,ni->nk", null, way))
     return np.concatenate(samples) if samples else np.empty((0, chain.size))
 

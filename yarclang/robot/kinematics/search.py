@@ -94,13 +94,13 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
 
 
 def _next_to_meant(
-    chain: Chain, meant: Form, limits: Limits, base_from_flange: Array
+    chain: Chain, nominal: Form, limits: Limits, base_from_flange: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return joint positions of a calibrated arm near its nominal solutions.
 
     Args:
         chain: the calibrated arm.
-        meant: the closed form of its nominal arm.
+        nominal: the closed form of its nominal arm.
         limits: its limits.
         base_from_flange: (N, 4, 4).
 
@@ -108,7 +108,7 @@ def _next_to_meant(
         q (N, 6) [rad], and a mask (N,) of the entries that reach their poses within limits.
     """
     low, high = span(chain, limits)
-    found = closed_form(meant, base_from_flange, 0.5 * (low + high)[:, None])
+    found = closed_form(nominal, base_from_flange, 0.5 * (low + high)[:, None])
     q, inside = _within(chain, limits, found.q.transpose(2, 1, 0))
     # prefer the branch farthest from all limits, since the solution is only near the nominal one
     room = np.minimum(q - limits.lower, limits.upper - q).min(axis=2)
@@ -175,13 +175,13 @@ def _features(chain: Chain, poses: Array) -> Array:
 
 def _nearest_starts(chain: Chain, limits: Limits, poses: Array, most: int) -> NDArray[np.int_]:
     """Return the numbers (N, most) of the starts whose poses are nearest, the nearest first."""
-    known = _start_features(chain, limits)
-    half_square = 0.5 * np.square(known).sum(axis=1)
+    features = _start_features(chain, limits)
+    half_square = 0.5 * np.square(features).sum(axis=1)
     result = np.empty((len(poses), most), dtype=int)
     for first in range(0, len(poses), BLOCK):
         piece = slice(first, first + BLOCK)
         # half the squared distance, except for a term that is the same for all starts
-        away = half_square - _features(chain, poses[piece]) @ known.T
+        away = half_square - _features(chain, poses[piece]) @ features.T
         if most == 1:
             result[piece, 0] = np.argmin(away, axis=1)
             continue

@@ -206,7 +206,7 @@ def _solved_within(
     """Return solutions (7, BRANCHES, N) of the chain as it is read, and a mask (BRANCHES, N) of those that
     reach the pose; samples are the last index.
     """
-    count, (one, other) = len(values), form.pair
+    count, (first_joint, other) = len(values), form.pair
     turned = pose[:3, :3] @ form.home[:3, :3].T
     # the wanted wrist centre and the wanted frame of the last axis
     target = pose[:3, 3] + turned @ (form.centre - form.home[:3, 3])
@@ -231,10 +231,10 @@ def _solved_within(
         start = form.points[2][:, None, None]
         reach = _turned(form.crosses[2], reach - start, sin, cos) + start
     reach = reach - form.meeting[:, None, None]
-    first, second, leans = _two_turns(form, way, reach, hold[[one, other]])
+    first, second, leans = _two_turns(form, way, reach, hold[[first_joint, other]])
     # undo the first four joints: the rotation that is left for the wrist, (3, 3, shoulder 2, bend 2, N)
     rest = tip[:, :, None, None]
-    rest = _turned(form.crosses[one], rest, -np.sin(first), np.cos(first))
+    rest = _turned(form.crosses[first_joint], rest, -np.sin(first), np.cos(first))
     rest = _turned(form.crosses[other], rest, -np.sin(second), np.cos(second))
     if form.held == 2:
         rest = _turned(form.crosses[2], rest, -sin, cos)
@@ -243,7 +243,7 @@ def _solved_within(
     wrist, bendable, _straight = wrist_angles(form.angles, rest, hold[4:5])
     q: Array = np.empty((7, 2, 2, 2, count))
     q[form.held] = 0.0
-    q[one], q[other], q[3] = first, second, bend
+    q[first_joint], q[other], q[3] = first, second, bend
     q[4:] = wrist.reshape(3, 2, 2, 2, count)
     q -= TURN * np.round(q * (1.0 / TURN))
     q[form.held] = values
@@ -265,18 +265,18 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
         The angle (2, N) [rad], and a mask (N,) of the samples that have one.
     """
     axis = form.axes[3]
-    arm, seen = form.centre - form.points[3], middle - form.points[3][:, None]
+    arm, target = form.centre - form.points[3], middle - form.points[3][:, None]
     # split both vectors into their components along the axis and across it
-    along, height = float(axis @ arm), axis @ seen
+    along, height = float(axis @ arm), axis @ target
     arm = arm - along * axis
-    seen = seen - axis[:, None] * height
-    length, distance = float(np.linalg.norm(arm)), np.sqrt((seen * seen).sum(axis=0))
+    target = target - axis[:, None] * height
+    length, distance = float(np.linalg.norm(arm)), np.sqrt((target * target).sum(axis=0))
     square = (way * way).sum(axis=0) - np.square(along - height)
     # both legs of half the angle between arm and seen, by the law of cosines
     sine, cosine = square - np.square(length - distance), np.square(length + distance) - square
     reached = (np.minimum(sine, cosine) >= -REACH_TOLERANCE) & (distance > APART)
     half = np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
-    towards = np.arctan2((form.crosses[3] @ arm) @ seen, arm @ seen)
+    towards = np.arctan2((form.crosses[3] @ arm) @ target, arm @ target)
     return np.stack((towards - 2.0 * half, towards + 2.0 * half)), reached
 
 
@@ -298,17 +298,17 @@ def _two_turns(
         The turns about the first and about the other axis, (2, 2, N) each [rad], and a mask (2, N) of the
         samples that have them.
     """
-    one, other = (form.axes[joint] for joint in form.pair)
-    cosine, normal = float(one @ other), form.crosses[form.pair[0]] @ other
+    first_joint, other = (form.axes[joint] for joint in form.pair)
+    cosine, normal = float(first_joint @ other), form.crosses[form.pair[0]] @ other
     sine = float(normal @ normal)
     # the vector between the two turns lies on both cones: first · one + second · other ± aside · normal
-    level, height = one @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
+    level, height = first_joint @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
     # solve for the components along the two axes: the turns change neither `level` nor `height`
     first, second = (level - cosine * height) / sine, (height - cosine * level) / sine
     # the rest of the length is along the common normal
     square = (reach * reach).sum(axis=0) - first * (first + 2.0 * cosine * second) - second * second
     aside = np.sqrt(np.maximum(square, 0.0) / sine)
-    between = one[:, None, None] * first + other[:, None, None] * second
+    between = first_joint[:, None, None] * first + other[:, None, None] * second
     side = normal[:, None, None] * aside
     between = np.stack((between - side, between + side), axis=1)
     cross_one, cross_other = (form.crosses[joint] for joint in form.pair)

@@ -143,13 +143,13 @@ def plain_strands(
     own, valid, singular = one_branch(arm, beyond.reshape(-1, 4, 4), branch)
     if branches.singular.any() or singular.any():  # a held angle depends on the path's own start
         return q, np.zeros(len(starts), dtype=bool)
-    here = own.T.reshape(len(starts), -1, 6)
-    moves = here[:, 1:] - here[:, :-1]
+    own_moves = own.T.reshape(len(starts), -1, 6)
+    moves = own_moves[:, 1:] - own_moves[:, :-1]
     moves -= TURN * np.round(moves / TURN)
     q[:, 0] = starts
-    q[:, 1], away = next_to(here[:, 0], starts)
-    q[:, 2:] = next_to(here[:, 1:], q[:, 1:2] + np.cumsum(moves, axis=1))[0]
-    is_plain = valid.reshape(here.shape[:2]).all(axis=1)
+    q[:, 1], away = next_to(own_moves[:, 0], starts)
+    q[:, 2:] = next_to(own_moves[:, 1:], q[:, 1:2] + np.cumsum(moves, axis=1))[0]
+    is_plain = valid.reshape(own_moves.shape[:2]).all(axis=1)
     is_plain &= (np.abs(away) <= NEAR).all(axis=1) & (np.abs(moves) <= NEAR).all(axis=(1, 2))
     # `follow_branches` takes the nearest of all branches to the first sample
     size = np.abs(next_to(branches.q.transpose(2, 1, 0), starts[:, None])[1]).max(axis=2)
@@ -181,64 +181,60 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
     moves -= TURN * np.round(moves / TURN)
     farthest = np.abs(moves).max(axis=2)
     farthest[~samples.valid[1:] | samples.singular[1:] | samples.singular[:-1]] = np.inf
-    here, branch = 0, -1
+    at, branch = 0, -1
     held: _Held | None = None
     end: End = "whole"
     beyond = q_start
-    while here < count - 1:
+    while at < count - 1:
         if branch >= 0:
             # continue along the branch as far as it is smooth
-            rough = farthest[here:, branch] > NEAR
+            rough = farthest[at:, branch] > NEAR
             run = int(np.argmax(rough)) if rough.any() else len(rough)
             if run:
-                target = q[here] + np.cumsum(moves[here : here + run, branch], axis=0)
-                q[here + 1 : here + run + 1] = next_to(samples.q[here + 1 : here + run + 1, branch], target)[
-                    0
-                ]
-                here += run
+                target = q[at] + np.cumsum(moves[at : at + run, branch], axis=0)
+                q[at + 1 : at + run + 1] = next_to(samples.q[at + 1 : at + run + 1, branch], target)[0]
+                at += run
                 continue
         # choose among all branches at the next sample
-        width = s[here + 1] - s[here]
-        choice, target, straight = _choose(arm, samples, here + 1, q[here])
+        width = s[at + 1] - s[at]
+        choice, target, straight = _choose(arm, samples, at + 1, q[at])
         if choice < 0:
             if width > FINEST:
-                cuts.append(_sections(s[here], s[here + 1], min(SECTIONS, int(np.ceil(width / FINEST)))))
+                cuts.append(_sections(s[at], s[at + 1], min(SECTIONS, int(np.ceil(width / FINEST)))))
             end = "nothing"
             break
-        move = float(np.abs(target - q[here]).max())
+        move = float(np.abs(target - q[at]).max())
         # refine while the move is large or the branch changes, until the interval is too short
         changes = branch >= 0 and choice != branch and not straight
         if (move > NEAR or changes) and width > FINEST:
             pieces = min(SECTIONS, int(np.ceil(width / FINEST)))
             if branch >= 0 and choice == branch and move < 1.0:
                 pieces = min(max(int(np.ceil(move / (0.6 * NEAR))), 2), SECTIONS)
-            cuts.append(_sections(s[here], s[here + 1], pieces))
+            cuts.append(_sections(s[at], s[at + 1], pieces))
         elif move > NEAR:
             end, beyond = "jump", target
             break
         if straight and held is None:
-            freed = np.flatnonzero(samples.free[here + 1, choice]).tolist()
-            held = _Held(here, q[here].copy(), [free_joints(arm)[one] for one in freed])
-        here += 1
-        q[here] = target
+            freed = np.flatnonzero(samples.free[at + 1, choice]).tolist()
+            held = _Held(at, q[at].copy(), [free_joints(arm)[one] for one in freed])
+        at += 1
+        q[at] = target
         branch = -1 if straight else choice
-        first = here
+        first = at
         if straight:
-            run = int(
-                np.argmin(np.append(samples.singular[here:, choice] & samples.valid[here:, choice], False))
-            )
-            along = _held_run(arm, samples, here, here + run, choice, target)
-            q[here : here + len(along)] = along
-            here += len(along) - 1
+            run = int(np.argmin(np.append(samples.singular[at:, choice] & samples.valid[at:, choice], False)))
+            along = _held_run(arm, samples, at, at + run, choice, target)
+            q[at : at + len(along)] = along
+            at += len(along) - 1
         # a freed joint that turns by much, inside a singularity or on leaving it, would have to jump
         if held is not None:
-            turned = held.turned(q[first : here + 1]) > NEAR
+            turned = held.turned(q[first : at + 1]) > NEAR
             if turned.any():
                 end, beyond = "jump", q[first + int(np.argmax(turned))]
-                here = held.before
+                at = held.before
                 break
             held = held if straight else None
-    reached = here + 1
+    reached = at + 1
     return Strand(s[:reached], q[:reached], end, beyond), (np.concatenate(cuts) if cuts else np.empty(0))
 
 
@@ -297,13 +293,13 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
         The branch, or -1 if no branch reaches the pose; its joint values (6,) on the full turns nearest to
         `q`; and True if it is singular at the sample, in which case its free angle is held at that of `q`.
     """
-    found, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
+    solutions, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
     if not valid.any():
         return -1, q, False
     if singular.any():
         held = closed_form(arm, samples.poses[index : index + 1], q[:, None])
-        found = held.q[:, :, 0].T
-    near, away = next_to(found, q)
+        solutions = held.q[:, :, 0].T
+    near, away = next_to(solutions, q)
     size = np.where(valid, np.abs(away).max(axis=1), np.inf)
     choice = int(np.argmin(size))
     return choice, near[choice], bool(singular[choice])
@@ -317,14 +313,14 @@ def _sections(start: float, end: float, pieces: int) -> Array:
 
 def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
     """Compute all branches at new places."""
-    found = closed_form(arm, poses, hold[:, None])
+    solutions = closed_form(arm, poses, hold[:, None])
     return _Samples(
         s,
         poses,
-        np.ascontiguousarray(found.q.transpose(2, 1, 0)),
-        found.valid.T.copy(),
-        found.singular.T.copy(),
-        found.free.T.copy(),
+        np.ascontiguousarray(solutions.q.transpose(2, 1, 0)),
+        solutions.valid.T.copy(),
+        solutions.singular.T.copy(),
+        solutions.free.T.copy(),
     )
 
 

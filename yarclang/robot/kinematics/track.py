@@ -198,13 +198,13 @@ def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: A
         return np.array([isinstance(end, Track) for end in ends])
     whole = np.array([_keeps(limits, strand) for strand in marches(chain, paths, starts)], dtype=bool)
     if chain.size > 6:
-        left = np.flatnonzero(~whole).tolist()
-        again = marches(chain, [paths[at] for at in left], starts[left], limits)
-        whole[left] = [_keeps(limits, strand) for strand in again]
-        left = np.flatnonzero(~whole).tolist()
-        if left:
-            kept = kept_within(chain, limits, [paths[at] for at in left], starts[left])
-            whole[left] = [strand is not None and _keeps(limits, strand) for strand in kept]
+        remaining = np.flatnonzero(~whole).tolist()
+        again = marches(chain, [paths[at] for at in remaining], starts[remaining], limits)
+        whole[remaining] = [_keeps(limits, strand) for strand in again]
+        remaining = np.flatnonzero(~whole).tolist()
+        if remaining:
+            kept = kept_within(chain, limits, [paths[at] for at in remaining], starts[remaining])
+            whole[remaining] = [strand is not None and _keeps(limits, strand) for strand in kept]
     return whole
 
 

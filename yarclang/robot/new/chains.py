@@ -28,7 +28,8 @@ SHORTEST_ARM = 3
 """The least number of joints that an arm has before its branches may count as fingers."""
 
 HANDS = re.compile(
-    r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle|welder|eoat|camera|sensor|_sc$",
+    r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle"
+    r"|welder|eoat|camera|sensor|_sc$",
     re.IGNORECASE,
 )
 """Pattern of names of links that are mounted on a flange, or are a second shape of the last link."""
@@ -105,7 +106,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     if deepest := tree.deeper_than(DEEPEST):
         message = f"link {deepest[:40]} hangs more than {DEEPEST} joints below the root"
         return Diagnostic("Y1353", message, urdf.source, help="Keep the arm and what stands on it.")
-    given = base is not None
+    base_given = base is not None
     others: tuple[str, ...] = ()
     if tip is None:
         starts = [base] if base else tree.starts()
@@ -155,7 +156,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     left_out = (
         ()
         if tip
-        else (*tree.limbs(inside | on_tip, len(joints)), *(() if given else tree.driven_above(base)))
+        else (*tree.limbs(inside | on_tip, len(joints)), *(() if base_given else tree.driven_above(base)))
     )
     return ArmChain(
         base,
@@ -217,12 +218,12 @@ class _Tree:
         These are joints with a motor, and mimicking joints that carry a joint with a motor or the flange.
         """
         if link not in self._moving:
-            found = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
+            joints = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
             self._moving[link] = [
                 joint
-                for joint in found
+                for joint in joints
                 if not (self.fingers and self.fingers.search(joint.name))
-                and (self.carries(joint) if joint.name in self.leaders else not self.grips(joint, found))
+                and (self.carries(joint) if joint.name in self.leaders else not self.grips(joint, joints))
             ]
         return self._moving[link]
 
@@ -242,12 +243,12 @@ class _Tree:
         follow = any(leader == joint.name and name in near for name, leader in self.leaders.items())
         return follow and not self.carries(joint)
 
-    def limbs(self, taken: Collection[str], size: int) -> tuple[str, ...]:
+    def limbs(self, inside: Collection[str], size: int) -> tuple[str, ...]:
         """Return the joints of limbs outside a chain of `size` joints that have at least as many joints as an
         arm, or as that chain.
         """
         paths = [path for start in self.starts() for path in self.arms(start)]
-        outside = [[joint.name for joint in path if joint.name not in taken] for path in paths]
+        outside = [[joint.name for joint in path if joint.name not in inside] for path in paths]
         long = [names for names in outside if len(names) >= min(SHORTEST_ARM, size)]
         return tuple(dict.fromkeys(name for names in long for name in names))
 
@@ -255,12 +256,12 @@ class _Tree:
         """Return the driven joints above a link. There are some if a planar or floating joint in the middle
         of an arm divides the arm into two.
         """
-        found = []
+        joints = []
         while link in self.above:
             if self.above[link].kind in MOVING and self.above[link].name not in self.leaders:
-                found.append(self.above[link].name)
+                joints.append(self.above[link].name)
             link = self.above[link].parent
-        return tuple(reversed(found))
+        return tuple(reversed(joints))
 
     def depth(self, link: str) -> int:
         """Return the largest number of moving joints of a chain that begins at `link`."""

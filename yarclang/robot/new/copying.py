@@ -180,9 +180,9 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
         before: total size of the meshes copied so far [bytes].
     """
     name = mesh.attributes.get("filename", "")
-    shown = shown_name(name)
+    mesh_name = shown_name(name)
     if not surroundings.has(name, path):
-        message = f"The mesh {shown} is outside the URDF's package and isn't copied."
+        message = f"The mesh {mesh_name} is outside the URDF's package and isn't copied."
         remedy = (
             f"Put it beside the URDF, or, if the file is meant, allow its folder with --meshes "
             f"{shlex.quote(str(path.resolve().parent))}."
@@ -193,14 +193,16 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
         content = read_mesh(path)
     except NoMeshError as error:
         remedy = "Name a mesh that is one, or remove the <collision>."
-        urdf.say("Y1363", f"The mesh {shown} {error}.", remedy, mesh, "filename")
+        urdf.say("Y1363", f"The mesh {mesh_name} {error}.", remedy, mesh, "filename")
         return b""
     except OSError as error:
         reason = reason_of(error)
-        urdf.say("Y1302", f"The mesh {shown} can't be read: {reason}.", "Check its rights.", mesh, "filename")
+        urdf.say(
+            "Y1302", f"The mesh {mesh_name} can't be read: {reason}.", "Check its rights.", mesh, "filename"
+        )
         return b""
     if before + len(content) > LARGEST_TOGETHER:
-        message = f"With the mesh {shown}, the meshes have more than {LARGEST_TOGETHER:,} bytes together."
+        message = f"With the mesh {mesh_name}, the meshes have more than {LARGEST_TOGETHER:,} bytes together."
         urdf.say("Y1363", message, "Simplify the collision meshes.", mesh, "filename")
         return b""
     return content
@@ -211,12 +213,12 @@ def _mesh(body: Element) -> Element | None:
     return geometry.first("mesh") if geometry is not None else None
 
 
-def _free(name: str, taken: set[str]) -> str:
+def _free(name: str, names: set[str]) -> str:
     """Return a plain file name that isn't taken."""
     stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
     stem, suffix = re.sub(r"[^A-Za-z0-9_.-]", "_", stem), re.sub(r"[^A-Za-z0-9_.-]", "_", suffix)
     free, number = f"{stem}{suffix}", 2
-    while free.lower() in {one.lower() for one in taken}:
+    while free.lower() in {one.lower() for one in names}:
         free, number = f"{stem}_{number}{suffix}", number + 1
     return free
 

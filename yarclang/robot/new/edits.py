@@ -47,7 +47,7 @@ class Edits:
         self._edits[element.start, end] = re.sub(r"[^\n]", "", self._urdf.text[element.start : end])
         return True
 
-    def count(self, number: int, what: str) -> None:
+    def count(self, number: int, kind: str) -> None:
         """Add a note with the number of changes of a kind, if there are any."""
         if number:
-            self.notes.append(f"{number} {what}")
+            self.notes.append(f"{number} {kind}")

@@ -150,35 +150,39 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
         tip: True if the tip is known.
     """
     chain, size = arm.chain, len(arm.chain.joints)
-    asked: list[Question] = []
+    open_questions: list[Question] = []
     if not tip and (chain.other_tips or chain.flange_choices):
         others = ", ".join((*chain.other_tips, *chain.flange_choices)[:8])
-        asked.append(Question("--tip", f"which link is {{FLANGE}} (others: {others})", chain.flange))
+        open_questions.append(Question("--tip", f"which link is {{FLANGE}} (others: {others})", chain.flange))
     if not base and chain.base_choices:
         others = ", ".join(chain.base_choices[:8])
-        asked.append(Question("--base", f"which link is {{B}} (others: {others})", chain.base))
+        open_questions.append(Question("--base", f"which link is {{B}} (others: {others})", chain.base))
     if not named:
-        asked.append(Question("--name", "the robot's name", proposed_name(arm.urdf)))
+        open_questions.append(Question("--name", "the robot's name", proposed_name(arm.urdf)))
     each = f"one for all, or {size} with commas"
     if given.acceleration is None:
         text = f"accelerations in deg/s^2 or mm/s^2, {each}"
-        asked.append(Question("--acceleration", text, f"the velocity limit in {RISE:g} s, by [ramps]"))
+        open_questions.append(
+            Question("--acceleration", text, f"the velocity limit in {RISE:g} s, by [ramps]")
+        )
     if given.jerk is None:
         text = f"jerks in deg/s^3 or mm/s^3, {each}"
-        asked.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s, by [ramps]"))
+        open_questions.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s, by [ramps]"))
     if given.counts is None:
-        asked.append(Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}"))
+        open_questions.append(
+            Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}")
+        )
     if given.tcp is None:
         text = (
             "TCP on the flange: x,y,z in mm, roll,pitch,yaw in deg (PICKPLACE and PALLET want its z "
             "back along the tool)"
         )
         rule = f"that of the link {chain.tcp}" if chain.tcp else "FLANGE itself"
-        asked.append(Question("--tcp", text, rule))
+        open_questions.append(Question("--tcp", text, rule))
     if given.home is None:
         text = f"the joint position HOME, {size} values in deg or mm"
-        asked.append(Question("--home", text, "near 0, away from limits and singularities"))
-    return tuple(asked)
+        open_questions.append(Question("--home", text, "near 0, away from limits and singularities"))
+    return tuple(open_questions)
 
 
 def lost_meshes(arm: Arm, meshes: Iterable[Path], packages: Iterable[Path]) -> tuple[Diagnostic, ...]:
@@ -200,7 +204,7 @@ def make(
     given: Given,
     name: str,
     title: str,
-    said: tuple[bool, bool],
+    chosen: tuple[bool, bool],
     meshes: Iterable[Path] = (),
     packages: Iterable[Path] = (),
     partial: bool = False,
@@ -212,13 +216,13 @@ def make(
         given: the known values; all other values follow from rules.
         name: name of the robot.
         title: one line about the robot.
-        said: two flags: True if the user chose the base, and True if the user chose the tip.
+        chosen: two flags: True if the user chose the base, and True if the user chose the tip.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
         partial: True to leave out missing collision meshes; otherwise they are an error.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
-    sketched = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
+    sketched = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), chosen)
     chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
     if chain is None or has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))

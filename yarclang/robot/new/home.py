@@ -41,14 +41,14 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
     units = np.array([DEG if joint.unit == "deg" else MM for joint in sketch.joints])
     low, high = span(chain, _limits(sketch, units))
     middle, half = 0.5 * (low + high), 0.5 * INNER * (high - low)
-    wanted = np.clip(np.zeros(chain.size), middle - half, middle + half)
-    tries = np.vstack([wanted, middle + INNER * (within(chain, _limits(sketch, units), TRIES) - middle)])
+    target = np.clip(np.zeros(chain.size), middle - half, middle + half)
+    tries = np.vstack([target, middle + INNER * (within(chain, _limits(sketch, units), TRIES) - middle)])
     coarse = np.round(tries / units / ROUND) * ROUND * units
     # Use round numbers if the range is wide enough for them.
     tries = np.where(np.abs(coarse - middle) <= half, coarse, tries)
     values = smallest_singular_values(chain, tries, np.eye(4))
     good = values >= BENT * np.quantile(values, 0.75)
-    distance = np.square((tries - wanted) / np.maximum(half, 1e-9)).sum(axis=1)
+    distance = np.square((tries - target) / np.maximum(half, 1e-9)).sum(axis=1)
     order = np.argsort(np.where(good, distance, np.inf), kind="stable")[: min(MOST, int(good.sum()))]
     return tuple(
         Said(

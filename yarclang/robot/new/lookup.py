@@ -104,7 +104,7 @@ class Lookup:
 
     def _looked(self, names: Iterable[str]) -> str:
         """Return sentences about the folders in which names were searched for."""
-        said: dict[str, None] = {}
+        sentences: dict[str, None] = {}
         below = listed([str(one) for one in self._packages.paths], 3)
         also = f" and below {below}" if below else ""
         for name in names:
@@ -112,18 +112,18 @@ class Lookup:
             if url.scheme == "package":
                 folder = self._packages.folder(package_of(name))
                 package = shown_name(package_of(name))
-                said[
+                sentences[
                     f"The package {package} is {folder}."
                     if folder is not None
                     else f"The package {package} was looked for in {self._folder}, above and beside it{also}."
                 ] = None
             elif url.scheme in ("http", "https"):
-                said["Nothing is downloaded."] = None
+                sentences["Nothing is downloaded."] = None
             elif self._is_empty(name):
-                said[f"{shown_name(name)} is empty."] = None
+                sentences[f"{shown_name(name)} is empty."] = None
             elif url.scheme != "file" and not Path(name).is_absolute():
-                said[f"Names without package:// are seen from {self._folder}."] = None
-        return printable(" ".join(list(said)[:3]))
+                sentences[f"Names without package:// are seen from {self._folder}."] = None
+        return printable(" ".join(list(sentences)[:3]))
 
     def _is_empty(self, name: str) -> bool:
         try:

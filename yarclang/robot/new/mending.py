@@ -101,15 +101,15 @@ def _names(edits: Edits, root: Element) -> None:
     for tag in ("link", "joint"):
         elements = root.all(tag)
         old = [element.attributes.get("name", "") for element in elements]
-        taken, new = set(old), {}
+        used_names, new = set(old), {}
         for number, name in enumerate(old, 1):
             if name and name not in new and not re.fullmatch(r"[A-Za-z0-9_.\-]+", name):
                 plain = re.sub(r"[^A-Za-z0-9_.\-]+", "_", name)
                 plain = plain if re.search(r"[A-Za-z]", plain) else f"{tag}_{number}"
                 free, count = plain, 2
-                while free in taken:
+                while free in used_names:
                     free, count = f"{plain}_{count}", count + 1
-                taken.add(free)
+                used_names.add(free)
                 new[name] = free
         if not new:
             continue

@@ -26,7 +26,7 @@ def mend_shapes(edits: Edits, root: Element) -> None:
     capsules gets the version number of the format that has them.
     """
     bodies = [body for link in root.all("link") for body in (*link.all("visual"), *link.all("collision"))]
-    gone = thick = broken = capsules = 0
+    removed = thick = broken = capsules = 0
     for body in bodies:
         shape = next((one for geometry in body.all("geometry")[:1] for one in geometry.children[:1]), None)
         drawn = body.tag == "visual"
@@ -39,12 +39,12 @@ def mend_shapes(edits: Edits, root: Element) -> None:
         if not all(sizes.values()) or min(values) != 0.0:
             continue
         if drawn or max(values) == 0.0:
-            gone += edits.remove(body)
+            removed += edits.remove(body)
             continue
         for key, one in sizes.items():
             edits.put(shape, key, " ".join(f"{max(size, THIN):.12g}" for size in one))
         thick += 1
-    edits.count(gone, "shapes without a size, which show and hit nothing, are left out")
+    edits.count(removed, "shapes without a size, which show and hit nothing, are left out")
     edits.count(broken, "pictures without a shape are left out")
     edits.count(thick, f"collision shapes with a side of 0 are {THIN * 1e3:g} mm thick there")
     if capsules and root.attributes.get("version", "1.0") == "1.0":
@@ -67,17 +67,17 @@ def mend_materials(edits: Edits, root: Element) -> None:
     """Remove materials that no reader accepts, and convert colours from the range 0 to 255. Only pictures
     change.
     """
-    gone = bright = 0
+    removed = bright = 0
     known: set[str] = set()
     for material in root.all("material"):
         name = material.attributes.get("name", "")
-        gone += (name in known or not name) and edits.remove(material)
+        removed += (name in known or not name) and edits.remove(material)
         known.add(name)
     visuals = [body for link in root.all("link") for body in (*link.all("visual"), *link.all("collision"))]
     for body in visuals:
         for number, material in enumerate(body.all("material")):
             useless = number > 0 or "name" not in material.attributes
-            gone += useless and edits.remove(material)
+            removed += useless and edits.remove(material)
     for material in (*root.all("material"), *(one for body in visuals for one in body.all("material"))):
         color = material.first("color")
         parts = tuple(numbers(color.attributes.get("rgba", ""))) if color is not None else ()
@@ -89,5 +89,5 @@ def mend_materials(edits: Edits, root: Element) -> None:
                 " ".join(f"{part:.4g}" for part in (*(one / 255.0 for one in parts[:3]), alpha)),
             )
             bright += 1
-    edits.count(gone, "materials that are there twice or have no name are left out")
+    edits.count(removed, "materials that are there twice or have no name are left out")
     edits.count(bright, "colours from 0 to 255 are from 0 to 1 in the copy")

@@ -137,14 +137,14 @@ class Surroundings:
             name: the mesh's name in the URDF.
             path: the file to which the name refers.
         """
-        there = path.resolve()
-        if any(there.is_relative_to(root) for root in self._roots):
+        resolved = path.resolve()
+        if any(resolved.is_relative_to(root) for root in self._roots):
             return True
         package = _package(name, path)
         if self.packages is not None and self.packages.path(name) == path:
             package = self.packages.folder(package_of(name))
             package = package.resolve() if package is not None else None
-        return package is not None and there.is_relative_to(package)
+        return package is not None and resolved.is_relative_to(package)
 
 
 def _package(name: str, path: Path) -> Path | None:

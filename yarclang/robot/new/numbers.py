@@ -9,9 +9,9 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 def numbers(text: str) -> tuple[float, ...]:
     """Return the numbers of a text, separated by blanks, up to the first word that isn't a number."""
-    found = []
+    values = []
     for part in text.split():
         if not _NUMBER.fullmatch(part):
             break
-        found.append(float(part))
-    return tuple(found)
+        values.append(float(part))
+    return tuple(values)

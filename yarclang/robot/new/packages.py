@@ -89,10 +89,10 @@ def _below(top: Path) -> Iterator[Path]:
     """Yield all packages below a folder. Packages inside other packages are left out, and the search ends
     after `MOST_FOLDERS` folders.
     """
-    for count, (here, folders, files) in enumerate(os.walk(top)):
+    for count, (folder, folders, files) in enumerate(os.walk(top)):
         if count >= MOST_FOLDERS:
             return
         if PACKAGE in files:
             folders.clear()
-            yield Path(here)
+            yield Path(folder)
         folders[:] = sorted(one for one in folders if not one.startswith("."))

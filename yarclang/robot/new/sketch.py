@@ -146,7 +146,7 @@ class Sketch:
 
 
 def sketch(
-    urdf: Urdf, chain: ArmChain, given: Given, names: tuple[str, str, str, str], said: tuple[bool, bool]
+    urdf: Urdf, chain: ArmChain, given: Given, names: tuple[str, str, str, str], chosen: tuple[bool, bool]
 ) -> Sketch:
     """Choose the values of a new robot.toml.
 
@@ -156,12 +156,12 @@ def sketch(
         given: the values that the user gives; its tuples have one entry, or one for each joint.
         names: the robot's name, its title, the name of the URDF's copy, and the file from which it is
             created.
-        said: two flags: True if the user chose the base, and True if the user chose the tip.
+        chosen: two flags: True if the user chose the base, and True if the user chose the tip.
     """
     size = len(chain.joints)
     joints = tuple(_joint(joint, at, size, given) for at, joint in enumerate(chain.joints))
     units = {joint.unit for joint in joints}
-    gear = _given(given.counts, size) or Said(
+    gear = _from_user(given.counts, size) or Said(
         (COUNTS,) * size, "guess", f"{COUNTS:,.0f} counts per {' and '.join(sorted(units))}"
     )
     speeds = [
@@ -176,8 +176,8 @@ def sketch(
         urdf=names[2],
         made_from=names[3],
         chain=chain,
-        base_said=said[0] or not chain.base_choices,
-        tip_said=said[1] or not (chain.flange_choices or chain.other_tips),
+        base_said=chosen[0] or not chain.base_choices,
+        tip_said=chosen[1] or not (chain.flange_choices or chain.other_tips),
         joints=joints,
         tcp=_tcp(urdf, chain, given),
         gear=gear,
@@ -193,8 +193,8 @@ def unit_of(joint: Joint) -> str:
 
 def _joint(joint: Joint, at: int, size: int, given: Given) -> JointSketch:
     unit = unit_of(joint)
-    velocity = _one(given.velocity, at, size) or _velocity(joint, unit)
-    acceleration, jerk = _one(given.acceleration, at, size), _one(given.jerk, at, size)
+    velocity = _one_from_user(given.velocity, at, size) or _velocity(joint, unit)
+    acceleration, jerk = _one_from_user(given.acceleration, at, size), _one_from_user(given.jerk, at, size)
     limit = joint.element.first("limit")
     effort = float(limit.attributes.get("effort", "0")) if limit is not None else 0.0
     position = None if joint.kind == "continuous" else _position(joint, unit, given)
@@ -250,14 +250,14 @@ def _place(urdf: Urdf, flange: str, link: str) -> tuple[float, ...]:
     return tuple(round(float(value), 6) + 0.0 for value in values)
 
 
-def _given(values: Sequence[float] | None, size: int) -> Said | None:
+def _from_user(values: Sequence[float] | None, size: int) -> Said | None:
     if values is None:
         return None
     return Said(tuple(values) if len(values) == size else tuple(values) * size, "given")
 
 
-def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
-    said = _given(values, size)
+def _one_from_user(values: Sequence[float] | None, at: int, size: int) -> Said | None:
+    said = _from_user(values, size)
     return None if said is None else Said((said.value[at],), "given")
 
 

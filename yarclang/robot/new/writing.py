@@ -22,7 +22,7 @@ _HEAD = """\
 # counts for motors; ms for times.
 # A comment with "{mark}" marks a value that came from a rule and not from a fact. Check it on the machine or in its
 # manual, then delete the mark; yarc robot check lists what is left.
-"""
+"""  # noqa: E501
 
 
 _TOOL = (
@@ -50,13 +50,16 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         home: the joint position HOME.
     """
     chain, size = sketch.chain, len(sketch.joints)
-    ones = ["[" + ", ".join("1" if i == j else "0" for j in range(size)) + "]" for i in range(size)]
+    unit_rows = ["[" + ", ".join("1" if i == j else "0" for j in range(size)) + "]" for i in range(size)]
     lines = [_HEAD.format(name=sketch.name, made_from=_plain(sketch.made_from), mark=MARK)]
     lines += [
         f"name = {_text(sketch.name)}",
         f"title = {_text(sketch.title)}",
         f"urdf = {_text(sketch.urdf)}",
-        f"base = {_text(chain.base)}  # the link that is {{B}}{_choice(sketch.base_said, chain.base_choices)}",
+        (
+            f"base = {_text(chain.base)}  # the link that is "
+            f"{{B}}{_choice(sketch.base_said, chain.base_choices)}"
+        ),
         f"flange = {_text(chain.flange)}  # the link that is {{FLANGE}}"
         + _choice(sketch.tip_said, (*chain.flange_choices, *chain.other_tips)),
     ]
@@ -82,7 +85,7 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
         f"# counts = K J q + a0, with q in {_units(sketch)}.",
         "[actuation]",
         f"K = {_list(sketch.gear.value)}  # counts per {_units(sketch)}{_mark(sketch.gear)}",
-        f"J = [{', '.join(ones)}]  # {MARK} no joint is coupled with another",
+        f"J = [{', '.join(unit_rows)}]  # {MARK} no joint is coupled with another",
         f"a0 = {_list([0.0] * size)}  # counts; {MARK} the motors read 0 where all joints are at 0",
         "",
         "[motors]",
@@ -153,13 +156,13 @@ def _joint(joint: JointSketch) -> list[str]:
         lines.append("# no position limits: the joint is continuous")
     else:
         lines.append(f"position = {_list(joint.position.value)}{_tail(joint.position)}")
-    for key, said in (
+    for key, choice in (
         ("velocity", joint.velocity),
         ("acceleration", joint.acceleration),
         ("jerk", joint.jerk),
     ):
-        if said is not None:
-            lines.append(f"{key} = {_number(said.value[0])}{_tail(said)}")
+        if choice is not None:
+            lines.append(f"{key} = {_number(choice.value[0])}{_tail(choice)}")
     return [*lines, ""]
 
 
@@ -180,20 +183,20 @@ def _ramps(joints: Sequence[JointSketch]) -> list[str]:
     return [why, "[ramps]", *lines, ""]
 
 
-def _tail(said: Said) -> str:
+def _tail(choice: Said) -> str:
     """Return the comment of a value: the reason for a guess, or the URDF as origin, otherwise empty."""
-    if said.origin == "guess":
-        return f"  # {MARK} {said.note}"
-    return f"  # {said.note}, from the URDF" if said.origin == "urdf" else ""
+    if choice.origin == "guess":
+        return f"  # {MARK} {choice.note}"
+    return f"  # {choice.note}, from the URDF" if choice.origin == "urdf" else ""
 
 
-def _mark(said: Said) -> str:
+def _mark(choice: Said) -> str:
     """Return the addition to a comment that marks a guess; empty for other values."""
-    return f"; {MARK} {said.note}" if said.origin == "guess" else ""
+    return f"; {MARK} {choice.note}" if choice.origin == "guess" else ""
 
 
-def _choice(said: bool, others: Sequence[str]) -> str:
-    if said:
+def _choice(is_chosen: bool, others: Sequence[str]) -> str:
+    if is_chosen:
         return ""
     shown = ", ".join(others[:6]) + (", ..." if len(others) > 6 else "")
     return f"; {MARK} it could be {_plain(shown)}"

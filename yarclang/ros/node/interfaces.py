@@ -21,42 +21,84 @@ _RULE = "\n" + "=" * 80 + "\n"
 _TEXTS = {
     "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id",
     "actionlib_msgs/GoalID": "time stamp\nstring id",
-    "actionlib_msgs/GoalStatus": "GoalID goal_id\nuint8 status\nuint8 PENDING=0\nuint8 ACTIVE=1\nuint8 PREEMPTED=2\nuint8 "
-    "SUCCEEDED=3\nuint8 ABORTED=4\nuint8 REJECTED=5\n"
-    "uint8 PREEMPTING=6\nuint8 RECALLING=7\nuint8 RECALLED=8\nuint8 LOST=9\nstring text",
-    "trajectory_msgs/JointTrajectoryPoint": "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\nduration "
-    "time_from_start",
+    "actionlib_msgs/GoalStatus": "GoalID goal_id\n"
+    "uint8 status\n"
+    "uint8 PENDING=0\n"
+    "uint8 ACTIVE=1\n"
+    "uint8 PREEMPTED=2\n"
+    "uint8 SUCCEEDED=3\n"
+    "uint8 ABORTED=4\n"
+    "uint8 REJECTED=5\n"
+    "uint8 PREEMPTING=6\n"
+    "uint8 RECALLING=7\n"
+    "uint8 RECALLED=8\n"
+    "uint8 LOST=9\n"
+    "string text",
+    "trajectory_msgs/JointTrajectoryPoint": "float64[] positions\n"
+    "float64[] velocities\n"
+    "float64[] accelerations\n"
+    "float64[] effort\n"
+    "duration time_from_start",
     "trajectory_msgs/JointTrajectory": "Header header\nstring[] joint_names\nJointTrajectoryPoint[] points",
     "control_msgs/JointTolerance": "string name\nfloat64 position\nfloat64 velocity\nfloat64 acceleration",
-    "control_msgs/FollowJointTrajectoryGoal": "trajectory_msgs/JointTrajectory trajectory\nJointTolerance[] path_tolerance\nJointTolerance[] "
-    "goal_tolerance\nduration goal_time_tolerance",
-    "control_msgs/FollowJointTrajectoryResult": "int32 error_code\nint32 SUCCESSFUL=0\nint32 INVALID_GOAL=-1\nint32 INVALID_JOINTS=-2\nint32 "
-    "OLD_HEADER_TIMESTAMP=-3\n"
-    "int32 PATH_TOLERANCE_VIOLATED=-4\nint32 GOAL_TOLERANCE_VIOLATED=-5\nstring error_string",
-    "control_msgs/FollowJointTrajectoryFeedback": "Header header\nstring[] joint_names\ntrajectory_msgs/JointTrajectoryPoint "
-    "desired\ntrajectory_msgs/JointTrajectoryPoint actual\n"
+    "control_msgs/FollowJointTrajectoryGoal": "trajectory_msgs/JointTrajectory trajectory\n"
+    "JointTolerance[] path_tolerance\n"
+    "JointTolerance[] goal_tolerance\n"
+    "duration goal_time_tolerance",
+    "control_msgs/FollowJointTrajectoryResult": "int32 error_code\n"
+    "int32 SUCCESSFUL=0\n"
+    "int32 INVALID_GOAL=-1\n"
+    "int32 INVALID_JOINTS=-2\n"
+    "int32 OLD_HEADER_TIMESTAMP=-3\n"
+    "int32 PATH_TOLERANCE_VIOLATED=-4\n"
+    "int32 GOAL_TOLERANCE_VIOLATED=-5\n"
+    "string error_string",
+    "control_msgs/FollowJointTrajectoryFeedback": "Header header\n"
+    "string[] joint_names\n"
+    "trajectory_msgs/JointTrajectoryPoint desired\n"
+    "trajectory_msgs/JointTrajectoryPoint actual\n"
     "trajectory_msgs/JointTrajectoryPoint error",
-    "control_msgs/FollowJointTrajectoryActionGoal": "Header header\nactionlib_msgs/GoalID goal_id\nFollowJointTrajectoryGoal goal",
-    "control_msgs/FollowJointTrajectoryActionResult": "Header header\nactionlib_msgs/GoalStatus status\nFollowJointTrajectoryResult result",
-    "control_msgs/FollowJointTrajectoryActionFeedback": "Header header\nactionlib_msgs/GoalStatus status\nFollowJointTrajectoryFeedback feedback",
-    "control_msgs/FollowJointTrajectoryAction": "FollowJointTrajectoryActionGoal action_goal\nFollowJointTrajectoryActionResult "
-    "action_result\nFollowJointTrajectoryActionFeedback action_feedback",
-    "industrial_msgs/TriState": "int8 val\nint8 UNKNOWN=-1\nint8 TRUE=1\nint8 ON=1\nint8 ENABLED=1\nint8 HIGH=1\nint8 "
-    "CLOSED=1\nint8 FALSE=0\nint8 OFF=0\nint8 DISABLED=0\nint8 LOW=0\nint8 OPEN=0",
+    "control_msgs/FollowJointTrajectoryActionGoal": (
+        "Header header\nactionlib_msgs/GoalID goal_id\nFollowJointTrajectoryGoal goal"
+    ),
+    "control_msgs/FollowJointTrajectoryActionResult": (
+        "Header header\nactionlib_msgs/GoalStatus status\nFollowJointTrajectoryResult result"
+    ),
+    "control_msgs/FollowJointTrajectoryActionFeedback": (
+        "Header header\nactionlib_msgs/GoalStatus status\nFollowJointTrajectoryFeedback feedback"
+    ),
+    "control_msgs/FollowJointTrajectoryAction": "FollowJointTrajectoryActionGoal action_goal\n"
+    "FollowJointTrajectoryActionResult action_result\n"
+    "FollowJointTrajectoryActionFeedback action_feedback",
+    "industrial_msgs/TriState": "int8 val\n"
+    "int8 UNKNOWN=-1\n"
+    "int8 TRUE=1\n"
+    "int8 ON=1\n"
+    "int8 ENABLED=1\n"
+    "int8 HIGH=1\n"
+    "int8 CLOSED=1\n"
+    "int8 FALSE=0\n"
+    "int8 OFF=0\n"
+    "int8 DISABLED=0\n"
+    "int8 LOW=0\n"
+    "int8 OPEN=0",
     "industrial_msgs/RobotMode": "int8 val\nint8 UNKNOWN=-1\nint8 MANUAL=1\nint8 AUTO=2",
     "industrial_msgs/RobotStatus": "Header header\nindustrial_msgs/RobotMode mode\nindustrial_msgs/TriState "
     "e_stopped\nindustrial_msgs/TriState drives_powered\n"
     "industrial_msgs/TriState motion_possible\nindustrial_msgs/TriState "
     "in_motion\nindustrial_msgs/TriState in_error\nint32 error_code",
     "industrial_msgs/ServiceReturnCode": "int8 val\nint8 SUCCESS=1\nint8 FAILURE=-1",
-    "industrial_msgs/DeviceInfo": "string model\nstring serial_number\nstring hw_version\nstring sw_version\nstring address",
+    "industrial_msgs/DeviceInfo": (
+        "string model\nstring serial_number\nstring hw_version\nstring sw_version\nstring address"
+    ),
     "industrial_msgs/StopMotionRequest": "",
     "industrial_msgs/StopMotionResponse": "industrial_msgs/ServiceReturnCode code",
     "industrial_msgs/CmdJointTrajectoryRequest": "trajectory_msgs/JointTrajectory trajectory",
     "industrial_msgs/CmdJointTrajectoryResponse": "industrial_msgs/ServiceReturnCode code",
     "industrial_msgs/GetRobotInfoRequest": "",
-    "industrial_msgs/GetRobotInfoResponse": "industrial_msgs/DeviceInfo controller\nindustrial_msgs/DeviceInfo[] "
-    "robots\nindustrial_msgs/ServiceReturnCode code",
+    "industrial_msgs/GetRobotInfoResponse": "industrial_msgs/DeviceInfo controller\n"
+    "industrial_msgs/DeviceInfo[] robots\n"
+    "industrial_msgs/ServiceReturnCode code",
 }
 """Field names, types and constants of each message, which determine the md5 sums."""
 

@@ -38,13 +38,13 @@ def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[
     Returns:
         The numbers, by the variables of the inputs and the names of groups.
     """
-    found: dict[str, float] = {}
+    readings: dict[str, float] = {}
     for one in inputs_of(value):
         if is_group(one.variable):
-            found[one.variable] = yield from _read_group(operation, barrier, one.variable)
+            readings[one.variable] = yield from _read_group(operation, barrier, one.variable)
         else:
-            (found[one.variable],) = yield from operation.numbers(one.variable, 1)
-    return found
+            (readings[one.variable],) = yield from operation.numbers(one.variable, 1)
+    return readings
 
 
 def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[float]:
@@ -86,12 +86,12 @@ def said_of(variable: str, value: float) -> str:
 
 def known_of(condition: Value, held: Held) -> str:
     """Return the values that the registers and inputs of a condition had."""
-    known = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
-    known += [
+    comparisons = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
+    comparisons += [
         f"{shown_variable(one.variable)} is {said_of(one.variable, held.inputs[one.variable])}"
         for one in inputs_of(condition)
     ]
-    return ", ".join(known)
+    return ", ".join(comparisons)
 
 
 def value_of(barrier: Barrier, value: Value, held: Held) -> float:

@@ -67,14 +67,14 @@ class Course:
         if behind > _KEPT:
             self._points, self._lines = self._points[behind:], self._lines[behind:]
 
-    def off(self, found: Sample, executed: tuple[int, int], spent: float) -> tuple[float, int]:
+    def off(self, measured: Sample, executed: tuple[int, int], spent: float) -> tuple[float, int]:
         """Return the distance of the motors' commanded positions from the path.
 
         Positions and following errors are asked for in sequence. If they belong to two different instants,
         the commanded positions may be wrong by the following error, or by its change since the last question.
 
         Args:
-            found: positions and following errors of the motors.
+            measured: positions and following errors of the motors.
             executed: minimum and maximum number of executed lines.
             spent: duration of the questions [s].
 
@@ -88,15 +88,15 @@ class Course:
         # A spline's distance from the straight lines between its points is at most a sixth of their second
         # difference.
         bends = np.abs(np.diff(points, 2, axis=0)).max(axis=0, initial=0.0)
-        errors = np.abs(np.array((found.following, found.following - self._following)))
+        errors = np.abs(np.array((measured.following, measured.following - self._following)))
         allowed = _ALLOWED + bends / 6.0 + errors.max(axis=0)
-        self._following = found.following
+        self._following = measured.following
         if self._groups > 1:  # the groups are asked in sequence
             allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
             allowed += self._slack
         # In units of the tolerance, the nearest point can be found for all motors together.
-        place = found.commanded / allowed
+        place = measured.commanded / allowed
         off = np.abs(place - _nearest(points / allowed, place))
         # If at some point of the path all n motors are within their tolerance, which is 1 in these units,
         # then the squared distance of this point is at most n, and that of the nearest point is no larger.

@@ -121,16 +121,16 @@ class Feed:
         taken = int(FASTEST * (now - self._asked_then) / self.job.segment) + 1 + AHEAD
         return self.executed, self.executed + AHEAD + taken
 
-    def heard(self, ahead: int, asked: float, now: float) -> None:
+    def heard(self, ahead: int, asked_at: float, now: float) -> None:
         """Record the controller's answer to `PR`.
 
         Args:
             ahead: lines ahead.
-            asked: when it was asked [s].
+            asked_at: when it was asked [s].
             now: when it was answered [s].
         """
         self._ahead, self._sent_then = ahead, self.sent
-        self._asked_then, self._then = asked, now
+        self._asked_then, self._then = asked_at, now
 
     def packet(self) -> tuple[str, ...]:
         """Return the next lines for the controller, as many as fit into the buffer and into a packet."""

@@ -42,11 +42,11 @@ class Holding:
         self._outputs = Outputs(job)
         self._told: set[str] = set()
 
-    def hold(self, why: str, *, secure: bool = True) -> Script[None]:
+    def hold(self, reason: str, *, secure: bool = True) -> Script[None]:
         """Hold on the path, with outputs safe unless `secure` is False."""
         robot = self._job.robot
         yield from self.operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
-        self.operation.go(Event.HOLD, why)
+        self.operation.go(Event.HOLD, reason)
         if self._job.outputs and secure:
             yield from self._outputs.secure(self.operation)
 
@@ -58,13 +58,13 @@ class Holding:
         """Hold until a person resumes. Orders that were given before the hold are dropped."""
         orders = self.operation.orders
         last = max(place for place, order in enumerate(orders) if order == Hold())
-        kept = [
+        remaining = [
             order
             for place, order in enumerate(orders)
             if not (isinstance(order, Hold) or (isinstance(order, Resume) and place < last))
         ]
         orders.clear()
-        orders.extend(kept)
+        orders.extend(remaining)
         if self.operation.state is State.MOVE or self.refilling:
             self.refilling = False
             yield from self.hold("a hold was asked for")
@@ -112,28 +112,28 @@ class Holding:
             warning=True,
         )
 
-    def for_others(self, told: str) -> Script[None]:
+    def for_others(self, changes: str) -> Script[None]:
         """Hold because another client has changed a value that the proof depends on. The hold lasts until the
         change is undone and a person resumes.
 
         Raises:
             Trouble: the run is unattended, so nobody can resume it.
         """
-        if told in self._told:
+        if changes in self._told:
             return
-        slew = self._supervision.hold_again(told)
+        slew = self._supervision.hold_again(changes)
         if slew:
             yield from self.operation.ask(slew)
-            told += f" (put back: {slew})"
+            changes += f" (put back: {slew})"
         if self.operation.state is State.MOVE or slew:
-            yield from self.hold(told)
+            yield from self.hold(changes)
             also = yield from self._supervision.compare(all_=True)
-            self._told |= {told, also}
-            told = ", ".join(dict.fromkeys(one for one in (told, also) if one))
-        self._told.add(told)
-        self._check_attended(f"somebody else uses this controller: {told}")
+            self._told |= {changes, also}
+            changes = ", ".join(dict.fromkeys(one for one in (changes, also) if one))
+        self._told.add(changes)
+        self._check_attended(f"somebody else uses this controller: {changes}")
         self.operation.remark(
-            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or "
+            f"somebody else uses this controller: {changes}; find out who, put it back, then Enter or "
             f"`yarc resume` goes on",
             warning=True,
         )
@@ -156,12 +156,12 @@ class Holding:
         yield from come_to_rest(operation, self._job.robot)
         self.refilling = True
 
-    def for_input(self, told: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
+    def for_input(self, input_state: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
         """Hold the motion for a watched input, or don't begin it. The hold lasts until the input allows
         motion and a person resumes.
 
         Args:
-            told: the input and its state, in words.
+            input_state: the input and its state, in words.
             way_out: name of the way out by which the robot leaves instead of continuing; empty if there is
                 none.
             moves: True if the program has begun.
@@ -170,18 +170,22 @@ class Holding:
             Trouble: the run is unattended, so nobody can resume it.
         """
         if moves:
-            yield from self.hold(f"{told}: held on the path")
+            yield from self.hold(f"{input_state}: held on the path")
         else:
-            self.operation.go(Event.HOLD, f"{told}: the motion doesn't begin")
+            self.operation.go(Event.HOLD, f"{input_state}: the motion doesn't begin")
             if self._job.outputs:
                 yield from self._outputs.secure(self.operation)
         if self.operation.unattended:
             raise Trouble(
-                f"the program holds: {told}", "nobody is here to resume it: run the program again", "Y1637"
+                f"the program holds: {input_state}",
+                "nobody is here to resume it: run the program again",
+                "Y1637",
             )
         self.way_out = way_out
         goes_on = f"leads back to where the motion began, and away by {way_out}" if way_out else "goes on"
-        self.operation.remark(f"{told}; when that is over, Enter or `yarc resume` {goes_on}", warning=True)
+        self.operation.remark(
+            f"{input_state}; when that is over, Enter or `yarc resume` {goes_on}", warning=True
+        )
 
     def by_nobody(self) -> None:
         """Report that nothing moves although lines are ahead, so that a person has to resume.
@@ -194,14 +198,14 @@ class Holding:
         self._check_attended("somebody else holds the motion")
         operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
 
-    def _check_attended(self, why: str) -> None:
+    def _check_attended(self, reason: str) -> None:
         """Check that a person can resume the hold.
 
         Raises:
             Trouble: nobody is there.
         """
         if self.operation.unattended:
-            raise Trouble(why, "nobody is here to resume it: run the program again", "Y1605")
+            raise Trouble(reason, "nobody is here to resume it: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
         """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R.
@@ -216,8 +220,8 @@ class Holding:
             return
         motors = yield from come_to_rest(operation, self._job.robot)
         raise_trouble(self._job.robot, motors)
-        if told := (yield from supervision.compare(all_=True)):
-            yield from self._stay_held(told)
+        if changes_or_motion := (yield from supervision.compare(all_=True)):
+            yield from self._stay_held(changes_or_motion)
             return
         if self.way_out:
             if not self._stays_held((yield from self._rotary.ask())):
@@ -228,8 +232,8 @@ class Holding:
         while feed.packet():
             yield from self._rotary.write()
         flow = yield from self._rotary.ask()
-        if told := supervision.stands_still(flow):
-            yield from self._stay_held(told)
+        if changes_or_motion := supervision.stands_still(flow):
+            yield from self._stay_held(changes_or_motion)
             return
         if self._stays_held(flow):
             return
@@ -257,8 +261,8 @@ class Holding:
             self.operation.remark(f"it stays held: {told}", warning=True)
         return bool(told)
 
-    def _stay_held(self, told: str) -> Script[None]:
+    def _stay_held(self, change: str) -> Script[None]:
         """Stay held because a change was not undone, and report the change again."""
         self.refilling = False
         self._told.clear()
-        yield from self.for_others(told)
+        yield from self.for_others(change)

@@ -113,14 +113,14 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
         Lost: the connection is no longer usable; the controller's PLC ends the search.
     """
     yield from check_rest(operation, robot)
-    found = {one.motor: one for one in (yield from searches(operation, robot))}
-    if motor not in found:
+    homes = {one.motor: one for one in (yield from searches(operation, robot))}
+    if motor not in homes:
         raise Trouble(f"the robot has no motor {motor}", "name one of its motors", "Y1601")
-    search = found[motor]
+    search = homes[motor]
     if search.refused:
         raise Trouble(search.refused, "", "Y1612")
     # An abort, the last resort, closes the loops of all motors.
-    if opened := [str(number) for number, one in found.items() if not one.closed]:
+    if opened := [str(number) for number, one in homes.items() if not one.closed]:
         raise Trouble(f"motor {', '.join(opened)} is open-loop", "enable all motors first", "Y1612")
     yield from _check_free(operation)
     operation.go(Event.FAULT, f"motor {motor} isn't homed")
@@ -177,7 +177,8 @@ def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
         (flag,) = yield from operation.numbers(HOMING, 1)
     if flag != 2.0 or operation.now - since < 0.9 * _TRIAL:
         raise Trouble(
-            "the controller wouldn't stop the search if this computer failed: its PLCs don't run as they must",
+            "the controller wouldn't stop the search if this computer failed: its PLCs don't run as they "
+            "must",
             "`yarc settings` has I5=3; look what else the controller is busy with",
             "Y1612",
         )
@@ -204,7 +205,7 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
     yield from operation.ask(f"{wound} {HOMING}=1")
     if is_ended(operation):
         raise Trouble("it was let go before it began; nothing moved", "", "")
-    since = heard = operation.now
+    since = positions_due = operation.now
     operation.searches = True
     yield from operation.ask(f"#{motor}HM")
     while True:
@@ -212,11 +213,13 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
             raise Trouble(f"motor {motor} was stopped in its search: it isn't homed", "home it again", "")
         (flag,) = yield from operation.numbers(f"{wound} {HOMING}", 1)
         if flag != 1.0:
-            what = (
+            problem = (
                 f"the controller has stopped motor {motor} in its search: it had received nothing for "
                 f"{operation.silence:.2g} s"
             )
-            raise Trouble(what, "find out what slows the link or this computer, then home it again", "Y1606")
+            raise Trouble(
+                problem, "find out what slows the link or this computer, then home it again", "Y1606"
+            )
         status = (yield from motor_statuses(operation, robot))[row]
         if told := status.trouble:
             raise Trouble(f"motor {motor} in its search: {told}", "find out why, then home it again", "Y1602")
@@ -224,16 +227,16 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
         if spent > _BEGINS and status.at_rest:
             break
         if spent > search.longest:
-            what = f"motor {motor} hasn't found its home within {search.longest:.0f} s"
-            raise Trouble(what, "look at its home flag, and at Ixx23 and Ixx26", "Y1602")
-        if operation.now >= heard:
-            heard = operation.now + operation.positions_each
+            problem = f"motor {motor} hasn't found its home within {search.longest:.0f} s"
+            raise Trouble(problem, "look at its home flag, and at Ixx23 and Ixx26", "Y1602")
+        if operation.now >= positions_due:
+            positions_due = operation.now + operation.positions_each
             operation.notices.append((yield from sample(operation, robot, 0.0)))
         yield Wait(operation.now + _EACH)
     operation.searches = False
     if not status.has("home complete"):
-        what = f"motor {motor} has ended its search without its home"
-        raise Trouble(what, "look at its home flag and at what else uses this controller", "Y1602")
+        problem = f"motor {motor} has ended its search without its home"
+        raise Trouble(problem, "look at its home flag and at what else uses this controller", "Y1602")
 
 
 def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:

@@ -15,7 +15,7 @@ STATUS_EACH = 0.1
 """Time between two reads of the status words [s]."""
 
 
-def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Script[None]:
+def idle(operation: Operation, robot: Robot, is_wanted: Callable[[], bool]) -> Script[None]:
     """Report where the robot is, until something is wanted. A new order wakes the session.
 
     A motor that can't move is a fault. It is reported once; afterwards the motors are only watched. Orders
@@ -24,13 +24,13 @@ def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Scri
     Args:
         operation: the run.
         robot: the robot.
-        wanted: returns True if something is wanted.
+        is_wanted: returns True if something is wanted.
 
     Raises:
         Lost: the connection is no longer usable.
     """
     status = positions = operation.now
-    while not wanted():
+    while not is_wanted():
         operation.orders.clear()
         now = operation.now
         if now >= status:

@@ -93,13 +93,13 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
     if all(motor.at_rest for motor in motors):
         if not status.running:
             return Checked(subject, "no program runs", "no program runs", "ok")
-        found, remedy = (
+        state, remedy = (
             "a program is in the middle, held or starved",
             "`yarc stop --to ...` ends it where the robot stands",
         )
     else:
-        found, remedy = "it moves", "wait for its end, or `yarc stop --to ...`"
-    return Checked(subject, found, "no program runs", "error", remedy)
+        state, remedy = "it moves", "wait for its end, or `yarc stop --to ...`"
+    return Checked(subject, state, "no program runs", "error", remedy)
 
 
 def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
@@ -120,21 +120,21 @@ def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
 
 def _compared(operation: Operation, items: list[Item]) -> Script[list[Checked]]:
     try:
-        found = yield from operation.ask("".join(item.question for item in items))
+        answers = yield from operation.ask("".join(item.question for item in items))
     except Refused as refused:
         return [Checked(item.subject, str(refused), item.wanted, "error", item.remedy) for item in items]
     if len(items) == 1:
-        return [_verdict(items[0], "\n".join(found))]
-    if len(found) != len(items):
-        told = f"{len(found)} values for {len(items)} questions"
+        return [_verdict(items[0], "\n".join(answers))]
+    if len(answers) != len(items):
+        told = f"{len(answers)} values for {len(items)} questions"
         return [Checked(item.subject, told, item.wanted, "error", item.remedy) for item in items]
-    return [_verdict(item, text) for item, text in zip(items, found, strict=True)]
+    return [_verdict(item, text) for item, text in zip(items, answers, strict=True)]
 
 
-def _verdict(item: Item, found: str) -> Checked:
-    ok = _SAME[item.kind](found, item.wanted)
+def _verdict(item: Item, answer: str) -> Checked:
+    ok = _SAME[item.kind](answer, item.wanted)
     if item.kind == "listing":
-        shown = "as it should be" if ok else "another program" if _without_end(found) else "empty"
+        shown = "as it should be" if ok else "another program" if _without_end(answer) else "empty"
         return Checked(
             item.subject,
             shown,
@@ -143,33 +143,33 @@ def _verdict(item: Item, found: str) -> Checked:
             "" if ok else item.remedy,
         )
     return Checked(
-        item.subject, found or "nothing", item.wanted, "ok" if ok else "error", "" if ok else item.remedy
+        item.subject, answer or "nothing", item.wanted, "ok" if ok else "error", "" if ok else item.remedy
     )
 
 
-def _same_number(found: str, wanted: str) -> bool:
+def _same_number(actual: str, expected: str) -> bool:
     try:
-        one, other = number_in(found), number_in(wanted)
+        one, other = number_in(actual), number_in(expected)
     except ValueError:
         return False
     return _close(one, other)
 
 
-def _close(one: float, other: float) -> bool:
-    return abs(one - other) <= _CLOSE_ENOUGH * max(1.0, abs(other))
+def _close(first: float, other: float) -> bool:
+    return abs(first - other) <= _CLOSE_ENOUGH * max(1.0, abs(other))
 
 
-def _same_bits(found: str, wanted: str) -> bool:
+def _same_bits(actual: str, expected: str) -> bool:
     try:
-        bits = int(number_in(wanted))
-        return int(number_in(found)) & bits == bits
+        bits = int(number_in(expected))
+        return int(number_in(actual)) & bits == bits
     except ValueError:
         return False
 
 
-def _same_text(found: str, wanted: str) -> bool:
+def _same_text(actual: str, expected: str) -> bool:
     """Return True if the texts agree except for case, spaces, leading zeros and the format of numbers."""
-    one, other = _words(found), _words(wanted)
+    one, other = _words(actual), _words(expected)
     if len(one) != len(other):
         return False
     return all(
@@ -178,9 +178,9 @@ def _same_text(found: str, wanted: str) -> bool:
     )
 
 
-def _same_definition(found: str, wanted: str) -> bool:
+def _same_definition(actual: str, expected: str) -> bool:
     """Return True if two axis definitions agree. Terms may be in any order, and a missing factor is 1."""
-    one, other = _terms(found), _terms(wanted)
+    one, other = _terms(actual), _terms(expected)
     return one.keys() == other.keys() and all(
         abs(one[axis] - other[axis]) <= _EXACT * max(1.0, abs(other[axis])) for axis in one
     )
@@ -201,14 +201,14 @@ def _terms(text: str) -> dict[str, float]:
     return {axis: value for axis, value in terms.items() if value or axis}
 
 
-def _same_address(found: str, wanted: str) -> bool:
+def _same_address(actual: str, expected: str) -> bool:
     """Return True if two addresses of M-variables agree; a width of one bit may be omitted."""
-    return _same_text(_BIT.sub("", found), _BIT.sub("", wanted))
+    return _same_text(_BIT.sub("", actual), _BIT.sub("", expected))
 
 
-def _same_listing(found: str, wanted: str) -> bool:
+def _same_listing(actual: str, expected: str) -> bool:
     """Return True if two program listings agree. A listing adds a RETURN and may shorten words."""
-    return _same_text(_SHORTENED.sub(r"\1", _without_end(found)), _SHORTENED.sub(r"\1", wanted.upper()))
+    return _same_text(_SHORTENED.sub(r"\1", _without_end(actual)), _SHORTENED.sub(r"\1", expected.upper()))
 
 
 def _without_end(listing: str) -> str:
@@ -238,19 +238,19 @@ _SAME = {
 def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
     number = robot.controller.motors[row]
     subject = f"motor {number}"
-    wanted = "closed-loop, homed, without a fault"
+    expected = "closed-loop, homed, without a fault"
     if trouble := status.trouble:
         remedy = f"find out why, then close its loop: `#{number}J/`"
-        return Checked(subject, trouble, wanted, "error", remedy)
+        return Checked(subject, trouble, expected, "error", remedy)
     if not status.has("home complete"):
         return Checked(
-            subject, "it isn't homed", wanted, "error", "home it: its position means nothing before"
+            subject, "it isn't homed", expected, "error", "home it: its position means nothing before"
         )
     if status.has("warning following error"):
         return Checked(
-            subject, "its following error is beyond Ixx12", wanted, "warning", "look at its load and tuning"
+            subject, "its following error is beyond Ixx12", expected, "warning", "look at its load and tuning"
         )
-    return Checked(subject, "closed-loop, homed", wanted, "ok")
+    return Checked(subject, "closed-loop, homed", expected, "ok")
 
 
 def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
@@ -261,7 +261,7 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     """
     system = turbo_pmac(robot).coordinate_system
     subject = f"guard PLC {GUARD_PLC}"
-    wanted = "holds when the rotary runs low"
+    expected = "holds when the rotary runs low"
     remedy = (
         f"without it nothing stops the robot when this computer fails: download `yarc settings {robot.name}`"
     )
@@ -280,9 +280,9 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     yield from operation.ask(f"&{system}A")
     if value == 2.0:
         return Checked(
-            subject, f"it held within {max(operation.now - since, 1e-3) * 1e3:.0f} ms", wanted, "ok"
+            subject, f"it held within {max(operation.now - since, 1e-3) * 1e3:.0f} ms", expected, "ok"
         )
-    return Checked(subject, "armed, it does nothing", wanted, "error", remedy)
+    return Checked(subject, "armed, it does nothing", expected, "error", remedy)
 
 
 def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
@@ -319,7 +319,7 @@ def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]
     return [
         _biting(operation, robot, flag, lasted, remedy),
         _beating(operation, beat - first, spent, remedy),
-        _heard(beat - echo, remedy),
+        _heartbeat_item(beat - echo, remedy),
     ]
 
 
@@ -327,24 +327,24 @@ def _biting(operation: Operation, robot: Robot, flag: float, lasted: float, reme
     hold_time = robot.controller.hold_time
     operation.silence = operation.wanted_silence or patience_for(operation.slowest, hold_time)
     rest = operation.silence + hold_time
-    wanted = "holds when this computer falls silent"
+    expected = "holds when this computer falls silent"
     if flag != 2.0:
-        return Checked("watchdog", "wound up, it does nothing", wanted, "error", remedy)
+        return Checked("watchdog", "wound up, it does nothing", expected, "error", remedy)
     if lasted < _EARLIEST * _TRIAL:
         return Checked(
             "watchdog",
             f"it held {lasted * 1e3:.0f} ms after it was wound up for {_TRIAL * 1e3:.0f} ms",
-            wanted,
+            expected,
             "error",
             remedy,
         )
-    found = f"holds after {operation.silence:.2g} s of silence: at rest within {rest:.2g} s"
+    measured = f"holds after {operation.silence:.2g} s of silence: at rest within {rest:.2g} s"
     if rest <= AT_REST_WITHIN + 0.05 or operation.silence > needed(operation.slowest):
         return Checked(
-            "watchdog", found, wanted, "ok"
+            "watchdog", measured, expected, "ok"
         )  # as it must be, as the robot's hold time requires, or as a person wants it
     slow = f"a reply has taken {operation.slowest * 1e3:.0f} ms: find out what slows the link"
-    return Checked("watchdog", found, "at rest within 1 s", "warning", slow)
+    return Checked("watchdog", measured, "at rest within 1 s", "warning", slow)
 
 
 def _beating(operation: Operation, beats: float, spent: float, remedy: str) -> Checked:
@@ -355,10 +355,10 @@ def _beating(operation: Operation, beats: float, spent: float, remedy: str) -> C
     return Checked(subject, f"each {operation.beat * 1e3:.1f} ms", wanted, "ok")
 
 
-def _heard(behind: float, remedy: str) -> Checked:
-    subject, wanted = f"PLC {FEEDBACK_PLC}, running", "it hears the guard PLC's heartbeat"
+def _heartbeat_item(behind: float, remedy: str) -> Checked:
+    subject, expected = f"PLC {FEEDBACK_PLC}, running", "it hears the guard PLC's heartbeat"
     if behind > 3.0:
         return Checked(
-            subject, "it doesn't run", wanted, "error", f"`I5=3`, `ENABLE PLC {FEEDBACK_PLC}`; or {remedy}"
+            subject, "it doesn't run", expected, "error", f"`I5=3`, `ENABLE PLC {FEEDBACK_PLC}`; or {remedy}"
         )
-    return Checked(subject, "it runs", wanted, "ok")
+    return Checked(subject, "it runs", expected, "ok")

@@ -76,7 +76,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
     barriers = 0
     anew: list[Job] = []
     while place is not None and place < len(job.legs):
-        leg, found = job.legs[place], False
+        leg, input_found = job.legs[place], False
         if leg.job is not None:
             streamed = leg.job
             if anew:
@@ -91,36 +91,36 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             if not ended.well:
                 _tell_registers(operation, job, held)
                 return replace(ended, ways=ways, barriers=barriers, registers=held.told)
-            stands, found = streamed.end, ended.found
-            if found and ended.joints is not None:
+            stands, input_found = streamed.end, ended.found
+            if input_found and ended.joints is not None:
                 stands = ended.joints
         if leg.barrier is None:
             break
-        here = _Standing(leg.barrier, stands, job.offset + leg.ends, job.clock + leg.clock)
+        standing = _Standing(leg.barrier, stands, job.offset + leg.ends, job.clock + leg.clock)
         if leg.barrier.kind == "stop":
             operation.remark(f"{title(leg.barrier)}: the program ends here")
             return Ended(
                 True,
                 joints=stands,
-                done=here.done,
-                clock=here.clock,
+                done=standing.done,
+                clock=standing.clock,
                 ways=ways,
                 barriers=barriers,
                 registers=held.told,
                 finished=True,
             )
         try:
-            if found:
+            if input_found:
                 anew = yield from found_at(operation, job, place, stands, held)
             if leg.barrier.offset is not None:
                 anew = yield from shifted_by(operation, job, place, stands, held)
             before, place = place, (yield from _pass(operation, job, place, leg.barrier, held, stands))
         except Stopped as stopped:
-            ended = yield from _ended(operation, job, here, Event.STOP, Trouble(str(stopped), code=""))
+            ended = yield from _ended(operation, job, standing, Event.STOP, Trouble(str(stopped), code=""))
         except Trouble as trouble:
-            ended = yield from _ended(operation, job, here, Event.FAULT, trouble)
+            ended = yield from _ended(operation, job, standing, Event.FAULT, trouble)
         except Lost as lost:
-            ended = _lost(operation, here, str(lost))
+            ended = _lost(operation, standing, str(lost))
         else:
             barriers += 1
             match leg.barrier.kind:
@@ -261,8 +261,8 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
         held.inputs = yield from read_inputs(operation, barrier, barrier.decided)
     holds = bool(value_of(barrier, barrier.decided, held))
     compared = simple(barrier.decided)
-    said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
-    taken = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
+    condition = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
+    outcome = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
     if held.flags.intersection(registers_of(barrier.decided)):
         return holds  # the search or OFFSET has reported this already
     if barrier.word in COUNTED:
@@ -272,11 +272,14 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
         return holds
     if compared is not None and barrier.name:
         state = state_text(held.inputs[compared[0].variable])
-        _say(operation, barrier, held, f"{said} is {state}: {taken}")
+        _say(operation, barrier, held, f"{condition} is {state}: {outcome}")
         return holds
     told = "holds" if holds else "does not hold"
     _say(
-        operation, barrier, held, f"{barrier.name or said} {told}, {known_of(barrier.decided, held)}: {taken}"
+        operation,
+        barrier,
+        held,
+        f"{barrier.name or condition} {told}, {known_of(barrier.decided, held)}: {outcome}",
     )
     return holds
 
@@ -314,50 +317,52 @@ def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
     raise AssertionError("a block without an end was refused when the text was read")
 
 
-def _ended(operation: Operation, job: Job, here: _Standing, event: Event, why: Trouble) -> Script[Ended]:
+def _ended(
+    operation: Operation, job: Job, standing: _Standing, event: Event, cause: Trouble
+) -> Script[Ended]:
     """End the run at rest: leave the controller in a known state, and set outputs to their safe values."""
     operation.orders.clear()
-    barrier, joints, what = here.barrier, here.joints, why.what
+    barrier, joints, problem = standing.barrier, standing.joints, cause.what
     try:
         yield from leave(operation, job.robot)
         yield from Outputs(job).secure(operation)
         joints = yield from stands_at(operation, job.robot)
     except Trouble as trouble:
-        what = f"{what}; then: {trouble.what}"
+        problem = f"{problem}; then: {trouble.what}"
     except Lost as lost:
-        return _lost(operation, here, f"{what}; then: {lost}")
-    operation.go(event, what, why.code, why.remedy)
+        return _lost(operation, standing, f"{problem}; then: {lost}")
+    operation.go(event, problem, cause.code, cause.remedy)
     return Ended(
         False,
-        what,
-        why.remedy,
+        problem,
+        cause.remedy,
         joints,
         title(barrier),
         barrier.label,
-        here.done,
-        code=why.code,
+        standing.done,
+        code=cause.code,
         concerns=_concerned(barrier),
-        clock=here.clock,
+        clock=standing.clock,
     )
 
 
-def _lost(operation: Operation, here: _Standing, why: str) -> Ended:
+def _lost(operation: Operation, standing: _Standing, reason: str) -> Ended:
     """End the run after the connection was lost while the robot was at rest; the robot stays at rest."""
-    what = f"the connection was lost: {why}"
+    problem = f"the connection was lost: {reason}"
     remedy = "the robot stands; find out why, run `yarc doctor`, then go on with --from"
-    operation.go(Event.LOST, what, LOST, remedy)
-    operation.go(Event.FAULT, what, LOST, remedy)
+    operation.go(Event.LOST, problem, LOST, remedy)
+    operation.go(Event.FAULT, problem, LOST, remedy)
     return Ended(
         False,
-        what,
+        problem,
         remedy,
-        here.joints,
-        title(here.barrier),
-        here.barrier.label,
-        here.done,
+        standing.joints,
+        title(standing.barrier),
+        standing.barrier.label,
+        standing.done,
         code=LOST,
-        concerns=_concerned(here.barrier),
-        clock=here.clock,
+        concerns=_concerned(standing.barrier),
+        clock=standing.clock,
     )
 
 

@@ -162,14 +162,14 @@ class LiveStream:
 
     def _ask_positions(self) -> Script[None]:
         operation, job = self.operation, self.job
-        asked = operation.now
-        found = yield from sample(operation, job.robot, self.done)
-        operation.notices.append(found)
+        asked_at = operation.now
+        sampled = yield from sample(operation, job.robot, self.done)
+        operation.notices.append(sampled)
         executed = max(0, self._sent - self._ahead - AHEAD)
         self._course.forget(executed)
         since = operation.now - self._asked
         most = executed + 2 * AHEAD + 1 + int(FASTEST * since / job.segment)
-        off = self._course.off(found, (executed, most), operation.now - asked)
+        off = self._course.off(sampled, (executed, most), operation.now - asked_at)
         yield from look_whether_astray(operation, job.robot, off)
 
     def _fill(self, lead: int) -> Script[None]:
@@ -233,14 +233,14 @@ class LiveStream:
             raise Stopped(abort=False)
         yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
 
-    def _stop_for_others(self, told: str) -> Script[None]:
+    def _stop_for_others(self, changes: str) -> Script[None]:
         """Hold because something was changed."""
-        if told:
-            if slew := self.supervision.hold_again(told):
+        if changes:
+            if slew := self.supervision.hold_again(changes):
                 yield from self.operation.ask(slew)
-            yield from self._hold(told)
+            yield from self._hold(changes)
             raise Trouble(
-                f"somebody else uses this controller: {told}", "find out who, and put it back", "Y1605"
+                f"somebody else uses this controller: {changes}", "find out who, and put it back", "Y1605"
             )
 
     # orders
@@ -273,7 +273,7 @@ class LiveStream:
                 yield from operation.ask(f"%{order.percent:g}")
                 self.supervision.slews(before)
 
-    def _hold(self, why: str) -> Script[None]:
+    def _hold(self, reason: str) -> Script[None]:
         controller = turbo_pmac(self.job.robot)
         yield from self.operation.hold(controller.coordinate_system, controller.hold_time)
-        self.operation.go(Event.HOLD, why)
+        self.operation.go(Event.HOLD, reason)

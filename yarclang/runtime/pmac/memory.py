@@ -33,12 +33,12 @@ class Remembered:
             return f"{self.question.subjects[0]} is another one than before"
         if len(reply) != len(self.reply):
             return f"{len(reply)} values answer {self.question.line!r} instead of {len(self.reply)}"
-        told = [
+        differences = [
             f"{_named(subject)} was {old}, and is {new}"
             for subject, old, new in zip(self.question.subjects, self.reply, reply, strict=True)
             if old != new
         ]
-        return ", ".join(told)
+        return ", ".join(differences)
 
 
 @dataclass(frozen=True, slots=True)

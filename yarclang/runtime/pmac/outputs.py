@@ -38,12 +38,12 @@ class Outputs:
         """Set all outputs to the values that the first `executed` lines of the program have given them."""
         if not self._secured:
             return
-        meant = dict(self._before)
-        meant |= {
+        values = dict(self._before)
+        values |= {
             variable: value
             for row, variable, value in self._sets
             if row < executed and variable in self._safe
         }
-        for variable, value in meant.items():
+        for variable, value in values.items():
             yield from operation.ask(f"{variable}={value:g}")
         self._secured = False

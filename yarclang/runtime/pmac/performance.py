@@ -106,12 +106,12 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
         Trouble: the controller can't be inspected.
     """
     try:
-        found = yield from inspect(operation, robot, items)
+        inspection = yield from inspect(operation, robot, items)
     except Lost as lost:
         raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
-    if operation.state is State.FAULT and not found.errors:
+    if operation.state is State.FAULT and not inspection.errors:
         operation.go(Event.CLEAR, "the controller was checked: all checks passed")
-    return found
+    return inspection
 
 
 def measured(operation: Operation, robot: Robot) -> Script[Measured]:
@@ -132,19 +132,19 @@ def perform(operation: Operation, job: Job) -> Script[Ended]:
     At the end the robot is at rest, or the result states that this isn't known.
     """
     if operation.state is not State.STOP:
-        what = f"nothing is begun in state {operation.state.value}"
-        return Ended(False, what, "look at the controller first: `yarc doctor`")
+        problem = f"nothing is begun in state {operation.state.value}"
+        return Ended(False, problem, "look at the controller first: `yarc doctor`")
     work = perform_legs(operation, job, _stream) if job.legs else _stream(operation, job)
     ended = yield from work
     if ended.well and job.outputs:
         try:
             yield from Outputs(job).secure(operation)
         except (Trouble, Lost) as trouble:
-            what = f"the program has ended, but its outputs can't be made safe: {trouble}"
+            problem = f"the program has ended, but its outputs can't be made safe: {trouble}"
             operation.go(
-                Event.FAULT, what, trouble.code if isinstance(trouble, Trouble) else LOST, "look at them"
+                Event.FAULT, problem, trouble.code if isinstance(trouble, Trouble) else LOST, "look at them"
             )
-            return Ended(False, what, "look at them", ended.joints)
+            return Ended(False, problem, "look at them", ended.joints)
     return ended
 
 
@@ -218,34 +218,34 @@ def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -
     return replace(_ended(stream, "", "", joints, Trouble("", code="")), well=True, found=True)
 
 
-def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why: Trouble) -> Script[Ended]:
+def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, cause: Trouble) -> Script[Ended]:
     """Come to rest, and leave the controller in a known state."""
     robot = stream.job.robot
-    what, remedy = why.what, why.remedy
+    problem, remedy = cause.what, cause.remedy
     try:
         if event is Event.FAULT and operation.state is State.MOVE:
             # Hold on the path now, although some lines are left: without a hold the buffer would run empty.
             yield from operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         joints, aborted = yield from _end_at_rest(operation, robot)
-        if aborted and _ABORTED not in what:
-            what = _ABORTED if event is Event.STOP else f"{what}; then {_ABORTED}"
+        if aborted and _ABORTED not in problem:
+            problem = _ABORTED if event is Event.STOP else f"{problem}; then {_ABORTED}"
         if (
-            why.code == _MOTOR_FAULT
+            cause.code == _MOTOR_FAULT
             and joints is not None
             and (told := (yield from stream.supervision.compare(all_=True)))
         ):
-            what, remedy = (
-                f"{what}; and since it was checked, {told}",
+            problem, remedy = (
+                f"{problem}; and since it was checked, {told}",
                 "find out who else uses this controller",
             )
         yield from Outputs(stream.job).secure(operation)
     except Trouble as trouble:
-        operation.go(event, what, why.code, remedy)
-        return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy or remedy, None, why)
+        operation.go(event, problem, cause.code, remedy)
+        return _ended(stream, f"{problem}; then: {trouble.what}", trouble.remedy or remedy, None, cause)
     except Lost as lost:
-        return (yield from _recover(operation, stream, f"{what}; then: {lost}"))
-    operation.go(event, what, why.code, remedy)
-    return _ended(stream, what, remedy, joints, why)
+        return (yield from _recover(operation, stream, f"{problem}; then: {lost}"))
+    operation.go(event, problem, cause.code, remedy)
+    return _ended(stream, problem, remedy, joints, cause)
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
@@ -278,16 +278,16 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
     return (yield from stands_at(operation, robot)), aborted
 
 
-def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Script[Ended]:
+def _recover(operation: Operation, stream: Stream | LiveStream, reason: str) -> Script[Ended]:
     """Recover from a lost connection: make another one, hold, and inspect.
 
     The guard PLC holds the motion when the buffer runs low.
     """
-    operation.go(Event.LOST, why, LOST)
+    operation.go(Event.LOST, reason, LOST)
     operation.watch = ()
     robot = stream.job.robot
     until = operation.now + AGAIN_FOR
-    what = f"the connection was lost: {why}"
+    problem = f"the connection was lost: {reason}"
     # A connection whose replies make no sense may still deliver the hold or the abort.
     yield Control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
     while True:
@@ -298,30 +298,30 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
                 yield from _greet(operation)
                 joints, aborted = yield from _end_at_rest(operation, robot)
                 if aborted:
-                    what = f"{what}; then {_ABORTED}"
+                    problem = f"{problem}; then {_ABORTED}"
                 yield from Outputs(stream.job).secure(operation)
             except Lost as lost:
                 outcome = Unreachable(str(lost))
             except Trouble as trouble:
-                operation.go(Event.FAULT, what, LOST, trouble.remedy)
-                return _ended(stream, f"{what}; then: {trouble.what}", trouble.remedy, None)
+                operation.go(Event.FAULT, problem, LOST, trouble.remedy)
+                return _ended(stream, f"{problem}; then: {trouble.what}", trouble.remedy, None)
             else:
                 remedy = (
                     "find out why, run `yarc doctor`, then go on with --from"
                     if joints is not None
                     else RESET_REMEDY
                 )
-                operation.go(Event.FAULT, what, LOST, remedy)
-                return _ended(stream, what, remedy, joints)
+                operation.go(Event.FAULT, problem, LOST, remedy)
+                return _ended(stream, problem, remedy, joints)
         if operation.now >= until:
             silence = f"when it has received nothing from this computer for {operation.silence:.2g} s"
             remedy = (
                 f"its guard PLC holds the motion on the path {silence}; look at the robot, then run "
                 f"`yarc doctor`"
             )
-            operation.go(Event.FAULT, what, LOST, remedy)
+            operation.go(Event.FAULT, problem, LOST, remedy)
             return _ended(
-                stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None
+                stream, f"{problem}; the controller can't be reached again: {_reason(outcome)}", remedy, None
             )
         yield Wait(operation.now + _AGAIN_EACH)
 
@@ -336,22 +336,22 @@ _LOST = Trouble("", code=LOST)
 
 
 def _ended(
-    stream: Stream | LiveStream, what: str, remedy: str, joints: Array | None, why: Trouble = _LOST
+    stream: Stream | LiveStream, problem: str, remedy: str, joints: Array | None, cause: Trouble = _LOST
 ) -> Ended:
     job, command = stream.job, stream.command if stream.begun else None
     about = command
-    if why.line is not None and 0 <= why.line < len(job.lines):
-        about = job.command_at(float(job.times[why.line]))
+    if cause.line is not None and 0 <= cause.line < len(job.lines):
+        about = job.command_at(float(job.times[cause.line]))
     return Ended(
         False,
-        what,
+        problem,
         remedy,
         joints,
         command.title if command else "",
         command.index if command else "",
         job.offset + stream.done if stream.begun else 0.0,
-        why.code,
-        Concerned(about.index, about.name, about.source_line) if about and why.code else None,
+        cause.code,
+        Concerned(about.index, about.name, about.source_line) if about and cause.code else None,
         clock=job.clock + stream.done if stream.begun else 0.0,
     )
 

@@ -44,17 +44,17 @@ def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStat
     open.
     """
     motors = robot.controller.motors
-    found: dict[int, MotorStatus] = {}
+    statuses: dict[int, MotorStatus] = {}
     groups = groups_of(motors)
     for group in groups:
         if len(groups) > 1 or group != 1:
             yield from operation.ask(f"##{group}")
         text = yield from operation.report("\x02")
         try:
-            found |= statuses_in(text, group, motors)
+            statuses |= statuses_in(text, group, motors)
         except ReportError as error:
             raise Lost(str(error)) from None
-    operation.motors = tuple(found[motor] for motor in motors)
+    operation.motors = tuple(statuses[motor] for motor in motors)
     return operation.motors
 
 
@@ -82,12 +82,12 @@ def come_to_rest(
         Trouble: a motor still moves after `longest`.
     """
     since = operation.now
-    seen = 0
+    reads_at_rest = 0
     while True:
         motors = yield from motor_statuses(operation, robot)
         counts = all(motor.at_rest for motor in motors) and operation.now >= operation.settled
-        seen = seen + 1 if counts else 0
-        if seen == 2:
+        reads_at_rest = reads_at_rest + 1 if counts else 0
+        if reads_at_rest == 2:
             return motors
         if operation.now - since > longest:
             moving = [

@@ -46,7 +46,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     answer = yield Replan(job.offset + leg.job.offset + command.begins, joints)
     if not isinstance(answer, Replanned):
         raise Trouble(
-            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: {answer or PROGRAM_UNKNOWN}",
+            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: "
+            f"{answer or PROGRAM_UNKNOWN}",
             "the robot stands where it was found; move it from there by hand, or with --approach",
             "Y1638",
         )
@@ -55,7 +56,7 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     held.registers[search.flag] = 1
     depth = round(answer.length / MM / _STEP)
     if search.depth:
-        register = next(one for one in job.registers if one.name == search.depth)
+        register = next(replanned for replanned in job.registers if replanned.name == search.depth)
         if not register.low <= depth <= register.high:
             raise Trouble(
                 f"{title(barrier)} would make {register.name} {depth}, and it is an integer from "
@@ -65,8 +66,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
             )
         yield from keep(barrier, register, depth)
         held.registers[register.name] = depth
-    for one in answer.jobs:
-        operation.notices.append(Planned(operation.now, one.text, one.certificate))
+    for replanned in answer.jobs:
+        operation.notices.append(Planned(operation.now, replanned.text, replanned.certificate))
     way = f", {answer.length / MM:.2f} mm from where it began" if answer.length else ""
     follows = f"; what follows is planned and proved from there ({operation.now - since:.3f} s)"
     operation.remark(f"{title(barrier)}: {search.name} found{way}{follows if answer.jobs else ''}")
@@ -74,17 +75,17 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     return list(answer.jobs)
 
 
-def held_meanwhile(operation: Operation, where: str) -> Script[None]:
+def held_meanwhile(operation: Operation, place: str) -> Script[None]:
     """Carry out orders that were given while the robot came to rest, or during planning. A hold lasts until a
     person resumes.
 
     Args:
         operation: the run.
-        where: where the robot stands, in words.
+        place: where the robot stands, in words.
     """
     holds = any(isinstance(order, Hold) for order in operation.orders)
     if not (yield from obey(operation)) and holds:
-        operation.go(Event.HOLD, f"held {where}; Enter or `yarc resume` goes on")
+        operation.go(Event.HOLD, f"held {place}; Enter or `yarc resume` goes on")
         while not (yield from obey(operation)):
             yield Wait(operation.now + LOOK)
         operation.go(Event.END, "the operator goes on")

@@ -199,29 +199,29 @@ def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
     """
     operation.go(Event.FAULT, "settings are being sent to the controller")
     for number, line in enumerate(lines):
-        what, remedy = "", "the controller has a part of the settings: find out why, and send them again"
+        problem, remedy = "", "the controller has a part of the settings: find out why, and send them again"
         if is_ended(operation):
-            what = "stopped by a person"
+            problem = "stopped by a person"
         else:
             try:
                 items = yield from operation.ask(line)
             except Refused as refused:
-                what = str(refused)
+                problem = str(refused)
             except Trouble as trouble:
-                what = trouble.what
+                problem = trouble.what
             else:
                 if items:
-                    what, remedy = (
+                    problem, remedy = (
                         f"the controller answers {line!r} with {', '.join(items)!r}",
                         "is it a Turbo PMAC?",
                     )
-        if what:
+        if problem:
             with contextlib.suppress(Refused, Trouble):
                 yield from operation.ask("CLOSE")  # a PLC may be half loaded
             operation.go(
-                Event.FAULT, f"the settings were sent in part, {number} of {len(lines)} lines: {what}"
+                Event.FAULT, f"the settings were sent in part, {number} of {len(lines)} lines: {problem}"
             )
-            return Sent(number, len(lines), what, remedy)
+            return Sent(number, len(lines), problem, remedy)
     return Sent(len(lines), len(lines))
 
 

@@ -41,13 +41,16 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
     held.registers[offset.flag] = 0
     while True:
         values = _values(offset, held)
-        said = shift_in_words(values, offset.registers)
+        shift_text = shift_in_words(values, offset.registers)
         since = operation.now
         answer = yield from _planned(job, place, joints, values)
         yield from held_meanwhile(operation, f"at {title(barrier)}")
         if isinstance(answer, tuple):
             break
-        refused = f"{title(barrier)}: with {{{offset.frame}}} shifted by {said} it can't be done: {answer or PROGRAM_UNKNOWN}"
+        refused = (
+            f"{title(barrier)}: with {{{offset.frame}}} shifted by {shift_text} it can't be done: "
+            f"{answer or PROGRAM_UNKNOWN}"
+        )
         if answer is None or not _has_no_else(job.legs, place):
             operation.remark(refused, warning=True)
             return []
@@ -62,7 +65,7 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
     for one in answer[:1]:  # all jobs are parts of one text
         operation.notices.append(Planned(operation.now, one.text, one.certificate, "offset"))
     operation.remark(
-        f"{title(barrier)}: {{{offset.frame}}} is shifted by {said}; its lines are planned and proved "
+        f"{title(barrier)}: {{{offset.frame}}} is shifted by {shift_text}; its lines are planned and proved "
         f"there ({operation.now - since:.3f} s)"
     )
     return list(answer)
@@ -84,12 +87,12 @@ def _planned(
     if first is None:
         return "nothing moves in it"
     begins = job.offset + first.offset + first.commands[0].begins
-    found: Replanned | str | None = yield Replan(begins, joints, values)
-    if not isinstance(found, Replanned):
-        return found
-    if [deeds(one) for one in found.jobs] != [deeds(leg.job) for leg in legs if leg.job is not None]:
+    planned: Replanned | str | None = yield Replan(begins, joints, values)
+    if not isinstance(planned, Replanned):
+        return planned
+    if [deeds(one) for one in planned.jobs] != [deeds(leg.job) for leg in legs if leg.job is not None]:
         return "other commands would move, set or wait there than without a shift"
-    return found.jobs
+    return planned.jobs
 
 
 def _has_no_else(legs: tuple[Leg, ...], place: int) -> bool:

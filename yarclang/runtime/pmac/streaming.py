@@ -214,7 +214,7 @@ class Stream:
                 yield from self.holding.for_input(told, moves=False)
                 return True
             if self.supervision.found(flow):
-                self.operation.go(Event.HOLD, self._found)
+                self.operation.go(Event.HOLD, self._found_message)
                 raise Found
         yield from self.supervision.begin()
         self.begun = True
@@ -260,15 +260,15 @@ class Stream:
             # first ask how many lines fit, but don't delay the check for faults too long
             yield from (self._ask_lines() if now < due.status + _OVERDUE else self._ask_status())
         else:
-            when, ask = min(
+            due_at, ask = min(
                 (due.lines, self._ask_lines),
                 (due.status, self._ask_status),
                 (due.positions, self._ask_positions),
                 (due.settings, self._ask_settings),
                 key=lambda each: each[0],
             )
-            if now < when:
-                yield Wait(when)
+            if now < due_at:
+                yield Wait(due_at)
                 return False
             yield from ask()
         return moving and feed.at_most == 0 and feed.left == 0
@@ -301,7 +301,7 @@ class Stream:
         """
         moving = self.operation.state is State.MOVE
         if moving and self.supervision.found(flow):
-            yield from self.holding.hold(self._found, secure=False)
+            yield from self.holding.hold(self._found_message, secure=False)
             raise Found
         if moving and (watched := self.supervision.held_by(flow)):
             yield from self.holding.for_input(watched, self.supervision.way_out(flow))
@@ -311,7 +311,7 @@ class Stream:
             yield from self.holding.for_others(told)
 
     @property
-    def _found(self) -> str:
+    def _found_message(self) -> str:
         """Message for the moment at which a search finds its input."""
         one = self.job.search
         return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
@@ -351,14 +351,14 @@ class Stream:
     def _ask_positions(self) -> Script[None]:
         operation, job = self.operation, self.job
         self._due.positions = operation.now + operation.positions_each
-        asked = operation.now
+        asked_at = operation.now
         done = self.done
-        found = yield from sample(operation, job.robot, job.offset + done, job.clock + done)
-        operation.notices.append(found)
+        sampled = yield from sample(operation, job.robot, job.offset + done, job.clock + done)
+        operation.notices.append(sampled)
         executed = self.feed.executed_within(operation.now)
         self.rotary.course.forget(executed[0])
         if operation.state is State.MOVE:
-            off = self.rotary.course.off(found, executed, operation.now - asked)
+            off = self.rotary.course.off(sampled, executed, operation.now - asked_at)
             yield from look_whether_astray(operation, job.robot, off)
 
     def _ask_status(self) -> Script[None]:

@@ -159,7 +159,7 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
     """Return the current answers. If the controller refuses a line with several questions, they are asked
     separately.
     """
-    found: list[Remembered] = []
+    answers: list[Remembered] = []
     for question in questions:
         reply: tuple[str, ...] = ()
         try:
@@ -168,11 +168,11 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
             if len(question.parts) == 1:
                 raise
         if len(question.parts) == 1 or len(reply) == len(question.parts):
-            found.append(Remembered(question, reply))
+            answers.append(Remembered(question, reply))
             continue
         single = [Question((s,), (p,)) for s, p in zip(question.subjects, question.parts, strict=True)]
-        found += yield from _remembered(operation, single)
-    return found
+        answers += yield from _remembered(operation, single)
+    return answers
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,13 +232,13 @@ class Supervision:
             Trouble: the override doesn't reach the wanted value.
         """
         operation = self.operation
-        wanted, since = 100.0 * operation.override, operation.now
+        wanted_percent, since = 100.0 * operation.override, operation.now
         while True:
             (percent,) = yield from operation.numbers("%", 1)
-            if percent == 0.0 or abs(percent - wanted) <= _SAME_PACE:
+            if percent == 0.0 or abs(percent - wanted_percent) <= _SAME_PACE:
                 break  # in a hold it is 0
             if operation.now - since > _LONGEST_SLEW + 2.0 * self._robot.controller.hold_time:
-                what = f"the override stays at {percent:.4g} %, and is to be {wanted:g} %"
+                what = f"the override stays at {percent:.4g} %, and is to be {wanted_percent:g} %"
                 raise Trouble(what, "find out who else uses this controller", "Y1605")
             yield Wait(operation.now + _SLEWING)
         yield from operation.ask(f"{self._winds} {WATCHED}=1")
@@ -295,7 +295,7 @@ class Supervision:
             Lost: the answer can't be parsed.
         """
         operation = self.operation
-        asked = operation.now
+        asked_at = operation.now
         items = yield from operation.ask(self._question)
         try:
             ahead, armed, beat, watched, echo, *inputs, percent = (number_in(item) for item in items)
@@ -308,15 +308,15 @@ class Supervision:
         self._asked = operation.now
         flow = Flow(int(ahead), percent, armed, beat, watched, echo, tuple(inputs))
         operation.ahead = flow.ahead
-        self._take_beat(flow, asked)
+        self._take_beat(flow, asked_at)
         return flow
 
-    def _take_beat(self, flow: Flow, asked: float) -> None:
+    def _take_beat(self, flow: Flow, asked_at: float) -> None:
         if flow.beat != self._beat:
             self._beat, self._beats_since = flow.beat, self.operation.now
             self._still = 0.0
         else:
-            self._still = asked - self._beats_since
+            self._still = asked_at - self._beats_since
 
     @property
     def doubtful(self) -> bool:
@@ -368,11 +368,11 @@ class Supervision:
         taken = self._sent - ahead
         return self._flag(taken), self._flag(taken + _RACE)
 
-    def _flag(self, taken: int) -> float:
-        """Return the guard's flag after the first `taken` lines."""
+    def _flag(self, executed: int) -> float:
+        """Return the guard's flag after the first `executed` lines."""
         flag = 0.0
         for row, value in self._arms:
-            if row >= taken:
+            if row >= executed:
                 break
             flag = value
         return flag
@@ -423,16 +423,16 @@ class Supervision:
                 "Y1605",
             )
 
-    def hold_again(self, told: str) -> str:
+    def hold_again(self, changes: str) -> str:
         """Return the assignment that restores the rate of a hold (Isx95), if another client has changed it;
         empty otherwise. With another rate, a hold would not come to rest as proved.
 
         Args:
-            told: the changes by other clients, in words.
+            changes: the changes by other clients, in words.
         """
         slew = system_variable(turbo_pmac(self._robot).coordinate_system, _HOLD_SLEW)
         was = self.operation.memory.value(slew)
-        return f"{slew}={was}" if was and slew in told else ""
+        return f"{slew}={was}" if was and slew in changes else ""
 
     def compare(self, *, all_: bool = False) -> Script[str]:
         """Ask for the settings again, and return the differences from the inspection; empty if there are
@@ -446,11 +446,11 @@ class Supervision:
         seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []
         marks = (self._marks,) if self._watching else ()  # each program has its own I16 and I17
         asked: list[Remembered] = [*memory.often, *marks, *seldom]
-        for one in asked:
+        for answer in asked:
             try:
-                reply = yield from self.operation.ask(one.question.line)
+                reply = yield from self.operation.ask(answer.question.line)
             except Refused as refused:
                 return str(refused)
-            if told := one.compared(reply):
+            if told := answer.compared(reply):
                 return told
         return ""

@@ -153,7 +153,7 @@ def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: He
         operation.go(Event.END, "the operator goes on")
 
 
-def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, why: str) -> Script[None]:
+def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, reason: str) -> Script[None]:
     """Wait until a person resumes; outputs are safe meanwhile.
 
     Args:
@@ -161,12 +161,12 @@ def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, why:
         job: the program with its outputs.
         barrier: where the robot stands.
         held: registers of the run; values from outside are accepted meanwhile.
-        why: the reason, and how the program continues, for people.
+        reason: the reason, and how the program continues, for people.
     """
     outputs = Outputs(job)
     yield from outputs.remember(operation)
     yield from outputs.secure(operation)
-    operation.go(Event.HOLD, why)
+    operation.go(Event.HOLD, reason)
     yield from _hold(operation, barrier, held)
     yield from outputs.restore(operation, 0)
     operation.go(Event.END, "the operator goes on")
@@ -192,8 +192,8 @@ def _hold(
 def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held) -> Script[None]:
     """Wait until a person answers with a number that the register can hold."""
     asks = Question(barrier.name, register.name, register.low, register.high)
-    wanted = f"a number from {register.low} to {register.high}"
-    how = f"{wanted} and Enter, or `yarc resume --answer N`, goes on"
+    expected = f"a number from {register.low} to {register.high}"
+    how = f"{expected} and Enter, or `yarc resume --answer N`, goes on"
     operation.go(Event.HOLD, f"{title(barrier)} asks: {barrier.name or register.name}; {how}", asks=asks)
     answers: list[int | None] = []
     while True:
@@ -202,7 +202,7 @@ def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held)
         if answer is not None and register.low <= answer <= register.high:
             break
         said = "no answer" if answer is None else f"the answer {answer}"
-        operation.remark(f"{title(barrier)}: {said}, and it asks for {wanted}", warning=True)
+        operation.remark(f"{title(barrier)}: {said}, and it asks for {expected}", warning=True)
     yield from keep(barrier, register, answer)
     held.registers[register.name] = answer
     operation.remark(f"{title(barrier)}: {register.name} is {answer}")

@@ -45,13 +45,13 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
         raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY, "Y1602")
     pairs = list(zip(robot.controller.motors, motors, strict=True))
     for number, motor in sorted(pairs, key=lambda pair: not pair[1].faulted):
-        if what := motor.trouble:
+        if problem := motor.trouble:
             remedy = f"find out why, then close its loop: `#{number}J/`"
-            raise Trouble(f"motor {number}: {what}", remedy, "Y1602")
+            raise Trouble(f"motor {number}: {problem}", remedy, "Y1602")
     for number, motor in pairs:
         if not motor.has("home complete"):
-            what = f"motor {number}: it isn't homed any more: its position means nothing"
-            raise Trouble(what, "find out who has used this controller, and home it", "Y1602")
+            problem = f"motor {number}: it isn't homed any more: its position means nothing"
+            raise Trouble(problem, "find out who has used this controller, and home it", "Y1602")
 
 
 def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, int]) -> Script[None]:

@@ -117,7 +117,7 @@ def controller_lock(host: str, port: int) -> Iterator[None]:
 
 def holder_of(host: str, port: int) -> Holder | None:
     """Return the holder of a controller's lock; None if no one holds it."""
-    found = (_asked(name) for name in _names(host, port))
+    found = (_listener(name) for name in _names(host, port))
     return next((one for one in found if one is not None), None)
 
 
@@ -131,7 +131,7 @@ def own_holders() -> tuple[Holder, ...]:
     names = {
         words[-1] for line in table.splitlines() if (words := line.split()) and words[-1].startswith(prefix)
     }
-    found = (_asked(b"\0" + name[1:].encode(), ours=True) for name in sorted(names))
+    found = (_listener(b"\0" + name[1:].encode(), ours=True) for name in sorted(names))
     return tuple(one for one in found if one is not None and one.is_ours)
 
 
@@ -198,7 +198,7 @@ def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
     until = time.monotonic() + _PATIENCE
     while (wire := _bound(name)) is None:
         # The name is bound but no process listens: the holder has just begun or just ended, or is hostile.
-        holder = _asked(name)
+        holder = _listener(name)
         if holder is not None or time.monotonic() > until:
             raise _refusal(holder or Holder(None), host, port)
         time.sleep(_PAUSE)
@@ -233,7 +233,7 @@ def _refusal(holder: Holder, host: str, port: int) -> ControlError:
     return ControlError(text, "wait for its end, or ask its user to end it")
 
 
-def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
+def _listener(name: bytes, *, ours: bool = False) -> Holder | None:
     """Return the process that listens at a name; None if no process does.
 
     Args:
@@ -252,12 +252,14 @@ def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
         if ours and peer.uid != os.getuid():
             return Holder(peer)
         try:
-            return _told(peer, wire.recv(_LONGEST))  # once: no process can delay us by sending byte by byte
+            return _with_facts(
+                peer, wire.recv(_LONGEST)
+            )  # once: no process can delay us by sending byte by byte
         except OSError:  # the holder is suspended, or does not answer
             return Holder(peer)
 
 
-def _told(peer: Peer, line: bytes) -> Holder:
+def _with_facts(peer: Peer, line: bytes) -> Holder:
     """Return a holder with the facts from its own answer. The answer can't be trusted: it appears only in
     messages, and only the holder's own user relies on it.
     """

@@ -90,14 +90,14 @@ def check_private(path: Path) -> None:
         ControlError: it is a link or no folder, belongs to another user, or others may enter it.
     """
     try:
-        found = path.lstat()
+        status = path.lstat()
     except OSError as error:
         raise ControlError(f"{path} can't be looked at: {reason_of(error)}") from None
-    if not stat.S_ISDIR(found.st_mode):
+    if not stat.S_ISDIR(status.st_mode):
         raise ControlError(f"{path} isn't a folder", "remove it")
-    if found.st_uid != os.getuid():
-        raise ControlError(f"{path} belongs to user {found.st_uid}", "have it removed")
-    if found.st_mode & 0o077:
+    if status.st_uid != os.getuid():
+        raise ControlError(f"{path} belongs to user {status.st_uid}", "have it removed")
+    if status.st_mode & 0o077:
         raise ControlError(
             f"others may enter {path}", f"`chmod 700 {path}`, if nobody else's files are in it"
         )

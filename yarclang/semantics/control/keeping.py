@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import get_args
 
-from yarclang.cell.keeping import LEAST_TILT, MOST_TILT, Keep, KeepKind, keep
+import numpy as np
+
+from yarclang.cell.keeping import LEAST_SIGHT, LEAST_TILT, MOST_TILT, Keep, KeepKind, region_of
 from yarclang.diagnostics import Collector
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.files import values_of
@@ -16,11 +17,18 @@ from yarclang.semantics.values.amounts import AmountError, missing_unit
 from yarclang.semantics.values.units import amount, number_fault, resolve_units
 from yarclang.subjects import Name, unknown
 from yarclang.syntax.ast import Statement, Value, Word
-from yarclang.units import DEG, Kind
+from yarclang.units import DEG, MM, Kind
 from yarclang.words.registry import word_specs
 
 _KINDS: tuple[KeepKind, ...] = get_args(KeepKind)
-_UNITS: dict[KeepKind, Kind] = {"UPRIGHT": "angle", "ABOVE": "length"}
+_RANGE: tuple[tuple[Kind, str], ...] = (("length", "the least distance"), ("length", "the largest distance"))
+_VALUES: dict[KeepKind, tuple[tuple[Kind, str], ...]] = {
+    "UPRIGHT": (("angle", "the angle"),),
+    "ABOVE": (("length", "the distance"),),
+    "FACING": (("angle", "the angle"), *_RANGE),
+    "SEEN": (("angle", "the angle"), *_RANGE),
+}
+"""The kind and the description of each value of a rule; those after the first may be left out."""
 _REFUSED = ("a motion time", "options")
 
 
@@ -49,18 +57,14 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
     standing = _standing(head, scope, findings)
     values = values_of(head)
     kind = _kind(head, values, findings)
-    limit = None if kind is None else _limit(head, kind, values, scope, defaults, findings)
+    limits = None if kind is None else _limits(head, kind, values[1:], scope, defaults, findings)
     if any(one.is_error for one in findings.found[before:]):
         return None
-    if kind is None or limit is None or carried is None or standing is None or head.moving is None:
+    if kind is None or limits is None or carried is None or standing is None or head.moving is None:
         return None
     of = "B" if head.base is None else head.base.name
-    made = keep(kind, (head.moving.name, of), carried.transform, standing.transform, limit)
-    link, among = standing.link, [of]
-    while link is not None:
-        among.append(link.name)
-        link = link.parent
-    return replace(made, among=tuple(among))
+    region = region_of(kind, carried.transform, standing.transform, *limits)
+    return Keep(kind, head.moving.name, of, region, carried.link, standing.link)
 
 
 def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | None:
@@ -78,7 +82,7 @@ def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | Non
 def _kind(head: Statement, values: list[Value], findings: Collector) -> KeepKind | None:
     spec = word_specs()["KEEP"]
     help_ = f"for example {spec.example}"
-    if len(values) != 2 or not isinstance(values[0], Word):
+    if len(values) < 2 or not isinstance(values[0], Word) or len(head.waypoints) > 1:
         findings.add("Y0401", f"KEEP wants {spec.wants}", head.whole_span, help_)
         return None
     word = values[0]
@@ -90,22 +94,84 @@ def _kind(head: Statement, values: list[Value], findings: Collector) -> KeepKind
         "Y0480",
         f"KEEP doesn't know {word.text}",
         head.span(word.place),
-        f"{subject.question} it takes {' or '.join(_KINDS)}".lstrip(),
+        f"{subject.question} it takes {', '.join(_KINDS[:-1])} or {_KINDS[-1]}".lstrip(),
         subject=subject,
     )
     return None
 
 
-def _limit(
+def _limits(
     head: Statement,
     kind: KeepKind,
     values: list[Value],
     scope: Scope,
     defaults: Defaults,
     findings: Collector,
+) -> tuple[float, ...] | None:
+    """Return the limit of a rule [rad or m], and its range of distances [m] if the line has one; None with a
+    finding.
+    """
+    wanted = _VALUES[kind]
+    if len(values) > len(wanted):
+        *names, last = (name for _, name in wanted)
+        names_ = f"{', '.join(names)} and {last}" if names else last
+        message = (
+            f"{kind} takes {f'{len(wanted)} values at most, {names_}' if names else names_}, and "
+            f"{len(values)} values stand here"
+        )
+        span = head.span(values[len(wanted)].place)
+        findings.add("Y0401", message, span, f"for example {word_specs()['KEEP'].example}")
+        return None
+    limits = [
+        _value(head, one, each, scope, defaults, findings) for one, each in zip(values, wanted, strict=False)
+    ]
+    found = [one for one in limits if one is not None]
+    if len(found) < len(limits):
+        return None
+    angle = found[0]
+    if kind != "ABOVE" and not LEAST_TILT <= angle <= MOST_TILT:
+        message = (
+            f"{kind} takes an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg, and this is "
+            f"{angle / DEG:.6g}"
+        )
+        help_ = "0 would be a motion without any deviation: write 1 (deg)"
+        if angle > MOST_TILT:
+            help_ = "180 (deg) would forbid nothing: take the KEEP away, or write a smaller angle"
+        findings.add("Y0480", message, head.span(values[0].place), help_)
+        return None
+    near, far = (*found[1:], *(LEAST_SIGHT, np.inf)[len(found) - 1 :])[:2]
+    if not near >= LEAST_SIGHT:
+        message = (
+            f"{kind} takes a least distance of {LEAST_SIGHT / MM:g} mm or more, and this is {near / MM:.6g} "
+            "mm"
+        )
+        help_ = "at the apex of the cone there is no direction: write a larger distance, or leave it out"
+        findings.add("Y0482", message, head.span(values[1].place), help_)
+        return None
+    if not far >= near + LEAST_SIGHT:
+        message = (
+            f"{kind} keeps a distance from {near / MM:.6g} to {far / MM:.6g} mm: no motion could be proved "
+            "to do so"
+        )
+        help_ = (
+            f"the largest distance comes last, and is at least {LEAST_SIGHT / MM:g} mm more than the least "
+            "one"
+        )
+        findings.add("Y0482", message, head.span(values[2].place), help_)
+        return None
+    return tuple(found)
+
+
+def _value(
+    head: Statement,
+    value: Value,
+    wanted: tuple[Kind, str],
+    scope: Scope,
+    defaults: Defaults,
+    findings: Collector,
 ) -> float | None:
-    """Return the limit of a rule [rad or m]; None with a finding."""
-    value, span = values[1], head.span(values[1].place)
+    """Return a value of a rule [rad or m]; None with a finding."""
+    span = head.span(value.place)
     if (fault := number_fault(value)) is not None:
         findings.add(*fault[:2], span, fault[2])
         return None
@@ -113,24 +179,17 @@ def _limit(
     found = amount(value, scope, head, findings)
     if units is None or found is None:
         return None
-    wanted = _UNITS[kind]
+    kind, name = wanted
     # if the line has units, those of DEFAULT don't apply: 10 (mm) is no angle
-    unit = units.get(wanted) or found.unit or (None if units else defaults.units.get(wanted))
+    unit = units.get(kind) or found.unit or (None if units else defaults.units.get(kind))
     try:
         if unit is None:
-            raise missing_unit(
-                wanted, "the angle of UPRIGHT" if kind == "UPRIGHT" else "the distance of ABOVE"
-            )
-        if unit.kind != wanted:
+            raise missing_unit(kind, f"{name} of KEEP")
+        if unit.kind != kind:
             raise AmountError(
-                "Y0307", f"{found} is of the wrong kind: {kind} takes a{'n' * (wanted == 'angle')} {wanted}"
+                "Y0307", f"{found} is of the wrong kind: {name} of KEEP is a{'n' * (kind == 'angle')} {kind}"
             )
-        limit = found.in_unit(unit) * unit.factor
+        return found.in_unit(unit) * unit.factor
     except AmountError as error:
         findings.add_error(error, span)
         return None
-    if kind == "UPRIGHT" and not LEAST_TILT <= limit <= MOST_TILT:
-        message = f"UPRIGHT takes an angle from {LEAST_TILT / DEG:g} to {MOST_TILT / DEG:g} deg, and this is {limit / DEG:.6g}"
-        findings.add("Y0480", message, span, "0 would be a motion without any deviation: write 1 (deg)")
-        return None
-    return limit

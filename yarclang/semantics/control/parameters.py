@@ -95,7 +95,8 @@ def bind_some(
         names: the parameters, in upper case; frames are never declared.
 
     Returns:
-        The scope of the SUB's body, with these parameters, and their meanings; None if an argument doesn't fit.
+        The scope of the SUB's body, with these parameters, and their meanings; None if an argument doesn't
+        fit.
     """
     head, silent = sub.block.head, Collector(source)
     given = matched(statement, head, silent)

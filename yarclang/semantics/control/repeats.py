@@ -42,7 +42,10 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     )
     if len(values) == 1 and isinstance(values[0], Word) and isinstance(scope.name(values[0].name), Register):
         name = values[0].text
-        message = f"{name} is known only when the program runs: its rounds have no number that lines can compute with"
+        message = (
+            f"{name} is known only when the program runs: its rounds have no number that lines can compute "
+            "with"
+        )
         findings.add("Y0401", message, head.whole_span, f"write REPEAT {name}, without a name in front of it")
         return None
     if len(values) != 1 or not isinstance(values[0], Number | Computed):

@@ -123,7 +123,10 @@ def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str,
             findings.add("Y0210", f"no register is named {word.text}", span, help_, subject=subject)
             return None
         if not register.low <= 0 <= register.high:
-            message = f"{word.text} is from {register.low} to {register.high}, and the place that is proved before, without a shift, is 0"
+            message = (
+                f"{word.text} is from {register.low} to {register.high}, and the place that is proved "
+                "before, without a shift, is 0"
+            )
             findings.add("Y0476", message, span, "declare a range with 0 in it: it is the box of the OFFSET")
             return None
         if register.name in found.values():
@@ -179,7 +182,10 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
         if isinstance(step, Motion):
             if rule := next((one for one in step.keeps if offset.name in one.among), None):
                 origin = step.origin
-                message = f"{origin.label or origin.name} keeps to {rule.words}, where the file has it, and this OFFSET shifts {{{offset.name}}}"
+                message = (
+                    f"{origin.label or origin.name} keeps to {rule.words}, where the file has it, and this "
+                    f"OFFSET shifts {{{offset.name}}}"
+                )
                 help_ = (
                     "keep to a frame that isn't shifted, such as {B}, or end the KEEP in front of the OFFSET"
                 )
@@ -201,7 +207,10 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
         or isinstance(last.goal, JointDelta | PoseDelta)
         or _is_shifted(last)
     ):
-        message = f"the OFFSET ends where {last.origin.name} leads, and that place is shifted, or isn't given by itself"
+        message = (
+            f"the OFFSET ends where {last.origin.name} leads, and that place is shifted, or isn't given by "
+            "itself"
+        )
         help_ = "end the OFFSET with a MOVEL or MOVEJ to a place of its own that isn't shifted, without BLEND"
         origin = last.origin
         findings.found.append(
@@ -215,6 +224,10 @@ def _fault_of(step: Step) -> str:
         return "the point that its arc passes isn't shifted"
     if isinstance(step, JointMove | LineMove) and step.search is not None:
         return "where it ends is known only when it has ended"
+    if isinstance(step, LineMove) and step.avoids:
+        return (
+            "its way is found where the file has the frame; write it as MOVEL by the places that Y0920 tells"
+        )
     if isinstance(step, Motion | Gap | _Standing):
         return ""
     return "its lines are planned as a whole when the program runs, so they have one way"

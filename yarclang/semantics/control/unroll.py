@@ -158,6 +158,7 @@ class _Unroller:
         self._place: Place = ()
         """Place of the block that is being carried out."""
         self._keeps: tuple[Keep, ...] = ()
+        self._kept_around: list[tuple[Keep, Block]] = []
         """The rules of all KEEPs around the lines that are being carried out."""
         self._is_too_much = False
         self._ways_out: list[WayOut] = []
@@ -252,10 +253,17 @@ class _Unroller:
             self._steps.append(Gap())
             return
         before, begin = self._keeps, len(self._steps)
+        around = [one for one, other in self._kept_around if _is_inside(block, other)]
+        if wider := next((one for one in around if kept.is_within(one)), None):
+            message = f"every place that keeps to {wider.words} around it keeps to {kept.words} as well"
+            help_ = "take this KEEP and its END away, or give it a narrower limit"
+            file.findings.add("Y0483", message, block.head.whole_span, help_)
+        self._kept_around.append((kept, block))
         if kept not in before:
             self._keeps = (*before, kept)
         self._nodes(block.body, file, Scope(scope), place)
         self._keeps = before
+        self._kept_around.pop()
         if not any(isinstance(one, Motion | Gap) for one in self._steps[begin:]):
             message = "nothing in this KEEP moves the robot"
             help_ = "put the motions between KEEP and its END"
@@ -554,6 +562,11 @@ class _Unroller:
         error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))
         if error is not None:
             self._tell_too_much(error)
+
+
+def _is_inside(block: Block, other: Block) -> bool:
+    """Return True if a block stands in another one; the lines of a SUB that is called from it don't."""
+    return any(one is block or (isinstance(one, Block) and _is_inside(block, one)) for one in other.body)
 
 
 def _names_file(statement: Statement) -> bool:

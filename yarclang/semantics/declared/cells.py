@@ -182,7 +182,10 @@ def declare_cell(
             _clash(declared_already(name, scope.where(name), cell.source), where, findings)
             continue
         if of_robot and table != "joints":
-            message = f"{name} is a joint position of {robot.name}, and means something else in programs with this cell"
+            message = (
+                f"{name} is a joint position of {robot.name}, and means something else in programs with "
+                "this cell"
+            )
             findings.append(Diagnostic("Y0214", message, cell.source, span, "choose another name"))
         meaning = _meaning(cell, table, name, robot)
         scope.declare(name, meaning, where)

@@ -308,7 +308,10 @@ def numbers_of_line(
             return None
     if len(given) != len(labels):
         verb = "is" if len(given) == 1 else "are"
-        message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
+        message = (
+            f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} "
+            "given"
+        )
         missing = labels[len(given) :]
         help_ = f"write {' '.join(missing)} after them" if given else "write one for each after the name"
         if not missing:

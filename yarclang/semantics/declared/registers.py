@@ -35,13 +35,19 @@ def declare_register(
     given = given[:-1] if behind else given
     other = given[-1] if behind and len(given) > 2 else None
     if isinstance(other, Word) and other.name in (_KEPT, _OUTSIDE):
-        message = "a register is KEPT or gets values from OUTSIDE, and not both: a value from outside is for one wait"
+        message = (
+            "a register is KEPT or gets values from OUTSIDE, and not both: a value from outside is for one "
+            "wait"
+        )
         findings.add("Y0431", message, statement.span(other.place), "leave one of the two words out")
         return None
     word, values = (given[0] if given else None), given[1:]
     bounds = range_of(values[0]) if values else None
     if not isinstance(word, Word) or bounds is None or len(values) > 2:
-        message = "REGISTER wants a name, a range, the value that it begins with if that isn't the lowest, and KEPT if it is kept from run to run or OUTSIDE if other programs fill it"
+        message = (
+            "REGISTER wants a name, a range, the value that it begins with if that isn't the lowest, and "
+            "KEPT if it is kept from run to run or OUTSIDE if other programs fill it"
+        )
         findings.add("Y0431", message, statement.whole_span, _EXAMPLE)
         return None
     low, high = bounds

@@ -114,7 +114,10 @@ def group_fault(signal: Signal, number: float) -> str:
     largest = largest_of(signal.variable)
     if number.is_integer() and 0 <= number <= largest:
         return ""
-    return f"{signal.name} has {len(signal.bits)} bits: it is an integer from 0 to {largest}, and never {number:.15g}"
+    return (
+        f"{signal.name} has {len(signal.bits)} bits: it is an integer from 0 to {largest}, and never "
+        f"{number:.15g}"
+    )
 
 
 def _variables(word: Word, statement: Statement, robot: Robot, findings: Collector) -> tuple[str, ...]:
@@ -125,7 +128,10 @@ def _variables(word: Word, statement: Statement, robot: Robot, findings: Collect
         group = _GROUP.fullmatch(word.name)
         first, last = (int(group[2]), int(group[4])) if group is not None else (0, 0)
         if group is None or group[1] != group[3] or not first < last < first + MOST_BITS:
-            message = f"{word.text} is no group: it has 2 to {MOST_BITS} variables of one letter, the lowest bit first"
+            message = (
+                f"{word.text} is no group: it has 2 to {MOST_BITS} variables of one letter, the lowest bit "
+                "first"
+            )
             findings.add("Y0470", message, span, "for example INPUT JOB M70..M77")
             return ()
         names = [f"{group[1]}{number}" for number in range(first, last + 1)]

@@ -44,7 +44,10 @@ class Signals:
         if first is new or new == first:
             return ()
         if first.kind != kind:
-            message = f"{signal.variable} is the {first.kind} {first.name} in {line} already, and can't be an {kind} too"
+            message = (
+                f"{signal.variable} is the {first.kind} {first.name} in {line} already, and can't be an "
+                f"{kind} too"
+            )
             return (Diagnostic("Y0416", message, where.source, where.span, "check the variables of both"),)
         if first.name == signal.name and first.safe == safe:
             return ()  # a program and its module may both declare a signal

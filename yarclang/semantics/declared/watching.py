@@ -20,7 +20,10 @@ from yarclang.words.registry import word_specs
 REACTIONS = MappingProxyType(
     {
         "HOLD": "the motion is held on its path, and a person says when it goes on",
-        "CALL": "the motion is held on its path; when a person says so, the robot goes back to where the motion began, and leaves on the way of a SUB",
+        "CALL": (
+            "the motion is held on its path; when a person says so, the robot goes back to where the "
+            "motion began, and leaves on the way of a SUB"
+        ),
     }
 )
 """Words for the robot's reaction while a watched input has the watched state."""

@@ -70,7 +70,10 @@ def _near(line: Line) -> Array | None:
         span = line.statement.span((option.argument or option.word).place)
         of_joints = line.values.of_joints and not named_poses(line)
         if of_joints or line.name.spec.targets.get("") is not Values.JOINTS:
-            message = "NEAR chooses among joint positions of a pose: only MOVEJ and its kin with _RPY or _QUAT take it"
+            message = (
+                "NEAR chooses among joint positions of a pose: only MOVEJ and its kin with _RPY or _QUAT "
+                "take it"
+            )
             line.findings.add("Y0412", message, span, "take it away")
         elif not isinstance(word := option.argument, Word):
             line.findings.add(
@@ -243,4 +246,7 @@ def _example(name: ResolvedName) -> str:
     return f"for example: {name.spec.examples[0].splitlines()[0]}"
 
 
-_TAUGHT = "a motion is proved before it runs: run the program, then put the line that `yarc registers` prints above its first command"
+_TAUGHT = (
+    "a motion is proved before it runs: run the program, then put the line that `yarc registers` prints "
+    "above its first command"
+)

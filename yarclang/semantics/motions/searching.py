@@ -161,7 +161,10 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
         if isinstance(step, SetOutput | Assign):
             target = step.output if isinstance(step, SetOutput) else step.target
             if isinstance(target, Signal) and target.variable in grips:
-                message = f"{target.name} takes or puts down a part where {search.origin.name} has ended, and that place is known only when the program runs"
+                message = (
+                    f"{target.name} takes or puts down a part where {search.origin.name} has ended, and "
+                    "that place is known only when the program runs"
+                )
                 help_ = "in a cell with parts move to a known place before the gripper acts"
                 return Diagnostic("Y0950", message, origin.source, origin.span, help_, place=origin.place)
         if isinstance(step, _STANDING):
@@ -173,7 +176,10 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
             and not isinstance(step.goal, JointDelta | PoseDelta)
         ):
             return at
-        message = f"{origin.name} begins where {search.origin.name} has ended, and that place is known only when the program runs"
+        message = (
+            f"{origin.name} begins where {search.origin.name} has ended, and that place is known only when "
+            "the program runs"
+        )
         help_ = "write a MOVEL or MOVEJ to a place of its own, without BLEND, in front of it"
         return Diagnostic("Y0475", message, origin.source, origin.span, help_, place=origin.place)
     return None

@@ -99,7 +99,10 @@ def _options(line: Line) -> tuple[Array, float]:
         elif word == "TOL":
             within = _within(line, option, kinds, within)
         else:
-            message = f"{line.name.spec.name} doesn't take {word}: its timetable says how fast the joints go and where they are"
+            message = (
+                f"{line.name.spec.name} doesn't take {word}: its timetable says how fast the joints go and "
+                "where they are"
+            )
             line.findings.add("Y0412", message, span, "take it away; STRETCH makes all times longer")
     return constant(within), stretch
 
@@ -238,7 +241,10 @@ def _seconds(line: Line, time: Time) -> float | None:
             line.findings.add_error(error, span)
             return None
     if not value > 0.0:
-        message = f"the time of a way-point is above 0: the motion begins at 0 where the robot stands, not at {value:.6g} s"
+        message = (
+            "the time of a way-point is above 0: the motion begins at 0 where the robot stands, not at "
+            f"{value:.6g} s"
+        )
         line.findings.add("Y0421", message, span, _FORM)
         return None
     return value
@@ -251,7 +257,10 @@ def _grows(line: Line, at: Array, times: list[Time | None]) -> bool:
     number = int(back[0]) + 1
     time = times[number]
     assert time is not None
-    message = f"way-point {number + 1} is at {at[number]:.10g} s, and the one before at {at[number - 1]:.10g} s: times grow"
+    message = (
+        f"way-point {number + 1} is at {at[number]:.10g} s, and the one before at {at[number - 1]:.10g} s: "
+        "times grow"
+    )
     line.findings.add(
         "Y0421", message, line.statement.span(time.place), "times are counted from the start of the motion"
     )
@@ -288,7 +297,10 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
         if len(row) != len(factors):
             names = line.robot.joint_names
             verb = "is" if len(row) == 1 else "are"
-            message = f"{word} of way-point {number} wants {len(names)} values ({' '.join(names)}), {len(row)} {verb} given"
+            message = (
+                f"{word} of way-point {number} wants {len(names)} values ({' '.join(names)}), {len(row)} "
+                f"{verb} given"
+            )
             line.findings.add("Y0401", message, line.statement.span(rate.place))
             return None
         rows.append([float(one) for one in row if one is not None])
@@ -324,7 +336,10 @@ def _rests(line: Line, velocities: Array | None, span: Span) -> bool:
         velocities[-1] = 0.0
         return True
     unit = line.robot.axis_unit_names[joint]
-    message = f"{line.robot.joint_names[joint]} goes at {last[joint]:.6g} {unit}/s at the last way-point: the motion ends at rest"
+    message = (
+        f"{line.robot.joint_names[joint]} goes at {last[joint]:.6g} {unit}/s at the last way-point: the "
+        "motion ends at rest"
+    )
     line.findings.add("Y0421", message, span, "let the velocities of the last way-point be 0")
     return False
 

@@ -287,8 +287,14 @@ def _columns(
     orders = 1 + max(order for _, order in found_)
     wanted = [(-1, 0), *((joint, order) for order in range(orders) for joint in range(robot.size))]
     if missing := [_title(robot, *one) for one in wanted if one not in found_]:
-        message = f"column{'s' * (len(missing) > 1)} {', '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
-        help_ = f"a file has {TIME} and all joints; velocities of all joints or of none, accelerations only with velocities"
+        message = (
+            f"column{'s' * (len(missing) > 1)} {', '.join(missing)} {'are' if len(missing) > 1 else 'is'} "
+            "missing"
+        )
+        help_ = (
+            f"a file has {TIME} and all joints; velocities of all joints or of none, accelerations only "
+            "with velocities"
+        )
         findings.add("Y1380", message, source.whole_line(line), help_)
         return None
     return _with_units(found_, orders, robot, units, own, source.whole_line(line), findings)
@@ -391,7 +397,10 @@ def _with_units(
         if kind not in factors and kind not in units:
             message = f"the unit of {silent[kind].name} isn't said anywhere"
             one = units_of(kind)[-1 if kind == "angle" else 0]
-            help_ = f"write it into the header, as in `{silent[kind].name} [{one}]`; or a unit of {kind} into the program's line or its DEFAULT"
+            help_ = (
+                f"write it into the header, as in `{silent[kind].name} [{one}]`; or a unit of {kind} into "
+                "the program's line or its DEFAULT"
+            )
             findings.add("Y1381", message, header, help_)
             return None
         factors.setdefault(kind, units[kind].factor if kind in units else 1.0)
@@ -469,7 +478,10 @@ def _refuse_cell(line: str, number: int, column: int, findings: Collector) -> No
     """Add a finding about a cell whose text isn't a valid number."""
     span = _cell_span(line, number, column)
     text = line.split(",")[column].strip()
-    help_ = f"a number is finite and at most {LARGEST_NUMBER:,.0f}, with a decimal point; its unit goes into the header"
+    help_ = (
+        f"a number is finite and at most {LARGEST_NUMBER:,.0f}, with a decimal point; its unit goes into "
+        "the header"
+    )
     if not text:
         message = "this cell is empty"
     elif text.lower().lstrip("+-") in {"nan", "inf", "infinity"}:
@@ -513,7 +525,10 @@ def _increase(
     row = int(np.argmax(late)) + 1
     more = int(np.count_nonzero(late)) - 1
     span = _cell_span(source.line(numbers[row]), numbers[row], columns.time)
-    message = f"the time {times[row]:.9g} s isn't later than the one before, {times[row - 1]:.9g} s in line {numbers[row - 1]}"
+    message = (
+        f"the time {times[row]:.9g} s isn't later than the one before, {times[row - 1]:.9g} s in line "
+        f"{numbers[row - 1]}"
+    )
     if more:
         message += f" (and {more:,} more row{'s' * (more > 1)})"
     findings.add("Y1383", message, span, "times increase from row to row; leave out rows that repeat one")
@@ -569,7 +584,10 @@ def _check_rest(
         if abs(speeds[joint]) <= STANDS:
             velocities[row] = 0.0
             continue
-        message = f"{robot.joint_names[joint]} moves at {speeds[joint]:.6g} {robot.axis_unit_names[joint]}/s {when}: the robot stands there"
+        message = (
+            f"{robot.joint_names[joint]} moves at {speeds[joint]:.6g} {robot.axis_unit_names[joint]}/s "
+            f"{when}: the robot stands there"
+        )
         span = _cell_span(source.line(numbers[row]), numbers[row], places[joint])
         findings.add(
             "Y1383",

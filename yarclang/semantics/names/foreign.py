@@ -2,9 +2,18 @@
 
 from types import MappingProxyType
 
-_WAYS = "CASE N ... OF 1 ... END and WHEN DOOR ON ... ELSE ... END choose a way when the program runs, IF by numbers when it is compiled"
-_LOOPS = "REPEAT I 4 ... END repeats lines; LOOP ... UNTIL DOOR ON, WHILE N < 3 ... END and LOOP ... EXIT ... END go on as long as the program decides when run"
-_JUMPS = "no line is jumped to: lines that are used in several places stand in a SUB, which CALL carries out; WHEN and REPEAT lead the way"
+_WAYS = (
+    "CASE N ... OF 1 ... END and WHEN DOOR ON ... ELSE ... END choose a way when the program runs, IF by "
+    "numbers when it is compiled"
+)
+_LOOPS = (
+    "REPEAT I 4 ... END repeats lines; LOOP ... UNTIL DOOR ON, WHILE N < 3 ... END and LOOP ... EXIT ... "
+    "END go on as long as the program decides when run"
+)
+_JUMPS = (
+    "no line is jumped to: lines that are used in several places stand in a SUB, which CALL carries out; "
+    "WHEN and REPEAT lead the way"
+)
 
 INSTEAD = MappingProxyType(
     {

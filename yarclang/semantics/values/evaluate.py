@@ -201,7 +201,10 @@ def formula_of(applied: Applied, scope: Scope) -> Formula:
         help_ = subject.question or f"the functions are {' '.join(FUNCTIONS)}, and those of FUNC above it"
         raise EvaluationError(name.place, "Y0109", f"no function is named {name.text}{is_}", help_, subject)
     if given != (wanted := len(found.parameters)):
-        message = f"{name.text} takes {wanted} argument{'s' * (wanted > 1)}, {given} {'is' if given == 1 else 'are'} given"
+        message = (
+            f"{name.text} takes {wanted} argument{'s' * (wanted > 1)}, {given} "
+            f"{'is' if given == 1 else 'are'} given"
+        )
         help_ = f"write {name.text}({', '.join(one for one, _ in found.parameters)})"
         raise EvaluationError(applied.place, "Y0110", message, help_)
     return found

@@ -66,13 +66,13 @@ def motion_word(reader: Reader) -> Statement | None:
         if match[0] in ("NORMAL", "NRM"):
             _vector(reader)
         return Skipped(re.sub(r"[\d(].*", "", match[0]) or match[0])
-    here = reader.at
+    start = reader.at
     if (match := reader.match(_WITH_DATA)) and reader.has_data():
         data = reader.data()
         if match[0] in "GTD":
             return Jump(match[0], data)
         return Skipped(match[0])
-    reader.at = here
+    reader.at = start
     return _letter(reader)
 
 

@@ -134,12 +134,12 @@ class Reader:
     def expression(self) -> Expression:
         """Read a sum of products; * / % & bind tighter than + - | ^ (PUM 233)."""
         self._deeper()
-        left = self._product()
+        result = self._product()
         while (sign := self._next()) and sign in "+-|^":
             self.at += 1
-            left = combined(SUMS[sign], left, self._product())
+            result = combined(SUMS[sign], result, self._product())
         self._depth -= 1
-        return left
+        return result
 
     def condition(self) -> Condition:
         """Read comparisons with AND and OR between them; AND binds tighter."""
@@ -159,7 +159,7 @@ class Reader:
     def _comparison(self) -> Condition:
         at, depth = self.at, self._depth
         try:
-            left = self.expression()
+            result = self.expression()
             match = self.match(_COMPARATOR)
             if not match:
                 raise Refusal(DATA)
@@ -170,7 +170,7 @@ class Reader:
             self.expect(")")
             return inner
         compare, right = COMPARISONS[match[0]], self.expression()
-        return lambda scope: compare(left(scope), right(scope))
+        return lambda scope: compare(result(scope), right(scope))
 
     def _product(self) -> Expression:
         left = self._factor()

@@ -36,7 +36,8 @@ _RANGE = re.compile(r"\.\.(\d{1,5})")
 _QUOTED = re.compile(r'"([^"]{0,250})"?')
 _CONTROL = re.compile(r"\^([A-Z@])")
 _PLAIN = re.compile(
-    r"ENDIF|ENDI|ENDWHILE|ENDW|ELSE|WAIT|STOP|RETURN|RET|BLOCKSTART|BSTART|BLOCKSTOP|BSTOP|NOFRAX|TINIT|PMATCH|UNLOCK"
+    r"ENDIF|ENDI|ENDWHILE|ENDW|ELSE|WAIT|STOP|RETURN|RET|BLOCKSTART|BSTART|BLOCKSTOP|BSTOP|NOFRAX|TINIT"
+    r"|PMATCH|UNLOCK"
 )
 _SHORT = {"ENDI": "ENDIF", "ENDW": "ENDWHILE", "RET": "RETURN", "BSTART": "BLOCKSTART", "BSTOP": "BLOCKSTOP"}
 
@@ -96,7 +97,7 @@ def _shared(reader: Reader) -> Statement | None:
             return If(name, condition)
     for name in ("SENDS", "SENDP", "SENDR", "SENDA", "SEND", "CMDS", "CMDP", "CMDR", "CMDA", "CMD"):
         if reader.takes(name):
-            return _said(reader, name.removesuffix("S") if name.startswith("CMD") else "SEND")
+            return _say(reader, name.removesuffix("S") if name.startswith("CMD") else "SEND")
     for name in ("ENABLEPLCC", "DISABLEPLCC", "ENABLEPLC", "DISABLEPLC", "PAUSEPLC", "RESUMEPLC"):
         if reader.takes(name) or (name == "ENABLEPLC" and reader.takes("ENAPLC")):
             numbers = reader.numbers(LAST_PLC)
@@ -131,13 +132,13 @@ def _assignment(reader: Reader) -> Statement:
     return Assign(letter, index, reader.expression(), synchronous, last)
 
 
-def _said(reader: Reader, name: str) -> Statement:
-    if found := reader.match(_CONTROL):
-        return Say("CMD", found[0]) if name.startswith("CMD") else Say("SEND^", found[1])
-    found = reader.match(_QUOTED)
-    if not found:
+def _say(reader: Reader, name: str) -> Statement:
+    if match := reader.match(_CONTROL):
+        return Say("CMD", match[0]) if name.startswith("CMD") else Say("SEND^", match[1])
+    match = reader.match(_QUOTED)
+    if not match:
         raise Refusal(DATA)
-    return Say("CMD" if name.startswith("CMD") else name, found[1])
+    return Say("CMD" if name.startswith("CMD") else name, match[1])
 
 
 def _display(reader: Reader) -> Statement:

@@ -347,14 +347,14 @@ def first_trip(piece: Piece, motors: list[Motor], samples: int = 64) -> tuple[fl
     before = 0.0
     for number in range(samples + 1):
         u = piece.duration * number / samples
-        if found := at(u):
+        if tripping := at(u):
             low, high = before, u
             for _ in range(40):
                 middle = (low + high) / 2.0
                 if other := at(middle):
-                    high, found = middle, other
+                    high, tripping = middle, other
                 else:
                     low = middle
-            return high, *found
+            return high, *tripping
         before = u
     return None

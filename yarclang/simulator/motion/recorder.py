@@ -45,7 +45,7 @@ class Recorder:
         """Return the commanded velocities (N,) [counts/s] of a motor at `times` (N,) [s]."""
         return self._look(motor, times, 1)
 
-    def _look(self, motor: int, times: Array, which: int) -> Array:
+    def _look(self, motor: int, times: Array, number: int) -> Array:
         changes = self._times.get(motor, [])
         motions = self._motions.get(motor, [])
         if not changes:
@@ -53,5 +53,5 @@ class Recorder:
         result = np.empty(len(times))
         for row, time in enumerate(times):
             motion, index = motions[max(bisect_right(changes, time) - 1, 0)]
-            result[row] = motion.at(float(time))[which][index]
+            result[row] = motion.at(float(time))[number][index]
         return result

@@ -389,10 +389,10 @@ class _Client(asyncio.Protocol):
         if self._transport is not None and not self._transport.is_closing():
             self._transport.write(reply)
 
-    def _read(self, wanted: bool) -> None:
-        if wanted != self._reading and self._transport is not None and not self._transport.is_closing():
-            self._reading = wanted
-            if wanted:
+    def _read(self, wants_write: bool) -> None:
+        if wants_write != self._reading and self._transport is not None and not self._transport.is_closing():
+            self._reading = wants_write
+            if wants_write:
                 self._transport.resume_reading()
             else:
                 self._transport.pause_reading()

@@ -15,54 +15,54 @@ from yarclang.simulator.programs import program
 _KINDS = {"PRO": "prog", "PLC": "plc", "ROT": "rotary"}
 
 
-def open_buffer(line: Line, found: re.Match[str]) -> None:
+def open_buffer(line: Line, match: re.Match[str]) -> None:
     """Execute OPEN PROG n, OPEN PLC n or OPEN ROT."""
-    kind = _KINDS[found[1][:3]]
+    kind = _KINDS[match[1][:3]]
     number = 0 if kind == "rotary" else line.reader.whole()
     line.machine.buffers.open(line.port, kind, number)
 
 
-def close(line: Line, found: re.Match[str]) -> None:
+def close(line: Line, match: re.Match[str]) -> None:
     """Execute CLOSE or CLOSE ALL."""
-    line.machine.buffers.close(None if found[1] else line.port)
+    line.machine.buffers.close(None if match[1] else line.port)
 
 
-def clear(line: Line, found: re.Match[str]) -> None:
+def clear(line: Line, match: re.Match[str]) -> None:
     """Execute CLEAR for the open buffer, CLEAR ALL or CLEAR PLC n."""
-    if found[1]:
-        line.machine.buffers.clear_plcs(line.reader.numbers(LAST_PLC) if found[1] != "ALL" else None)
+    if match[1]:
+        line.machine.buffers.clear_plcs(line.reader.numbers(LAST_PLC) if match[1] != "ALL" else None)
     elif not line.port.open:
         raise Refusal(NEEDS_BUFFER)
     else:
         line.machine.buffers.clear(line.port)
 
 
-def define(line: Line, found: re.Match[str]) -> None:
+def define(line: Line, match: re.Match[str]) -> None:
     """Execute DEFINE ROT n. Definitions of other buffers have no effect."""
     reader, machine = line.reader, line.machine
-    if found[1].startswith("ROT"):
+    if match[1].startswith("ROT"):
         machine.buffers.define_rotary(line.port.system, reader.whole())
         return
     while reader.has_data() or reader.takes(","):
         if reader.has_data():
             reader.constant()
-    machine.buffers.gathering = machine.buffers.gathering or found[1].startswith("GAT")
+    machine.buffers.gathering = machine.buffers.gathering or match[1].startswith("GAT")
 
 
-def delete(line: Line, found: re.Match[str]) -> None:
+def delete(line: Line, match: re.Match[str]) -> None:
     """Execute DELETE ROT or DELETE GATHER. For other buffers, DELETE has no effect."""
-    if found[1].startswith("ROT"):
+    if match[1].startswith("ROT"):
         line.machine.buffers.delete_rotary(line.port.system)
-    elif found[1].startswith("GAT"):
+    elif match[1].startswith("GAT"):
         line.machine.buffers.gathering = False
 
 
-def listing(line: Line, found: re.Match[str]) -> None:
+def listing(line: Line, match: re.Match[str]) -> None:
     """Execute LIST PROG n, with the first line and the number of lines, LIST PLC n or LIST ROT."""
     reader, machine = line.reader, line.machine
     lines: Sequence[program.Line]
     first, count = 0, None
-    match found[1]:
+    match match[1]:
         case "PLC":
             number = reader.whole()
             if number not in machine.plcs.by_number:

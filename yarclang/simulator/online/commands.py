@@ -42,7 +42,10 @@ _COMMANDS: tuple[tuple[str, re.Pattern[str], Action], ...] = tuple(
         ),
         (
             "D",
-            r"DEL(?:ETE)?(ROT(?:ARY)?|GAT(?:HER)?|LOOK(?:AHEAD)?|BLCOMP|TCOMP|COMP|TBUF|UBUF|TRACE|PLCC?|CCBUF(?:FER)?)\d*",
+            (
+                r"DEL(?:ETE)?(ROT(?:ARY)?|GAT(?:HER)?|LOOK(?:AHEAD)?|BLCOMP|TCOMP|COMP|TBUF|UBUF|TRACE|PLCC?"
+                r"|CCBUF(?:FER)?)\d*"
+            ),
             buffers.delete,
         ),
         ("EG", r"END(?:GAT(?:HER)?|G)|GAT(?:HER)?(?:TRIGGER)?", controller.nothing),

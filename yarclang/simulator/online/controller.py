@@ -22,14 +22,14 @@ _ANSWERS = {
 }
 
 
-def status_words(line: Line, found: re.Match[str]) -> None:
+def status_words(line: Line, match: re.Match[str]) -> None:
     """Answer ?, ?? or ???."""
-    line.items.append(status.digits(line.machine, len(found[0]), line.port.motor, line.port.system))
+    line.items.append(status.digits(line.machine, len(match[0]), line.port.motor, line.port.system))
 
 
-def fixed(line: Line, found: re.Match[str]) -> None:
+def fixed(line: Line, match: re.Match[str]) -> None:
     """Answer VER, TYPE, CID, VID, SID, DATE or CHKS by a constant."""
-    line.items.append(_ANSWERS[found[0]])
+    line.items.append(_ANSWERS[match[0]])
 
 
 def time(line: Line, _: re.Match[str]) -> None:
@@ -38,23 +38,23 @@ def time(line: Line, _: re.Match[str]) -> None:
     line.items.append(f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}")
 
 
-def plcs(line: Line, found: re.Match[str]) -> None:
+def plcs(line: Line, match: re.Match[str]) -> None:
     """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs. There are no compiled PLCs (PLCC)."""
-    name = {"ENA": "ENABLE", "DIS": "DISABLE"}.get(found[1], found[1])
+    name = {"ENA": "ENABLE", "DIS": "DISABLE"}.get(match[1], match[1])
     numbers = line.reader.numbers(LAST_PLC)
-    if not found[2]:
+    if not match[2]:
         line.machine.switch_plcs(name, numbers)
 
 
-def message(line: Line, found: re.Match[str]) -> None:
+def message(line: Line, match: re.Match[str]) -> None:
     """Execute SEND as an on-line command. CMD has no effect."""
-    if found[1] == "SEND":
-        line.items.append(found[2])
+    if match[1] == "SEND":
+        line.items.append(match[2])
 
 
-def reset(line: Line, found: re.Match[str]) -> None:
+def reset(line: Line, match: re.Match[str]) -> None:
     """Execute $$$ or $$$***."""
-    if found[1]:
+    if match[1]:
         line.machine.initialise()
     else:
         line.machine.reset()
@@ -65,5 +65,5 @@ def save(line: Line, _: re.Match[str]) -> None:
     line.machine.save()
 
 
-def nothing(_line: Line, _found: re.Match[str]) -> None:
+def nothing(_line: Line, _match: re.Match[str]) -> None:
     """Accept a command that has no effect here."""

@@ -13,29 +13,29 @@ from yarclang.simulator.online.line import Line
 from yarclang.simulator.online.questions import REPORTS
 
 
-def address(line: Line, found: re.Match[str]) -> None:
+def address(line: Line, match: re.Match[str]) -> None:
     """Execute #n or ##n, or answer # alone."""
-    if not found[1]:
+    if not match[1]:
         line.items.append(str(line.port.motor))
         return
-    if not 1 <= int(found[1]) <= MOTORS:
+    if not 1 <= int(match[1]) <= MOTORS:
         raise Refusal(DATA)
-    line.port.motor = int(found[1])
+    line.port.motor = int(match[1])
 
 
-def report(line: Line, found: re.Match[str]) -> None:
+def report(line: Line, match: re.Match[str]) -> None:
     """Answer P (counts), V (counts per servo cycle) or F (counts)."""
-    if text := REPORTS[found[0]](line.machine, line.port):
+    if text := REPORTS[match[0]](line.machine, line.port):
         line.items.append(text)
 
 
-def jog(line: Line, found: re.Match[str]) -> None:
+def jog(line: Line, match: re.Match[str]) -> None:
     """Execute a jog command: J and the rest of it."""
     machine, now = line.machine, line.machine.now
     motor = _free(line)
     if not motor.activated:
         raise Refusal(DATA)
-    kind = found[1]
+    kind = match[1]
     if kind == "/":
         if motor.amplifier_fault:
             raise Refusal(OPEN_LOOP)
@@ -84,12 +84,12 @@ def _target(line: Line, motor: Motor, kind: str) -> float:
     return base + value
 
 
-def home(line: Line, found: re.Match[str]) -> None:
+def home(line: Line, match: re.Match[str]) -> None:
     """Execute HM or HMZ."""
     motor, now = _free(line), line.machine.now
     if not motor.activated:
         raise Refusal(DATA)
-    if found[0].endswith("Z"):
+    if match[0].endswith("Z"):
         motor.zero(now)
     else:
         if not motor.closed:

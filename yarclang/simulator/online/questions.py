@@ -35,22 +35,22 @@ def questions(line: str) -> tuple[Question, ...]:
     if len(line) > LONGEST or not LEGAL(line):
         return ()
     text = cleaned(line)
-    asked: list[Question] = []
+    asked_for: list[Question] = []
     at = 0
     while at < len(text):
         part = _PART.match(text, at)
         question = _question(part) if part else None
         if part is None or question is None:
             return ()
-        asked.append(question)
+        asked_for.append(question)
         at = part.end()
-    return tuple(asked)
+    return tuple(asked_for)
 
 
-def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:
+def answered(machine: Shown, port: Port, line_questions: tuple[Question, ...]) -> Reply:
     """Return the reply to a line that only contains questions. None of these questions can be refused."""
     items: tuple[str, ...] = ()
-    for question in asked:
+    for question in line_questions:
         if (item := question(machine, port)) is not None:
             items += (item,)
     return Reply(items)

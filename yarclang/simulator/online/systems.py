@@ -15,28 +15,28 @@ _LAST_PROGRAM = 32767
 _MOST_PERCENT = 225.88
 
 
-def address(line: Line, found: re.Match[str]) -> None:
+def address(line: Line, match: re.Match[str]) -> None:
     """Execute &n, or answer & alone."""
-    if not found[1]:
+    if not match[1]:
         line.items.append(str(line.port.system))
         return
-    if not 1 <= int(found[1]) <= SYSTEMS:
+    if not 1 <= int(match[1]) <= SYSTEMS:
         raise Refusal(DATA)
-    line.port.system = int(found[1])
+    line.port.system = int(match[1])
 
 
-def axes(line: Line, found: re.Match[str]) -> None:
+def axes(line: Line, match: re.Match[str]) -> None:
     """Execute #n->: define the axes of a motor, remove the definition (0), or report it."""
-    number = int(found[1])
+    number = int(match[1])
     if not 1 <= number <= MOTORS:
         raise Refusal(DATA)
     motor = line.machine.motors[number]
     owner = line.machine.system_of(motor)
-    if not found[2]:
+    if not match[2]:
         line.items.append(owner.definitions[number].text if owner else "0")
         return
-    wanted = axis_definition(found[2])
-    if wanted is None:
+    definition = axis_definition(match[2])
+    if definition is None:
         if owner is not None:
             owner.define(motor, None)
         return
@@ -44,21 +44,21 @@ def axes(line: Line, found: re.Match[str]) -> None:
         raise Refusal(DATA)
     if motor.jogging:
         raise Refusal(MOVE_IN_PROGRESS)
-    line.system.define(motor, wanted)
+    line.system.define(motor, definition)
 
 
-def undefine(line: Line, found: re.Match[str]) -> None:
+def undefine(line: Line, match: re.Match[str]) -> None:
     """Execute UNDEFINE or UNDEFINE ALL: remove the axis definitions of the coordinate system, or of all of
     them.
     """
-    for system in line.machine.systems.values() if found[1] else [line.system]:
+    for system in line.machine.systems.values() if match[1] else [line.system]:
         for motor in list(system.motors):
             system.define(motor, None)
 
 
-def point(line: Line, found: re.Match[str]) -> None:
+def point(line: Line, match: re.Match[str]) -> None:
     """Execute B: point to a program and a label."""
-    number, _, label = found[1].partition(".")
+    number, _, label = match[1].partition(".")
     system = line.system
     if system.busy:
         raise Refusal(BUSY_PROGRAM)
@@ -68,15 +68,15 @@ def point(line: Line, found: re.Match[str]) -> None:
     system.calculation.point_to(int(number or 0), int((label or "0").ljust(5, "0")[:5]))
 
 
-def run(line: Line, found: re.Match[str]) -> None:
+def run(line: Line, match: re.Match[str]) -> None:
     """Execute R or S."""
-    line.machine.run(line.port.system, single_step=found[0] == "S")
+    line.machine.run(line.port.system, single_step=match[0] == "S")
 
 
-def order(line: Line, found: re.Match[str]) -> None:
+def order(line: Line, match: re.Match[str]) -> None:
     r"""Execute Q, H, A, / or \\."""
     system = line.system
-    match found[0]:
+    match match[0]:
         case "Q":
             system.quit()
         case "A":

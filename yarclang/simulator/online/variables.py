@@ -16,10 +16,10 @@ _DEFINITION = re.compile(r"->(\*|(?:DP|[XYDFL]):\$?[0-9A-F]+(?:,(?:\d+|[SU])){0,
 _LONG_WORD = (1 << 48) - 1
 
 
-def variable(line: Line, found: re.Match[str]) -> None:
+def variable(line: Line, match: re.Match[str]) -> None:
     """Report, assign or define a variable, or a range of them (`..`)."""
     reader, variables, scope = line.reader, line.machine.variables, line.scope
-    letter = found[1]
+    letter = match[1]
     first = int(value_of(reader.index(), scope))
     last = first
     if ranged := reader.match(_UP_TO):
@@ -59,13 +59,13 @@ def _defaults(letter: str, first: int, last: int) -> list[float]:
     return [defaults.get(index, 0.0) for index in range(first, last + 1)]
 
 
-def read_memory(line: Line, found: re.Match[str]) -> None:
+def read_memory(line: Line, match: re.Match[str]) -> None:
     """Execute R: report the content of an address, in hexadecimal for RH."""
-    value = line.machine.variables.memory.read(Definition(found[2], int(found[3], 16)))
-    line.items.append(f"{int(value) & _LONG_WORD:X}" if found[1] else printed(value))
+    value = line.machine.variables.memory.read(Definition(match[2], int(match[3], 16)))
+    line.items.append(f"{int(value) & _LONG_WORD:X}" if match[1] else printed(value))
 
 
-def write_memory(line: Line, found: re.Match[str]) -> None:
+def write_memory(line: Line, match: re.Match[str]) -> None:
     """Execute W: write a value to an address."""
-    at = Definition(found[1], int(found[2], 16))
+    at = Definition(match[1], int(match[2], 16))
     line.machine.variables.memory.write(at, line.reader.constant())

@@ -64,12 +64,12 @@ def definition(text: str) -> Definition:
     """
     if text == "*":
         return Definition()
-    if found := _WHOLE.match(text):
-        return Definition(found[1], int(found[2], 16))
-    found = _BIT_FIELD.match(text)
-    if not found:
+    if match := _WHOLE.match(text):
+        return Definition(match[1], int(match[2], 16))
+    match = _BIT_FIELD.match(text)
+    if not match:
         raise Refusal(DATA)
-    kind, address, offset, width, sign = found.groups()
+    kind, address, offset, width, sign = match.groups()
     if width is None and offset in (None, "24"):
         return Definition(kind, int(address, 16), 0, 24, sign == "S")
     field = Definition(kind, int(address, 16), int(offset), int(width or 1), sign == "S")
@@ -210,9 +210,9 @@ class Variables:
             case _:
                 return self.q[system].get(index, 0.0)
 
-    def watch(self, letter: str, index: int, heard: Callable[[float], None]) -> None:
-        """Call `heard` with each value that is written to a variable, before it is stored."""
-        self._watching[letter, index] = heard
+    def watch(self, letter: str, index: int, callback: Callable[[float], None]) -> None:
+        """Call `callback` with each value that is written to a variable, before it is stored."""
+        self._watching[letter, index] = callback
 
     def write(self, letter: str, index: int, value: float, system: int) -> None:
         """Assign a value to a variable.

@@ -53,7 +53,7 @@ def saved(
 
 
 def restore(
-    kept: Saved,
+    saved: Saved,
     variables: Variables,
     programs: dict[int, Program],
     plcs: Plcs,
@@ -61,13 +61,13 @@ def restore(
     motors: Mapping[int, Motor],
 ) -> None:
     """Restore a saved state into parts that have been cleared. The PLCs are enabled."""
-    variables.i[:], variables.p = kept.i, list(kept.p)
-    variables.q, variables.m = [dict(q) for q in kept.q], dict(kept.m)
-    programs.update({number: program.copy() for number, program in kept.programs.items()})
-    for number, program in kept.plcs.items():
+    variables.i[:], variables.p = saved.i, list(saved.p)
+    variables.q, variables.m = [dict(q) for q in saved.q], dict(saved.m)
+    programs.update({number: program.copy() for number, program in saved.programs.items()})
+    for number, program in saved.plcs.items():
         plc = plcs.by_number[number] = Plc(number)
         plc.program = program.copy()
         plc.enable()
-    for number, definitions in kept.definitions.items():
+    for number, definitions in saved.definitions.items():
         for motor, definition in definitions.items():
             systems[number].define(motors[motor], definition)

@@ -74,7 +74,7 @@ def digits(controller: Controller, marks: int, motor: int, system: int) -> str:
     return "".join(f"{word:06X}" for word in words)
 
 
-def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
+def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, fields: int = WHOLE) -> int:
     """Return the first word of `#n?`, at a time [s]."""
     bits = MOTOR_WORD_1
     dwelling = system is not None and system.dwelling
@@ -88,7 +88,7 @@ def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wan
         | motor.aborting << bits["abort deceleration"]
         | motor.homing << bits["home search in progress"]
     )
-    if wanted & _PLACED:
+    if fields & _PLACED:
         positive, negative = motor.set_limits(time)
         word |= (
             negative << bits["negative limit set"]
@@ -98,7 +98,7 @@ def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wan
     return word
 
 
-def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
+def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, fields: int = WHOLE) -> int:
     """Return the second word of `#n?`, at a time [s]."""
     bits = MOTOR_WORD_2
     word = (
@@ -107,7 +107,7 @@ def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wan
         | motor.amplifier_fault << bits["amplifier fault"]
         | motor.fatal_error << bits["fatal following error"]
     )
-    if wanted & _MOTOR_FOLLOWS:
+    if fields & _MOTOR_FOLLOWS:
         warned, in_position = _following([motor], time)
         word |= warned << bits["warning following error"] | in_position << bits["in position"]
     if system is not None:
@@ -132,7 +132,7 @@ def system_word_1(system: CoordinateSystem) -> int:
     return word
 
 
-def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) -> int:
+def system_word_2(system: CoordinateSystem, time: float, fields: int = WHOLE) -> int:
     """Return the second word of `&n??`, at a time [s]."""
     bits, motors, rotary = SYSTEM_WORD_2, system.motors, system.calculation.rotary
     mode = MODE_BITS.get(system.calculation.moves.mode, 0)
@@ -146,7 +146,7 @@ def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) ->
         | (rotary is not None and rotary.full) << bits["rotary full"]
         | system.dwelling << bits["dwell buffered"]
     )
-    if wanted & _SYSTEM_FOLLOWS:
+    if fields & _SYSTEM_FOLLOWS:
         warned, in_position = _following(motors, time)
         word |= warned << bits["warning following error"]
         word |= (bool(motors) and in_position) << bits["in position"]

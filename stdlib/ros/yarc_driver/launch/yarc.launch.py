@@ -1,4 +1,6 @@
-"""Starts the ROS 2 node, robot_state_publisher and, with rviz:=true, RViz. It waits up to a minute until the robot is served."""
+"""Starts the ROS 2 node, robot_state_publisher and, with rviz:=true, RViz. It waits up to a minute until
+the robot is served.
+"""
 
 import sys
 from pathlib import Path

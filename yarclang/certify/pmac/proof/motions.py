@@ -16,13 +16,24 @@ from yarclang.certify.kinematics.arm import flange_poses
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
+from yarclang.certify.motion.timed import timed_tolerance
 from yarclang.certify.pmac.proof.room import in_units, told_frame
-from yarclang.certify.pmac.proof.shares import Own, corner_pieces, frame_proof, joint_proof, spline_proof
+from yarclang.certify.pmac.proof.shares import (
+    Own,
+    corner_pieces,
+    frame_proof,
+    joint_proof,
+    pose_spline_proof,
+    spline_proof,
+)
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 from yarclang.verify.paths import GRID
+
+_PIECES_OF_TABLE = 4
+"""Pieces of a segment that keeps a timetable."""
 
 
 @frozen(eq=False)
@@ -76,7 +87,7 @@ class Motions:
 
         If the motion cannot be checked, the result is a text with the reason.
         """
-        motion, layout, robot = place.motion, self._layout, self._judged.robot
+        motion, robot = place.motion, self._judged.robot
         if isinstance(motion, hir.LineMove | hir.ArcMove):
             start, goal = goal_pose(motion.goal, begin.flange)
             return frame_proof(
@@ -84,13 +95,21 @@ class Motions:
             )
         if isinstance(motion, hir.JointMove):
             return self._of_joints(row, place, begin)
-        if place.before is not None or place.behind is not None:
-            return None
+        if isinstance(motion, hir.PoseSplineMove):
+            frame = motion.waypoints[0].flange_from_moving
+            poses = np.array([begin.flange @ frame, *(one.base_from_moving for one in motion.waypoints)])
+            own = self._own(row, place)
+            return pose_spline_proof(
+                own, poses, frame, robot, self._judged.tolerance_of(motion), motion.timing
+            )
+        if isinstance(motion, hir.TimedMove):
+            return {"pieces": _PIECES_OF_TABLE}
         if isinstance(motion, hir.SplineMove | hir.AvoidMove):
             through = [one["q"] for one in _through(place, begin, robot, self._judged.claims)]
             points = np.array([begin.q / robot.axis_units, *through]) * robot.axis_units
             weights = joint_weights(robot, self._judged.tolerance)
-            return spline_proof(layout, place, points, weights, self._judged.claims)
+            law = self._judged.claims.laws.get(place.step)
+            return spline_proof(self._own(row, place), points, weights, law)
         return None
 
     def _of_joints(self, row: int, place: Place, begin: Begin) -> dict[str, Any]:
@@ -136,7 +155,7 @@ class Motions:
         proof, other = (self.proofs.get(str(place.step)) for place in (first, second))
         if proof is None or other is None:
             return
-        if isinstance(second.motion, hir.JointMove) and not corner.joints:
+        if isinstance(second.motion, hir.JointMove | hir.SplineMove | hir.AvoidMove) and not corner.joints:
             other["start"] = (self._begins[corner.second].q / judged.robot.axis_units).tolist()
         if not corner.rounded:
             return
@@ -154,7 +173,11 @@ class Motions:
 def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims: Claims) -> dict[str, Any]:
     """Return the description of a motion in the proof."""
     motion = place.motion
-    own = tolerance_of(motion, tolerance)
+    own = (
+        timed_tolerance(motion, robot)
+        if isinstance(motion, hir.TimedMove)
+        else tolerance_of(motion, tolerance)
+    )
     told: dict[str, Any] = {"tolerance": in_units(np.array([own.position / MM, own.angle / DEG]))}
     timing = motion.timing
     if timing.duration is not None:
@@ -182,12 +205,26 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
             if motion.tolerance is not None and place.size:
                 told["tolerance_of"] = told_frame(moving_frame(motion))
         case hir.PoseSplineMove(waypoints=waypoints):
-            poses = [told_frame(one.base_from_moving) for one in waypoints]
-            told |= {"move": "spline of poses", "poses": poses, "unchecked": "its path, a spline of poses"}
+            *poses, last = (told_frame(waypoint.base_from_moving) for waypoint in waypoints)
+            tool = told_frame(waypoints[0].flange_from_moving)
+            told |= {"move": "spline of poses", "pose": last, "tool": tool, "poses": poses}
         case hir.TimedMove():
-            told |= {"move": "timetable", "unchecked": "its path and time, a timetable"}
-            told.pop("duration", None)
+            told |= {"move": "timetable", "within": in_units(motion.within / robot.axis_units)}
+            told["rows"] = _rows(motion, robot)
     return told
+
+
+def _rows(motion: hir.TimedMove, robot: Robot) -> list[dict[str, Any]]:
+    """Return the rows of a timetable; the first is at the time 0, perhaps without a position."""
+    table, units = motion.asked, robot.axis_units
+    columns = {"q": table.positions, "v": table.velocities, "a": table.accelerations}
+    given = {name: (column / units).tolist() for name, column in columns.items() if column is not None}
+    times = [float(f"{at:.13g}") for at in table.times]
+    rows = [{"at": at, **{name: given[name][number] for name in given}} for number, at in enumerate(times)]
+    still = [0.0] * len(units)
+    if table.begins:
+        return [rows[0] | ({"v": still} if "v" in given else {}), *rows[1:]]
+    return [{"at": 0.0} | {name: None if name == "q" else still for name in given}, *rows]
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:

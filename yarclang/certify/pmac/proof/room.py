@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from yarclang import hir
-from yarclang.cell.keeping import Tilt
-from yarclang.cell.model import Cell, HalfSpace, JointWindow, Zone
+from yarclang.cell.model import Cell, HalfSpace, Unplaced, Zone
 from yarclang.certify.bodies.handled import follow
 from yarclang.certify.bodies.zones import moving_of
 from yarclang.certify.kinematics.arm import axes_of, steps_of
@@ -273,7 +272,7 @@ def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
     if zone.speed is not None:
         told["speed"] = zone.speed
     region = zone.region
-    if isinstance(region, JointWindow | Tilt):
+    if isinstance(region, Unplaced):
         return told, []
     if isinstance(region, HalfSpace):
         told["region"] = {"pose": told_frame(region.base_from_plane)}

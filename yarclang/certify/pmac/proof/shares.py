@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from yarclang import hir
-from yarclang.certify.claims import Claims
 from yarclang.certify.motion.bounds import HERMITE, HERMITE_RATE, Cubics
 from yarclang.certify.motion.pieces import Pieces, arm_bounds, frame_motion
+from yarclang.certify.motion.posespline import PoseSpline
 from yarclang.certify.motion.programmed import Arcs, Lines, Motion
 from yarclang.certify.motion.project import guess_by_length, project
 from yarclang.certify.motion.spline import NaturalSpline
-from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
@@ -31,6 +30,8 @@ _OPEN = 1 / 250
 """Least angle [rad] by which an arc must be smaller than a full turn for the checker, with a reserve."""
 _NEAREST = 2e-4
 """Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
+_COARSE = 4.0
+"""Approximate ratio of the checker's bounds of the fourth derivative of a spline of poses to the judge's."""
 _SHARP = 2e-4
 """Share of a programmed speed, approximately, that the bounds between the ends of pieces may take."""
 
@@ -88,8 +89,7 @@ def frame_proof(
         axis, angle = np.array([0.0, 0.0, 1.0]), 0.0
     told |= {"axis": axis.tolist(), "angle": angle, **own.told}
     if not len(cubics.h):  # blends take the whole path
-        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
-        return told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+        return told | _nowhere(own)
     owner = np.zeros(len(cubics.h), dtype=np.int64)
     origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
     # A chord is about sqrt 2 times the angle; the programmed turn adds as much again as the executed one.
@@ -105,6 +105,48 @@ def frame_proof(
     return told | _growing(s, rate, cut.d, count, own.ends)
 
 
+def pose_spline_proof(
+    own: Own, poses: Array, frame: Array, robot: Robot, tolerance: Tolerance, timing: hir.Timing
+) -> dict[str, Any] | str:
+    """Return the proof of a spline of poses; a text with the reason if there is none.
+
+    Args:
+        own: the segments that follow its path.
+        poses: (m, 4, 4) base_from_moving at the start and at the way-points.
+        frame: (4, 4) flange_from_moving.
+        robot: the arm.
+        tolerance: tolerance of this motion.
+        timing: its timing.
+    """
+    cubics = own.cubics
+    spline = PoseSpline.through(poses, frame, (own.ends[0] is None, own.ends[1] is None))
+    if spline is None or len(spline.spline.y) < len(poses) or np.diff(spline.spline.s).min() < _NEAREST:
+        return "its path, a spline of poses with way-points side by side"
+    quaternions = spline.spline.y[:, 3:]
+    apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
+    turns = (4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))).tolist()
+    told = {"quaternions": quaternions.tolist(), "turns": turns, **own.told}
+    if not len(cubics.h):  # blends take the whole path
+        return told | _nowhere(own)
+    owner = np.zeros(len(cubics.h), dtype=np.int64)
+    origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
+    rough = Pieces.cut(cubics, owner, np.ones(len(cubics.h), dtype=np.int64))
+    _, rate = _projected(spline, frame_motion(robot.chain, rough, frame[None]), rough, tolerance)
+    w, a = float(np.abs(rate).max()), float((np.abs(np.diff(rate)) / rough.d).max())
+    most = spline.cells.max(axis=0) * spline.total ** np.arange(1.0, 5.0)[:, None]
+    along = _COARSE * (most[3] * w**4 + 6.0 * most[2] * w * w * a + 3.0 * most[1] * a * a)
+    need = np.maximum(
+        (origin + along[0]) / tolerance.position, math.sqrt(2.0) * (rotation + along[1]) / tolerance.angle
+    )
+    count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
+    if timing.speed is not None and timing.speed.length:
+        sharp = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * timing.speed.length))).max())
+        count = min(max(count, math.ceil(sharp)), _MOST_PIECES)
+    cut = Pieces.cut(cubics, owner, np.full(len(cubics.h), count))
+    s, rate = _projected(spline, frame_motion(robot.chain, cut, frame[None]), cut, tolerance)
+    return told | _growing(s, rate, cut.d, count, own.ends)
+
+
 def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
     """Return the proof of a straight motion of joints, with the nearest point of the line at each instant.
 
@@ -117,8 +159,7 @@ def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str
     cubics, way = own.cubics, (goal - start) * weights
     count = len(cubics.h)
     if not count:  # blends take the whole path
-        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
-        return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+        return _nowhere(own)
     cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
     # Projection of the joints onto the line, in units of their tolerances.
     square = float(way @ way)
@@ -153,44 +194,51 @@ def _arc(paths: Arcs, via: Array) -> dict[str, Any]:
 
 
 def _projected(
-    paths: Lines | Arcs, executed: Motion, cut: Pieces, tolerance: Tolerance
+    paths: Lines | Arcs | PoseSpline, executed: Motion, cut: Pieces, tolerance: Tolerance
 ) -> tuple[Array, Array]:
     one = np.array([tolerance.position]), np.array([tolerance.angle])
     return paths.project(executed, cut.owner, *one)
 
 
-def spline_proof(
-    layout: Layout, place: Place, points: Array, weights: Array, claims: Claims
-) -> dict[str, Any] | str | None:
+def spline_proof(own: Own, points: Array, weights: Array, law: Array | None) -> dict[str, Any] | str | None:
     """Return the proof of a natural spline in joint space.
 
     The result is None if the spline has length zero. It is a text with the reason if two way-points are too
     close to each other.
 
     Args:
-        layout: the segments of the text.
-        place: the motion, with segments.
+        own: the segments that follow its path.
         points: (m, n) start of the motion, and its way-points [rad or m].
         weights: (n,) reciprocal of the tolerance of each joint.
-        claims: the planner's claims; a claimed law is used if it covers the motion.
+        law: the planner's claim of the share over time; it is used if it covers the segments.
     """
     spline = NaturalSpline.through(points)
     if len(spline.y) == 1:
         return None
-    if np.diff(spline.s).min() < _NEAREST:
+    if len(points) > 2 and np.diff(spline.s).min() < _NEAREST:
         return "its path, a spline with way-points side by side"
-    cubics = layout.cubics(place.first, place.last)
+    cubics = own.cubics
+    size = len(cubics.h)
+    if not size:  # blends take the whole path
+        return _nowhere(own)
+    owner = np.zeros(size, dtype=np.int64)
     count = _pieces(_spline_need(cubics, spline, weights))
-    cut = Pieces.cut(cubics, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))
-    end = float(spline.s[-1])
-    law = claims.laws.get(place.step)
-    if law is not None and law.shape == (place.size + 3,) and np.isfinite(law).all():
-        shares = Cubics.of_spline(law[:, None], np.arange(place.size), layout.time[place.first : place.last])
-        along = Pieces.cut(shares, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))
+    cut = Pieces.cut(cubics, owner, np.full(size, count))
+    if law is not None and law.shape == (size + 3,) and np.isfinite(law).all() and not own.told:
+        shares = Cubics.of_spline(law[:, None], np.arange(size), cubics.h)
+        along = Pieces.cut(shares, owner, np.full(size, count))
         return _growing(along.q[:, 0], along.rate[:, 0], cut.d, count)
-    guess, pace = guess_by_length(_Weighed(spline, weights), cut.q * weights, spline.s)
+    end = float(spline.s[-1])
+    free = own.ends[0] is None, own.ends[1] is None
+    guess, pace = guess_by_length(_Weighed(spline, weights), cut.q * weights, spline.s, free)
     s, rate = project(_Weighed(spline, weights), cut.q * weights, cut.rate * weights, guess, pace, cut.d)
-    return _growing(s / end, rate / end, cut.d, count)
+    return own.told | _growing(s / end, rate / end, cut.d, count, own.ends)
+
+
+def _nowhere(own: Own) -> dict[str, Any]:
+    """Return the proof of a motion of which blends take the whole path."""
+    share = own.ends[0] if own.ends[0] is not None else own.ends[1]
+    return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
 
 
 class _Weighed:

@@ -119,7 +119,10 @@ def check_feedback(
         error = _feedback_error(value, joint, matrix, offset, robot, coupling)
         allowed = coupling.joint_slack[joint]
         if error > allowed:
-            message = f"{name} differs from {owner} by up to {float(error):.3g} {unit} within the joints' limits; {float(allowed):.2g} {unit} are allowed"
+            message = (
+                f"{name} differs from {owner} by up to {float(error):.3g} {unit} within the joints' limits; "
+                f"{float(allowed):.2g} {unit} are allowed"
+            )
             say("Y1173", line, message)
         errors.append(error)
     return errors if len(errors) == len(joints) else None

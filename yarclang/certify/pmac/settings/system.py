@@ -71,8 +71,14 @@ def _check_marks(content: SettingsText, robot: Robot, say: Say) -> None:
     ahead = Fraction(controller.hold_time) / 2 + _GUARD_DELAY
     there = low.value * Fraction(controller.largest_segment)
     if low.value.denominator != 1 or there < ahead * (1 - Fraction(1, 10**9)):
-        message = f"{low.name}={low.printed}: the guard leaves {float(there / _MS):.6g} ms of the program, and a hold needs {float(ahead / _MS):.6g} ms"
+        message = (
+            f"{low.name}={low.printed}: the guard leaves {float(there / _MS):.6g} ms of the program, and a "
+            f"hold needs {float(ahead / _MS):.6g} ms"
+        )
         say("Y1175", low.line, message)
     elif full.value.denominator != 1 or not low.value < full.value <= _MOST_LINES:
-        message = f"{full.name}={full.printed}: the rotary counts as full from more lines on than {low.name}, {low.printed}, and at most {_MOST_LINES}"
+        message = (
+            f"{full.name}={full.printed}: the rotary counts as full from more lines on than {low.name}, "
+            f"{low.printed}, and at most {_MOST_LINES}"
+        )
         say("Y1175", full.line, message)

@@ -224,8 +224,10 @@ class Demands:
         begin, end = int(edges[first]), int(edges[last])
         between, inner = slice(begin, end), slice(begin, end - 1)
         return Demands(
-            self.limits.part(first, last), _places(self.step[between]), self.step[between], self.own[between] - first,
-            edges[first + 1 : last] - begin, self.fastest[between], self.push[between], self.jolt[between], self.bent[inner],
+            self.limits.part(first, last), _places(self.step[between]), self.step[between],
+                self.own[between] - first,
+            edges[first + 1 : last] - begin, self.fastest[between], self.push[between], self.jolt[between],
+                self.bent[inner],
             self.kinks[first : last - 1], self.turn[inner], self.spin[inner],
         )  # fmt: skip
 

@@ -34,8 +34,11 @@ _STEEP, _BETWEEN = 2e-4, 2.0
 The speed changes by at least the first share from one half segment to the next, and the second factor times
 the change would make it too fast.
 """
-_PARTS = np.array([0.0, 0.25, 0.5, 0.75])
-"""Places in a half segment that are sampled in addition."""
+_PARTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+"""Places in a half segment that are sampled in addition.
+
+The end is one of them: a slower motion may end there, just before the speed rises.
+"""
 _NEARBY = 1.5
 """Distance from a corner, in segments, within which a place may belong to the adjacent motion."""
 
@@ -113,7 +116,7 @@ def tried(
     looked = _Look(way, demands.limits, sampled, segment, passed, rounds, ends, sharper)
     poses = looked.poses()
     halves, beside = looked.way_left(poses)
-    excesses = (looked.limits_broken().and_of(looked.too_fast(poses)), beside, looked.zones_broken())
+    excesses = (looked.limits_broken().and_of(looked.too_fast(poses, halves)), beside, looked.zones_broken())
     return Trial(ends, halves, *(one.between(*time) for one in excesses))
 
 
@@ -165,16 +168,24 @@ class _Look:
         found: Array = tool_poses(way.paths[0].chain, curve, way.flange_from_moving)
         return found
 
-    def too_fast(self, poses: Array) -> Excess:
-        """Return the excesses of the frame's speed, from its `poses` (N, 4, 4).
+    def too_fast(self, poses: Array, halves: Numbers) -> Excess:
+        """Return the excesses of the frame's speed.
 
         Sharpened control points overshoot slightly.
+
+        Args:
+            poses: (N, 4, 4) poses of the frame, two in each segment.
+            halves: (k - 1,) half the widths of the overlaps at the corners, in segments.
         """
         h, path, points = self.segment, self.way.paths[0], self.sampled.points
         speeds = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) / (0.5 * h)
         at = 0.5 * h * np.arange(len(speeds), dtype=np.float64)
-        # In a blend, the speed of the faster motion is allowed.
-        one, other = (self.limits.speed[self._own(self.sampled.begin + at + aside * h)] for aside in (-1, 2))
+        # A segment belongs to the motion between whose ends it lies. In a blend, and only there, the speed of
+        # the faster motion is allowed.
+        segments = np.arange(len(speeds)) // 2
+        limit, inner = self.limits.speed, self.ends[1:-1]
+        one = limit[np.searchsorted(inner - halves, segments, side="right")]
+        other = limit[np.searchsorted(inner + halves, segments, side="right")]
         allowed = _FASTER * np.maximum(one, other)
         # If the speed changes, it may be higher between two samples.
         change = np.abs(np.diff(speeds, prepend=speeds[0], append=speeds[-1]))

@@ -89,8 +89,10 @@ class Way:
         """
         own = slice(first, last)
         return Way(
-            self.paths[own], *_begun(self.lengths[own]), self.start[own], self.shift[own], self.sweep[own], self.along[own], self.side[own],
-            self.axis[own], self.angle[own], self.turn[own], self.ends[first : last + 1], self.is_plain[own], self.is_bent[own],
+            self.paths[own], *_begun(self.lengths[own]), self.start[own], self.shift[own], self.sweep[own],
+                self.along[own], self.side[own],
+            self.axis[own], self.angle[own], self.turn[own], self.ends[first : last + 1], self.is_plain[own],
+                self.is_bent[own],
         )  # fmt: skip
 
     @property

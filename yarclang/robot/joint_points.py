@@ -1,0 +1,45 @@
+"""Places of a robot's joints as its URDF puts them: for pictures, and for a comparison with its masses.
+
+The axes of a chain say nothing about where along an axis a joint is. A URDF does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.link_shapes import link_places
+from yarclang.robot.model import Array, Robot
+from yarclang.robot.urdf import Urdf, read_urdf
+from yarclang.toml.reading import parse_toml, read_text
+
+
+def urdf_of(robot: Robot) -> tuple[Urdf, str] | None:
+    """Return the URDF of a robot that was read from files, and the link that is {B}; None if the files have
+    changed and can't be read any more.
+    """
+    table, source = read_text(robot.folder / "robot.toml", ""), read_text(robot.folder / robot.urdf, "")
+    if isinstance(table, Diagnostic) or isinstance(source, Diagnostic):
+        return None
+    said, urdf = parse_toml(table), read_urdf(source)
+    if isinstance(said, Diagnostic) or not urdf.sound or urdf.root is None:
+        return None
+    base = said.get("base")
+    if base not in urdf.links or not all(name in urdf.joints for name in robot.joint_names):
+        return None
+    return urdf, str(base)
+
+
+def joint_points(robot: Robot) -> Array | None:
+    """Return the points (n + 1, 3) [m] in {B}, with all joints at zero, of the joints' frames and of the
+    flange; None if the URDF can't be read any more.
+    """
+    found = urdf_of(robot)
+    if found is None:
+        return None
+    urdf, base = found
+    joints = [urdf.joints[name] for name in robot.joint_names]
+    places = link_places(urdf, joints)
+    base_from_root = np.linalg.inv(places[base][0])
+    points = [(base_from_root @ places[joint.child][0])[:3, 3] for joint in joints]
+    return np.vstack((*points, robot.chain.base_from_flange[:3, 3]))

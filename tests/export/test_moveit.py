@@ -5,6 +5,7 @@ import shutil
 import xml.etree.ElementTree as ET
 from itertools import combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio
@@ -19,6 +20,7 @@ from yarclang.convert.course import Wishes
 from yarclang.convert.srdf import content_of_srdf
 from yarclang.diagnostics import Collector
 from yarclang.export.moveit.package import package_of
+from yarclang.export.moveit.urdf import PackageMeshes
 from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
 
@@ -362,3 +364,17 @@ def test_a_full_disk_is_told(there, monkeypatch):
     monkeypatch.setattr("yarclang.export.folder.replace_file", full)
     made = run()
     assert (made.exit_code, "no space left on device" in made.stderr) == (1, True)
+
+
+def test_meshes_with_one_name_have_files_of_their_own(tmp_path):
+    """A mesh beside the robot's folder doesn't take the place of the robot's own one, in either order."""
+    beside, own = tmp_path / "shared" / "foo.stl", tmp_path / "robot" / "meshes" / "foo.stl"
+    for path in (beside, own):
+        path.parent.mkdir(parents=True)
+        path.write_bytes(path.parent.name.encode())
+    for order in ((beside, own), (own, beside)):
+        meshes = PackageMeshes(SimpleNamespace(folder=tmp_path / "robot"), "arm")
+        urls = [meshes.url_of(path) for path in order]
+        assert len(set(urls)) == 2
+        for path, url in zip(order, urls, strict=True):
+            assert meshes.files[url.removeprefix("package://arm/")] == path.read_bytes()

@@ -234,19 +234,20 @@ class PackageMeshes(MeshNames):
         return f"package://{self._package}/{self._places[path]}"
 
     def _place(self, path: Path) -> str:
-        """Return the path of a file in the package: its path in the robot's folder, if the file is there and
-        that path has only plain characters.
+        """Return a path of a file in the package that no other file has: its path in the robot's folder, if
+        the file is there and that path has only plain characters.
         """
         folder = self.robot.folder.resolve()
+        stem = re.sub(r"[^A-Za-z0-9_]", "_", path.stem, flags=re.ASCII) or "mesh"
+        place = f"{FOLDER}/meshes/{stem}{path.suffix}"
         if path.is_relative_to(folder):
             inside = str(PurePosixPath(path.relative_to(folder)))
             if _PLAIN.fullmatch(inside) and not inside.endswith(".urdf"):
-                return f"{FOLDER}/{inside}"
-        stem = re.sub(r"[^A-Za-z0-9_]", "_", path.stem, flags=re.ASCII) or "mesh"
-        place, number_ = f"{FOLDER}/meshes/{stem}{path.suffix}", 2
-        while place in self.files:
-            place, number_ = f"{FOLDER}/meshes/{stem}_{number_}{path.suffix}", number_ + 1
-        return place
+                place = f"{FOLDER}/{inside}"
+        free, number_ = place, 2
+        while free in self.files:
+            free, number_ = f"{place.removesuffix(path.suffix)}_{number_}{path.suffix}", number_ + 1
+        return free
 
 
 def _added(flange: str, bodies: Bodies, meshes: MeshNames) -> Iterator[str]:

@@ -1,4 +1,6 @@
-"""Conversion of internal values to messages: joints by name, offers, programs, outcomes. No I/O."""
+"""Conversion of the coordinator's values to messages: joint positions by joint names, offers, programs,
+outcomes. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -206,7 +208,8 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
     Args:
         way: the motion.
         robot: the robot.
-        start: (n,) start of the program [rad or m]. It is the `end` of the message if there is no motion.
+        start: (n,) start of the program [rad or m]. If no motion is needed or possible, it is the `end` in
+            the message.
     """
     job = way.job
     return replies.Way(

@@ -1,4 +1,4 @@
-"""The state of a robot's motors, connection and buffer, and the robot's frames, as messages."""
+"""Messages about the state of a robot's motors, connection and buffer, and about the robot's frames."""
 
 from __future__ import annotations
 

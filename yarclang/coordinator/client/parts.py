@@ -41,7 +41,7 @@ class Parts(Part):
         return Result(self._known(made.value.cell))
 
     async def as_filed(self, part: str | None = None) -> Result[Known]:
-        """Declare that a part, or each part (None), is in the place that the cell's file gives.
+        """Declare that a part (None: each part) is in the place that the cell's file gives.
 
         Raises:
             NotOwner: this client only watches, and the owner doesn't share the robot.

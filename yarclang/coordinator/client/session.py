@@ -66,10 +66,12 @@ class Session(Part):
         return self._coordinator.names.moving(name)
 
     async def adopt(self, declarations: tuple[str, ...]) -> Result[tuple[str, ...]]:
-        """Replace all accepted declarations by given ones, which come from a file or have been edited.
+        """Replace all accepted declarations of the session by other declarations, which come from a file or
+        have been edited.
 
         Returns:
-            None, with findings, if the new declarations aren't accepted. Then the earlier ones remain.
+            None, with findings, if the new declarations aren't accepted. Then the earlier ones remain in
+            force.
 
         Raises:
             NotOwner: this client only watches.

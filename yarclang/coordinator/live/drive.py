@@ -22,8 +22,8 @@ class Drive:
 
     Args:
         robot: the robot.
-        generator: generator of the motion.
-        running: the running motion.
+        generator: computes the lines of the motion.
+        running: the engine's work that streams the lines.
         now: the session's clock [s].
         stop: ends the motion at once, by a hold.
         tell: tells all clients the reason why the target isn't followed, and the bodies and zones in the way.
@@ -31,7 +31,7 @@ class Drive:
         check: raises an error if the client no longer owns the robot.
 
     Attributes:
-        lag: delay of a target [s]; a stop isn't delayed.
+        lag: time until a new target takes effect [s]; a stop isn't delayed.
     """
 
     def __init__(
@@ -155,10 +155,10 @@ def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
 
 
 def check_finite(target: Target) -> None:
-    """Check the number of a target's values, and that they are finite.
+    """Check that a target has the right number of values, and that all of them are finite.
 
     Raises:
-        Trouble: a value isn't finite, or there are too few or too many.
+        Trouble: a value isn't finite, or there are too few or too many values.
     """
     match target:
         case JointVelocity(velocity=velocity):

@@ -92,8 +92,8 @@ def run_described(
 
 
 def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
-    """Return the index of the command with which the program can continue; empty: the program must begin
-    again at its first command; None: unknown.
+    """Return the index of the command with which the program can continue; empty: its first command; None:
+    unknown.
     """
     plan = loaded.plan
     if plan is None or not ended.command or ended.code == _ABORTED:

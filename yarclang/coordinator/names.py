@@ -1,5 +1,5 @@
-"""The meaning of names after the lines of a session, for frames and signals that are named outside of a
-command. No I/O.
+"""The frames and signals that names stand for after the lines of a session, for orders that name them outside
+of a command. No I/O.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class _Alone:
 
 
 class Names:
-    """Names that have a meaning for a robot after the lines of a session.
+    """The frames and signals that names stand for after the lines of a session.
 
     Args:
         lines: lines of the session.
@@ -51,8 +51,9 @@ class Names:
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
 
     def cell(self) -> Result[Program]:
-        """Return the session's declarations as a program, with the cell that motions respect and its parts as
-        in the cell's file. None if the cell can't be used.
+        """Return the session's declarations as a program. The program contains the cell that motions respect,
+        with the cell's parts in the places that its file gives. No value, but findings, if the cell can't be
+        used.
         """
         parsed = parse(self._lines.behind("").source)
         assert parsed.value is not None  # parsing always gives a tree
@@ -67,7 +68,9 @@ class Names:
         return self._frame(name, lambda frame, found: moving_frame(_Alone(), frame, self.scope(), found))
 
     def base(self, name: str) -> Result[Frame]:
-        """Return a frame in which a pose can be given. Its transform is base_from_frame (4, 4) [m]."""
+        """Return the frame with a given name, if a pose can be given in it. The transform of the frame is
+        base_from_frame (4, 4) [m].
+        """
         return self._frame(name, lambda frame, found: base_axes(_Alone(), frame, self.scope(), False, found))
 
     def frames(self) -> dict[str, Frame]:

@@ -40,12 +40,14 @@ from yarclang.runtime.transports.private import folder, own_name, peer_of, priva
 from yarclang.runtime.transports.runs import remove_stale
 
 _LAST = 0.01
-"""Time before closing in which the last callers can still connect [s]: asyncio loses a connection that it
-accepts while the server closes.
+"""Time between the order to close the socket and its closing [s], in which callers can still connect. asyncio
+would lose a connection that it accepts while the server closes.
 """
 
 _MOST_UNREAD = 1024
-"""Most replies and events that may wait for a caller that doesn't read. One more ends the connection."""
+"""Most replies and events that may wait for a caller that doesn't read them. With one more, the connection is
+closed.
+"""
 
 _LINES = 32
 """Number of encoded events that are kept for the next client."""
@@ -158,7 +160,7 @@ class Visitor:
         coordinator: the coordinator.
         reader: reader of the connection.
         writer: writer of the connection.
-        written: events as lines.
+        written: converts events to lines of text.
         limits: allowed orders; None: all.
     """
 

@@ -124,7 +124,7 @@ def _last(node: Node) -> int:
 
 
 def move(program: Program, line: int, before: int) -> Edited:
-    """Move a statement or a block to another place, and indent it like its new neighbours.
+    """Move a statement or a block to another line, and indent it like its new neighbours.
 
     Args:
         program: the program.
@@ -183,7 +183,7 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
 
 
 def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
-    """Return lines with a new indentation of the first line. The others are shifted by the same amount."""
+    """Return lines that are shifted to the left or right, so that the first line has a given indentation."""
     old, rows = program.indent(lines[0]), []
     for line in lines:
         text = program.content(line)
@@ -194,8 +194,8 @@ def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
 
 
 def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) -> list[str]:
-    """Return rows with indices between those of their new neighbours. Indices that already fit stay
-    unchanged.
+    """Return lines whose commands have indices between those of their new neighbours. Indices that already
+    fit stay unchanged.
     """
     with_index = [(at, number) for at, row in enumerate(rows) if (number := index_of(row)) is not None]
     if not with_index:

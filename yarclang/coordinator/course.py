@@ -30,7 +30,7 @@ _TEXT_ALONE = "only the controller's text is known, and not its program"
 
 @dataclass(slots=True)
 class _Way:
-    """A sequence of the program's steps, and the known part of its duration [s]."""
+    """Steps of a program that are executed one after the other, and their known duration [s]."""
 
     steps: list[int] = field(default_factory=list)
     time: float = 0.0

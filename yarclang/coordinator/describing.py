@@ -111,7 +111,7 @@ def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:
 
 
 def _deeds(plan: MotionPlan) -> Iterator[str]:
-    """Yield the effects of a plan's SETs on parts of the cell, in words."""
+    """Yield in words what the SETs of a plan do to parts of the cell, such as taking a part."""
     program = plan.program
     carried = carried_parts(plan.robot, program, program.start, ends_of(plan))
     for step in range(len(program.steps)) if carried is not None else ():

@@ -54,7 +54,7 @@ UNDER_WAY = "Y1612"
 """Code of the finding for an action that is refused because another one is in progress."""
 
 NO_LOG = Path()
-"""Value for "no log"."""
+"""Path that stands for "write no log"."""
 
 
 class NotReady(Trouble):
@@ -367,7 +367,7 @@ class Engine:
         return await self._wait_for(self.look, moves=False)
 
     async def look(self) -> Inspection:
-        """Inspect the controller. If everything is in order, clear a fault."""
+        """Inspect the controller. If everything is in order, end an existing fault."""
         self.inspection = await self.session.perform(
             self.scripts.look(self.operation, self.robot, self._items)
         )

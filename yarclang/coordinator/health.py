@@ -59,7 +59,7 @@ def _is_guarded(coordinator: Coordinator) -> bool:
 
 
 def frames_of(coordinator: Coordinator) -> replies.Frames:
-    """Return the named frames of the session."""
+    """Return the named frames of the session and their poses as a message."""
     return replies.Frames(
         frames=tuple(
             replies.NamedFrame(

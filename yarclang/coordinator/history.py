@@ -115,7 +115,9 @@ class History:
         self._entries.clear()
 
     def _take_back(self, offer: Offer, ended: Ended) -> None:
-        """Shorten the last entry after its motion was taken back. Its command no longer counts."""
+        """Shorten the last entry after its last motion was driven back. The entry's command no longer
+        counts.
+        """
         if not ended.well and (ended.joints is None or not ended.command):
             return
         last = self._entries.pop()

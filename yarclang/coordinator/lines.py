@@ -192,7 +192,7 @@ class Lines:
 
     @property
     def next_number(self) -> int:
-        """Return the index for a command that has none."""
+        """Return the number for the index of the next command that has none."""
         return _STEP * (self.count + 1)
 
     def declare(self, declarations: tuple[str, ...]) -> None:

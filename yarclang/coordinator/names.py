@@ -45,7 +45,7 @@ class Names:
         self._planner = planner
 
     def scope(self) -> Scope:
-        """Return the present meaning of all names."""
+        """Return what all names stand for after the session's lines."""
         module = parse(self._lines.behind("").source).value
         assert module is not None  # parsing always gives a tree
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
@@ -64,7 +64,9 @@ class Names:
         return Result(None if has_errors(found) else checked.value, found)
 
     def moving(self, name: str) -> Result[Frame]:
-        """Return a frame that motions can move. Its transform is flange_from_frame (4, 4) [m]."""
+        """Return the frame with a given name, if motions can move it. Its transform is flange_from_frame
+        (4, 4) [m].
+        """
         return self._frame(name, lambda frame, found: moving_frame(_Alone(), frame, self.scope(), found))
 
     def base(self, name: str) -> Result[Frame]:
@@ -80,15 +82,15 @@ class Names:
         return {name: frame for name, frame in found.items() if frame is not None}
 
     def signal(self, name: str) -> Result[Signal]:
-        """Return an input or an output."""
+        """Return the input or output with a given name."""
         return _looked_up(name, lambda found: signal_named(_word(name), self.scope(), _Alone(), found))
 
     def input(self, name: str) -> Result[Signal]:
-        """Return an input."""
+        """Return the input with a given name."""
         return _looked_up(name, lambda found: input_named(_word(name), self.scope(), _Alone(), found))
 
     def output(self, name: str) -> Result[Signal]:
-        """Return an output."""
+        """Return the output with a given name."""
         return _looked_up(name, lambda found: output_named(_word(name), self.scope(), _Alone(), found))
 
     def _frame(self, name: str, look: Callable[[FrameName, Collector], Frame | None]) -> Result[Frame]:
@@ -105,7 +107,7 @@ def _word(name: str) -> Word:
 
 
 def _looked_up(text: str, look: Callable[[Collector], T | None]) -> Result[T]:
-    """Return the result of a look-up. The findings refer to the text of the name."""
+    """Return what a function finds for a name. The findings refer to the text of the name."""
     findings = Collector(SourceFile(TYPED, f"{text.strip()}\n"))
     found = look(findings)
     return Result(found, tuple(findings.found))

@@ -327,7 +327,7 @@ class Planner:
 
 
 def _new_parts(module: Module, before: int) -> Parts:
-    """Return the parts of a text that come after the session's lines."""
+    """Return the declarations and commands of a text that come after the session's lines."""
     own = replace(module, statements=tuple(one for one in module.statements if one.line > before))
     return parts_of(own)
 

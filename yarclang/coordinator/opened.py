@@ -40,8 +40,8 @@ class Ground:
         log: file or folder in which motions are logged (`Engine`).
         reply_time: longest time until the controller replies [s].
         pace: time of the controller's clock per time of this computer [s/s]; 1, except for a simulator.
-        patience: longest silence of this computer before the controller holds the robot [s]; None: the
-            connection's own value.
+        patience: longest silence of this computer before the controller holds the robot [s]; None: a time
+            that depends on how fast the connection is.
         simulated: True if the controller is yarclang's simulator in this process. It pauses whenever this
             process can't run.
         serves: True if the coordinator serves other processes.

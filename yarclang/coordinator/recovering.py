@@ -104,7 +104,7 @@ async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
 
 
 def recovery_described(recovered: Recovered, robot: Robot) -> replies.Recovery:
-    """Return the motion to a program as a message."""
+    """Return the result of `recovered` as a message."""
     recovery = recovered.found
     return replies.Recovery(
         place=None if recovery is None else recovery.place.index,

@@ -14,7 +14,7 @@ from yarclang.robot.model import Array
 from yarclang.runtime.job import Job, JobCommand
 
 _STEP = 4e-3
-"""Step of the first search [s]."""
+"""Step between the times at which the path is compared with the robot's position first [s]."""
 
 _FINER = 64
 _ROUNDS = 2
@@ -25,7 +25,7 @@ axis units [deg or mm]. The robot follows a controller text with rounded numbers
 """
 
 _AS_NEAR = 1e-4
-"""Largest difference of distances for places that count as equally near [deg or mm]."""
+"""Largest difference of two distances from the robot that count as equal [deg or mm]."""
 
 _EARLIER = 2.0
 """Largest time by which a report may be ahead of the robot [segments]."""
@@ -33,7 +33,9 @@ _EARLIER = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Resting:
-    """A command of a program, and the progress of the program at which the robot rests [s]."""
+    """The place on a planned path at which a robot rests: the command, and the progress of the program
+    there [s].
+    """
 
     command: JobCommand
     done: float

@@ -40,8 +40,8 @@ from yarclang.runtime.transports.private import folder, own_name, peer_of, priva
 from yarclang.runtime.transports.runs import remove_stale
 
 _LAST = 0.01
-"""Time between the order to close the socket and its closing [s], in which callers can still connect. asyncio
-would lose a connection that it accepts while the server closes.
+"""Time for which the server still accepts callers after its socket was removed [s]: asyncio loses a
+connection that it accepts while the server closes.
 """
 
 _MOST_UNREAD = 1024
@@ -293,7 +293,7 @@ class Visitor:
         self._wanted.set()
 
     async def _write(self) -> None:
-        """Write waiting lines, as fast as the caller reads them."""
+        """Write waiting replies and events, as fast as the caller reads them."""
         writer = self._writer
         try:
             while True:

@@ -434,7 +434,7 @@ class SharedRobot:
             self._tell(events.OverrideChanged(time_s=self.time, percent=round(self.override, 6)))
 
     def tell_scene(self) -> None:
-        """Inform all clients if the surroundings of the robot may have changed."""
+        """Inform all clients if the cell around the robot or its parts may have changed."""
         if self.scenes.is_another():
             self._tell(events.SceneChanged(time_s=self.time))
 

@@ -1,4 +1,4 @@
-"""Conversion of inputs and outputs of a run to events of the coordinator."""
+"""Conversion of changes of inputs and outputs to events of the coordinator."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ _TABLE = (
 
 @frozen
 class Place:
-    """The place that was taught last under a name: the line that declares it in a program."""
+    """The position that was taught last under a name: the line that declares it in a program."""
 
     controller: str
     program: str

@@ -25,10 +25,10 @@ from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
 
 TO_THE_START = "to the start"
-"""Name of an approach's command."""
+"""Name of the motion to a program's start."""
 
 BACK_ON_PATH = "back to where the motion began"
-"""Name of the motion back along the path after a motion was left."""
+"""Name of the motion back along the path, which comes before the motions out."""
 
 _SAME_TIME = 1e-6
 """Largest difference of two times that count as equal, when a command is found by its beginning [s]."""
@@ -60,7 +60,7 @@ class Undertaking:
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
         self._taken: frozenset[int] = frozenset()
-        """Steps of the program on the branches that were taken in the last part."""
+        """Steps that the last job has passed on the executed branches."""
         self._registers: dict[str, int] = {}
         """Values of the registers at the end of the last job. The next command or pass begins with these
         values.
@@ -171,7 +171,7 @@ class Undertaking:
         )
 
     def remember(self, history: History) -> None:
-        """Add the motions that were carried out to the history, so that they can be taken back."""
+        """Add the motions that were carried out to the history, so that the robot can drive them back."""
         plan = self.loaded.plan
         if plan is not None and self._done:
             history.ran(tuple(self._done), plan.program)
@@ -261,7 +261,7 @@ class Undertaking:
         return ended
 
     def _goes_on(self, job: Job) -> Job:
-        """Return a job whose registers begin with their values at the end of the part before."""
+        """Return a job whose registers begin with their values at the end of the job before."""
         if not job.registers or not self._registers:
             return job
         held = tuple(replace(one, first=self._registers.get(one.name, one.first)) for one in job.registers)

@@ -36,7 +36,9 @@ class Values:
 
     @property
     def wanted(self) -> message.ValuesWanted | None:
-        """Return the values that the program accepts now; None if there are none."""
+        """Return the registers for which the program accepts values now, as a message; None if there are
+        none.
+        """
         return wanted_message(self._session.operation.wants)
 
     def take(self, values: Mapping[str, Any], number: int | None, client: str) -> dict[str, int]:
@@ -78,7 +80,7 @@ class Values:
 
 
 def wanted_message(wanted: Wanted | None) -> message.ValuesWanted | None:
-    """Return the values that a program wants as a message."""
+    """Return the registers for which a program waits for values, as a message."""
     if wanted is None:
         return None
     ranges = tuple(

@@ -181,7 +181,7 @@ class Carrying:
 
 
 def _refused(goal: Goal, findings: tuple[Finding, ...]) -> Refusal:
-    """Return the first error of a program as a refusal."""
+    """Return the first error that prevents a goal's program as a refusal of the goal."""
     for one in findings:
         if one.severity == "error":
             return Refusal(one.code, f"goal {goal.number}: {one.message}", one.help or "")

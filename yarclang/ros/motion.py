@@ -253,7 +253,7 @@ class MotionLink:
         return actions
 
     def passed(self, now: float) -> list[Action]:
-        """Handle the passage of time: a goal may be complete, or may be given up."""
+        """Handle a timeout: a goal that is being received is complete, or is given up."""
         incoming = self._incoming
         if incoming is None or incoming.due is None or now < incoming.due:
             return []
@@ -319,7 +319,9 @@ class MotionLink:
     # points
 
     def _point(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
-        """Handle a point. Return True if it belongs to a goal, and the resulting actions."""
+        """Handle a way-point. Return two values: True if the way-point belongs to a goal, and the
+        resulting actions.
+        """
         if self._is_repeated(point):
             incoming = self._incoming
             if incoming is not None and not incoming.complete:

@@ -40,5 +40,5 @@ class Refusal:
 
 
 def refusal_of(trouble: Trouble) -> Refusal:
-    """Convert a trouble to a refusal."""
+    """Convert an exception of the coordinator to a refusal of a goal."""
     return Refusal(trouble.code, trouble.what, trouble.remedy)

@@ -197,7 +197,7 @@ class _Listener(_Client):
 
 
 class _Door:
-    """State that both links share."""
+    """State of the ROS door that the motion link and the state link share."""
 
     def __init__(self, robot: Robot, attach: Attach, order: ByteOrder, say: Say, link: MotionLink) -> None:
         self.order = order

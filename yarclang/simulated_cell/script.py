@@ -135,7 +135,7 @@ def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
-    """Read the changes of a text.
+    """Read the changes of inputs in the text of a script.
 
     Returns:
         The changes, or None with findings.

@@ -115,7 +115,7 @@ class _Walk:
         self._flange = flange_poses(self._chain, start[None])[0]
 
     def walked(self, steps: Iterable[Step]) -> Array:
-        """Return base_from_flange (4, 4) [m] after some steps."""
+        """Return the pose of the flange, base_from_flange (4, 4) [m], after the given steps of a program."""
         for step in line_to(steps):
             self._step(step)
         return np.asarray(self._flange)

@@ -205,8 +205,7 @@ class Draft:
             what: description of the change.
 
         Raises:
-            Trouble: a line that could be parsed couldn't be any more, or a block would lose its end; nothing
-                is changed.
+            Trouble: a line couldn't be parsed any more, or a block would be incomplete; nothing is changed.
         """
         text, edits = self._text(), self._edits()
         if applied(self.program.source.text, edits) != text:  # for example, if the last line has no end
@@ -291,7 +290,7 @@ def _stretches(lines: set[int]) -> Iterable[tuple[int, int]]:
 
 
 def _inside(line: int, old: str, new: str) -> Edit | None:
-    """Return the smallest edit of a line; None if nothing changes."""
+    """Return the smallest edit that turns a line into another; None if both are equal."""
     if old == new:
         return None
     same = _alike(old, new)

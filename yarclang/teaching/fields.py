@@ -1,4 +1,4 @@
-"""The parts of a command that users change individually, and their places in the text."""
+"""The fields of a command, which users change one by one, and their places in the program's text."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ class Reader:
                 yield Placed(field, "value", point.time.place, "[@]")
 
     def _columns(self, meaning: Values, count: int) -> tuple[tuple[str, str], ...]:
-        """Return the label and the unit of each value."""
+        """Return the label and the unit of each value of a way-point."""
         key = (meaning, count, *self._units.values())
         if key not in self._known:
             labels = meaning.labels(self._joints or _JOINTS[:count])
@@ -383,7 +383,7 @@ def _options(
 
 
 def _last_time(statement: Statement, unit: str) -> Placed:
-    """Return the time of the last way-point of a timetable."""
+    """Return the field for the time of a timed motion's last way-point."""
     if statement.time is None:
         return _absent("time", "Time", "number", unit, "time", "[@]")
     return Placed(

@@ -246,5 +246,5 @@ def quaternion_of(rotation: Array) -> list[float]:
 
 
 def _digits(kind: Kind, unit: str) -> int:
-    """Return the number of decimal places for a unit."""
+    """Return the number of decimal places with which taught numbers in a unit are written."""
     return max(0, math.ceil(-math.log10(_FINEST[kind] / UNITS[unit].factor) - 1e-9))

@@ -122,7 +122,7 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
 
 
 def indentation(program: Program, after: int) -> str:
-    """Return the indentation of a new line after a line, which is that of its neighbours."""
+    """Return the indentation of a line that is inserted after a given line: that of its neighbours."""
     statements = program.sketch.module.statements
     above = [one for one in statements if one.line <= after]
     below = next((one for one in statements if one.line > after), None)

@@ -168,7 +168,9 @@ def _called(count: int, first: int) -> str:
 
 
 def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
-    """Return the indentation after a line if some other lines were missing."""
+    """Return the indentation of a line that is inserted after a given line, as if the lines `without` were
+    missing.
+    """
     statements = [one for one in program.sketch.module.statements if one.line not in without]
     above = max((one.line for one in statements if one.line <= after), default=0)
     head = next((one for one in statements if one.line == above), None)

@@ -182,8 +182,8 @@ _NOTHING = "!-"
 
 
 def _robot_line(robot: Robot) -> str:
-    """Return the ROBOT line that names a robot of the library. For other robots there is none: they are named
-    in the project's yarc.toml.
+    """Return the ROBOT line that names a robot of the library. For another robot, return `_NOTHING` (no
+    line): it is named in the project's yarc.toml.
     """
     is_known = any(one.folder == robot.folder for one in list_robots())
     return f"ROBOT {robot.name}" if is_known else _NOTHING

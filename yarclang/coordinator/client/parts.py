@@ -1,4 +1,4 @@
-"""The places of the cell's parts."""
+"""A client's actions on the places of the cell's parts (workpieces and tools)."""
 
 from __future__ import annotations
 

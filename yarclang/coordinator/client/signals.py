@@ -1,4 +1,4 @@
-"""Inputs and outputs."""
+"""A client's actions on inputs and outputs."""
 
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ class Generator:
         self._ending = True
 
     def expired(self, now: float) -> bool:
-        """Return True if the last target is too old."""
+        """Return True if the last target is older than the watchdog allows."""
         return now - self._heard > WATCHDOG
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
@@ -139,8 +139,8 @@ class Generator:
         return tuple(lines)
 
     def _stride(self, target: Target | None, size: int) -> tuple[str, ...]:
-        """Return the lines of the next `size` control points: towards the target if that can be proved,
-        otherwise towards rest.
+        """Return the lines of the next control points, at most `size`: towards the target if that can be
+        proved, otherwise towards rest.
         """
         h, rates = self._segment, self._rates
         states: list[State] = []

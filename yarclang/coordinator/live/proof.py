@@ -49,7 +49,7 @@ times the first number, plus the second number as a margin [rad or m].
 """
 
 _CROWDED = 8
-"""Number of texts without a search after a search that has found no free room."""
+"""Number of texts for which no free room is searched after a search has found none."""
 
 _PIECES = (1, 8, 64)
 """Numbers of equal intervals into which a segment's time is cut to bound the tool's speed. If the bound is

@@ -36,7 +36,7 @@ _TOKEN_BYTES = 32
 """Number of random bytes in a token."""
 
 _UNREAD = 1 << 16
-"""Number of unread bytes from which on no further replies are written."""
+"""Number of bytes that a caller hasn't read from which on no further replies are written to it."""
 
 _TAKEN = "another process steers the robot"
 

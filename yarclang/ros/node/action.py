@@ -523,7 +523,7 @@ def _minus(first: Values, second: Values) -> Values:
 
 
 def _between(course: Sequence[tuple[float, Values]], time: float) -> Values:
-    """Return the positions of a course at a time, interpolated linearly between its samples."""
+    """Return joint positions at a time, interpolated linearly between the samples of a planned motion."""
     before = course[0]
     for after in course:
         if after[0] >= time:

@@ -339,7 +339,9 @@ class Driver:
         return self._asked("model")
 
     def scene(self) -> dict[str, Any]:
-        """Return the reply to the order `scene`. Raises the same errors as `model`."""
+        """Return the cell around the robot: the reply to the order `scene`. Raises the same errors as
+        `model`.
+        """
         return self._asked("scene")
 
     def ghost(self) -> list[tuple[float, Values]]:
@@ -502,7 +504,7 @@ class Driver:
         self._begin(self._hear, link)
 
     def _lose(self, link: _Link | None, reason: str) -> None:
-        """Close a connection, and abort the goals that used it."""
+        """Close the connection to a process, and abort the goals that used it."""
         with self._lock:
             if link is None or self._link is not link:
                 return
@@ -839,7 +841,7 @@ def _why(ended: dict[str, Any]) -> str:
 
 
 def _refused(findings: Sequence[dict[str, Any]]) -> Result:
-    """Return the first error of a program as the result of an aborted goal."""
+    """Return the first error that prevents a goal's program as the result of the aborted goal."""
     for one in findings:
         if one["severity"] == "error":
             return Result(INVALID_GOAL, _worded(one["code"], one["message"], one["help"] or ""))
@@ -851,7 +853,7 @@ def _worded(code: str, what: str, help_: str) -> str:
 
 
 def _places(joints: Sequence[Joint], course: dict[str, Any]) -> list[tuple[float, Values]]:
-    """Convert a course of the coordinator to rad and m."""
+    """Convert the samples of a planned motion from the coordinator's units to rad and m."""
     return [
         (at, tuple(value / one.scale for value, one in zip(row, joints)))
         for at, row in zip(course["times"], course["joints"])

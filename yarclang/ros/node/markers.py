@@ -61,7 +61,7 @@ _LETTERS = 0.06
 _WIDTH = 0.008
 """Width of the tool's path [m]."""
 _SEEN = 1e-4
-"""Largest difference of poses that are drawn as equal [m, or rad]."""
+"""Largest difference between two poses of a link that are drawn as one [m, or rad]."""
 _SHAFT: Vector = (0.25, 0.015, 0.03)
 """Length and widths of the arrow that points to the allowed side of a half space [m]."""
 

@@ -73,7 +73,7 @@ class Master:
 
 
 def _call(address: str, name: str, *values: Any) -> Any:
-    """Call a method of the master. Return (code, message, value)."""
+    """Call a method of the master. Return the master's reply (code, message, value)."""
     with xmlrpc.client.ServerProxy(address, transport=_Patient()) as server:
         answer = getattr(server, name)(*values)
     if not isinstance(answer, list) or len(answer) != 3:

@@ -257,7 +257,7 @@ class Node:
         self._work.put(lambda: self._tell(status))
 
     def changed(self) -> None:
-        """Handle a change of the robot, its cell or its plan."""
+        """Handle a change of the robot, its cell or its planned motion."""
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
@@ -420,7 +420,7 @@ class Node:
                 self._tell_once("master", text)
 
     def _follow(self) -> None:
-        """Publish description and drawings of the robot, its surroundings and its plan again."""
+        """Publish the robot's description, and the drawings of its cell and its planned motion, again."""
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         for what, work in works.items():
             try:

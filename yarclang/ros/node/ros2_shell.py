@@ -236,7 +236,7 @@ class Node:
             self._diagnostics.publish(self._name or "robot", status, self._now())
 
     def changed(self) -> None:
-        """Handle a change of the robot, its cell or its plan."""
+        """Handle a change of the robot, its cell or its planned motion."""
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:

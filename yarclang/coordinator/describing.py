@@ -225,11 +225,11 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
 def signals_described(
     variables: Mapping[str, str], values: Mapping[str, float | None]
 ) -> tuple[replies.NamedSignal, ...]:
-    """Return inputs or outputs as messages.
+    """Return the values of inputs or outputs as messages.
 
     Args:
         variables: controller variables, by the names of the signals.
-        values: values by variable; None if a value isn't known.
+        values: values by controller variable; None if a value isn't known.
     """
     return tuple(
         replies.NamedSignal(name=name, variable=one, value=values.get(one)) for name, one in variables.items()

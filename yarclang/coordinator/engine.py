@@ -39,7 +39,9 @@ _AGAIN_EACH = 0.5
 """Time between two attempts to restore a lost connection [s]."""
 
 _TRIED, _TRIES = 1.0, 20
-"""Longest time for which a caller waits for a connection [s], and the number of checks during this time."""
+"""Longest time for which a caller waits for a connection [s] (`_TRIED`), and number of checks for a
+connection during this time (`_TRIES`).
+"""
 
 _RESCUE = 30.0
 """Longest time to bring a robot to rest after a bug in yarclang [s]."""

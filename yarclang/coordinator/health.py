@@ -51,7 +51,9 @@ def health_of(coordinator: Coordinator) -> replies.Health:
 
 
 def _is_guarded(coordinator: Coordinator) -> bool:
-    """Return True if the guard PLC was tested and works. It is tested only if everything else is in order."""
+    """Return True if the guard PLC (the controller's own program that holds the robot if this computer falls
+    silent) was tested and works. It is tested only if everything else is in order.
+    """
     inspection = coordinator.inspection
     if inspection is None or inspection.errors or coordinator.engine.lost:
         return False

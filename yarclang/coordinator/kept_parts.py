@@ -174,7 +174,9 @@ class KeptParts:
             self._known[file_of_cell(cell)] = replace(known, doubt=reason)
 
     def doubt_all(self, reason: str) -> None:
-        """Record for all cells with stored places that the places of their parts are no longer known."""
+        """Record that it is no longer known where the parts are, for each cell whose parts' places are
+        stored.
+        """
         for file, known in tuple(self._known.items()):
             self._known[file] = replace(known, doubt=reason)
 

@@ -68,8 +68,8 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
         source: the program.
         robot: robot that the program must be written for; None: the robot that the program or the options
             name.
-        stands: (n,) start of a program without START [rad or m]; None: as the options and the project
-            specify.
+        stands: (n,) joint positions at which a program without START begins [rad or m]; None: as the options
+            and the project specify.
 
     Returns:
         The program and all findings in order; no program if an error forbids running it.

@@ -126,8 +126,8 @@ class ControlSocket:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The orders allowed on a connection: their types, their description for messages, and the longest
-    line [bytes].
+    """The orders that are allowed on a connection: the types of the orders, a description of them for
+    messages, and the longest line [bytes].
     """
 
     allowed: tuple[type[Order[Any]], ...]

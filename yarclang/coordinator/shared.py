@@ -66,12 +66,12 @@ class SharedRobot:
         log: file or folder in which motions are logged (`Engine`).
         name: name that `yarc status` shows while nothing is in progress.
         simulated: True if the controller is yarclang's simulator.
-        serves: True if other processes are served.
+        serves: True if the coordinator serves other processes.
         surroundings: machines around a robot that is simulated in this process; None: the robot isn't
             simulated here.
         patient: True to run also while the controller can't be reached, or isn't in the state that the robot
             needs; nothing can move then.
-        first: first number of a program or an offer.
+        first: number at which the coordinator begins to count programs and offers.
         plan: runs planning functions; None: in a thread, so that planning a long program doesn't delay a
             stop.
 
@@ -81,7 +81,7 @@ class SharedRobot:
         planner: creates offers.
         lines: declarations of the session.
         history: actions of the session.
-        names: names known after the session's lines.
+        names: the frames and signals that names stand for after the session's lines.
         around: the cell, and inputs and outputs by name.
         scenes: descriptions of robot and cell, for programs that draw them.
         stops: number of stops and aborts so far. Requests that were made before the last one no longer begin.
@@ -90,7 +90,7 @@ class SharedRobot:
         why: reason for the robot's present state.
         progress: last reported progress of a program.
         sample: last reported position of the motors.
-        behind: known time of the program after the current part, at full speed [s].
+        behind: known duration of the program after the current job, at full speed [s].
     """
 
     def __init__(

@@ -108,15 +108,15 @@ Action = Answer | Plan | Move | Stop | Hold | Refused | Told
 
 @dataclass(slots=True)
 class _Incoming:
-    """A goal whose points are being received.
+    """A goal whose way-points are being received.
 
     Attributes:
         number: number of the goal.
         downloaded: True for a download, False for a stream.
-        points: points received so far.
-        due: time at which the goal is complete, or is given up [s]; None if no more points are expected.
-        complete: True if all points were received.
-        cut: True if its client disconnected before the goal was complete.
+        points: way-points received so far.
+        due: time at which the goal is complete, or is given up [s]; None if no more way-points are expected.
+        complete: True if all way-points were received.
+        cut: True if the client disconnected before the goal was complete.
     """
 
     number: int
@@ -198,8 +198,8 @@ class MotionLink:
     def disconnected(self, now: float) -> list[Action]:
         """Handle the disconnection of the client.
 
-        An incomplete goal waits until the client reconnects and repeats the point that wasn't answered. A
-        running motion continues.
+        An incomplete goal waits until the client reconnects and sends the way-point again that wasn't
+        answered. A running motion continues.
         """
         incoming = self._incoming
         if incoming is not None and not incoming.complete:

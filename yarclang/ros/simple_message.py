@@ -16,8 +16,8 @@ SLOTS = 10
 """Joint slots of a message. Slots beyond the robot's joints are 0."""
 
 MOST = 1020
-"""Largest length of a frame [bytes]: the stock nodes receive at most 1024 bytes at a time, including the
-length itself.
+"""Largest length of a frame [bytes]: ROS-Industrial's nodes receive at most 1024 bytes at a time, including
+the word that contains the length.
 """
 
 _HEADER = 12
@@ -133,12 +133,13 @@ class RobotStatus:
 
 @dataclass(frozen=True, slots=True)
 class FullPoint:
-    """A way-point with the derivatives of all joints. The stock nodes don't send it.
+    """Content of a message: a way-point with the derivatives of all joints. ROS-Industrial's nodes don't send
+    it.
 
     Attributes:
         robot: number of a group of joints.
         sequence: index in the trajectory from 0, or one of `Sequence`.
-        valid: flags of the valid fields: 1 time, 2 positions, 4 velocities, 8 accelerations.
+        valid: sum of flags for the fields that are valid: 1 time, 2 positions, 4 velocities, 8 accelerations.
         time: time since the start of the trajectory [s].
         positions: (10,) positions [rad or m].
         velocities: (10,) velocities [rad/s or m/s].
@@ -157,8 +158,8 @@ class FullPoint:
 
 @dataclass(frozen=True, slots=True)
 class JointFeedback:
-    """Positions of the joints with their derivatives. The stock nodes don't understand it. The attributes are
-    those of `FullPoint`.
+    """Content of a message: positions of the joints with their derivatives. ROS-Industrial's nodes don't
+    understand it. The attributes are those of `FullPoint`.
     """
 
     robot: int

@@ -38,12 +38,12 @@ class Set:
 
 @frozen
 class _Due:
-    """A pending change, or the next value of an input that toggles.
+    """A pending change of an input, or the next value of an input that toggles.
 
     Attributes:
         change: the change.
-        turn: number of changes of the input when its toggling began. If the number differs, another change
-            has ended the toggling. None for a first change.
+        turn: number of changes of the input when its toggling began. If the input has changed more often
+            since, another change has ended the toggling. None for a first change.
         phase: 0 for the value of the change, 1 for its opposite.
         cause: cause of the change: SCRIPT, SENSOR or HAND.
     """

@@ -67,12 +67,14 @@ class Known:
     Attributes:
         inputs: variables of inputs in the controller, by their names in upper case.
         outputs: variables of outputs in the controller, by their names in upper case.
-        places: places of the program's commands; None if the program isn't known yet.
-        has_places: False if no program will ever be run, so that a script can't name places.
+        places: full places of the program's commands, such as P0020(I=2)>P0010; None if the program isn't
+            known yet.
+        has_places: False if no program will ever be run, so that a script can't name a command.
         signal: function that parses a text in upper case as the variable of an input or output.
         groups: variables of each group of inputs by the group's name, lowest bit first. The bits (JOB.0 and
             so on) are also in `inputs`.
-        registers: registers that the program accepts from outside; None if the program isn't known yet.
+        registers: registers for which the program accepts values from other processes; None if the program
+            isn't known yet.
     """
 
     inputs: Mapping[str, str]

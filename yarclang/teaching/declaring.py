@@ -79,7 +79,7 @@ def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: 
 
 
 def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: Array, line: int) -> int:
-    """Add a declaration of the robot's present position to the other declarations.
+    """Add a declaration of the robot's present position below the program's other declarations.
 
     Args:
         draft: the changes.
@@ -90,7 +90,7 @@ def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: 
         line: first line that uses the declaration.
 
     Returns:
-        The line after which the declaration is inserted.
+        The number of the line after which the declaration is inserted.
 
     Raises:
         Trouble: the name can't be declared, or a frame isn't known.

@@ -17,13 +17,13 @@ from yarclang.teaching.indices import (
 
 
 def insert(program: Program, after: int, code: str, *, has_index: bool = True, use: str = "") -> Edited:
-    """Insert a line.
+    """Insert a line into a program.
 
     Args:
         program: the program.
         after: number of the line after which the new line is inserted; 0 is the beginning.
         code: the line without index and indentation.
-        has_index: True if the line is a command.
+        has_index: True if the line is a command, which gets an index.
         use: module that the line needs; a USE line is inserted if it is missing.
 
     Raises:

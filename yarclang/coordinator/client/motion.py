@@ -105,8 +105,8 @@ class Motion(Part):
         return offered
 
     async def offer_back(self) -> Result[Offer]:
-        """Plan and certify the reverse of the last motion along the same path, including all motions that
-        flowed into it.
+        """Plan and certify a motion that drives the last motion back along its path, and also the motions
+        before it from which the robot flowed into it without a stop.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -298,7 +298,8 @@ class Motion(Part):
         self._coordinator.hold()
 
     def resume(self, answer: int | None = None) -> None:
-        """Continue after a hold, at a HOLD of the program, or with the next step.
+        """Continue after a hold, at a HOLD of the program, or with the next command of a program that is run
+        command by command.
 
         Args:
             answer: answer to the question of the HOLD.

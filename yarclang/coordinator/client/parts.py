@@ -28,7 +28,7 @@ class Parts(Part):
             file: file of the cell; None: the session's cell.
 
         Returns:
-            The places; None for a file whose parts were never moved.
+            The places. None for a file if no places are stored: the parts are where the file places them.
 
         Raises:
             Trouble: the session's cell has no parts.

@@ -106,18 +106,18 @@ class Drive:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         axes: Literal["base", "tool"] = "base",
     ) -> None:
-        """Move the tool. Raises the same errors as `want`.
+        """Move the tool with a velocity. Raises the same errors as `want`.
 
         Args:
             linear: velocity of the tool's origin [m/s].
             angular: angular velocity [rad/s].
-            axes: axes of both velocities: those of {B}, or those of the tool.
+            axes: axes in which both velocities are given: those of {B}, or those of the tool.
         """
         self.want(Twist(np.asarray(linear, dtype=float), np.asarray(angular, dtype=float), axes))
 
     def follow(self, q: Array, rate: Array | None = None) -> None:
-        """Follow a master at joint positions `q` (n,) [rad or m] that move with `rate` (n,) [rad/s or m/s].
-        Raises the same errors as `want`.
+        """Follow a master arm that is at the joint positions `q` (n,) [rad or m] and moves with the joint
+        velocities `rate` (n,) [rad/s or m/s]. Raises the same errors as `want`.
         """
         self.want(Master(q, np.zeros_like(q) if rate is None else rate))
 

@@ -24,7 +24,7 @@ SEGMENT = 10.0 * MS
 @dataclass(frozen=True, slots=True)
 class Settings:
     """Settings of a live motion: the largest `speed` of the tool [m/s] (None: the robot's `jog_speed`), the
-    `share` of the joints' velocity limits, and the segment time [s].
+    `share` of the joints' velocity limits that may be used, and the segment time [s].
     """
 
     speed: float | None = None

@@ -40,11 +40,11 @@ class Room:
 
 def is_free(scene: Scene, room: Room) -> bool:
     """Return True if all pairs of bodies are proved to be farther apart than their margins plus `SLACK` at
-    all joint positions in a room.
+    all joint positions in a room (a box of joint positions).
 
     The bound is the distance of two bodies at the middle of the room, minus their largest relative motion
-    from there (`collision.travel`, whose bound holds at each posture in the box). Bounding spheres decide
-    most pairs, then bounding boxes, then the shapes themselves.
+    from there (`collision.travel`, whose bound is valid at each joint position in the box). Bounding spheres
+    decide most pairs, then bounding boxes, then the shapes themselves.
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])

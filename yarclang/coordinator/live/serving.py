@@ -84,7 +84,7 @@ DEFAULT_DOOR = UnixDoor()
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """Limits on the resources of connections.
+    """Limits on the number of connections, and on how long a connection may stay silent.
 
     Attributes:
         first: longest time for the whole first line [s].
@@ -241,8 +241,8 @@ class MasterServer:
             self._steers = None
 
     async def _serve(self, line: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> str:
-        """Execute a caller's lines, including a first line that was read already. Return the reason why the
-        connection ends.
+        """Carry out the orders of a caller, line by line; the first line may have been read already. Return
+        the reason why the connection ends.
         """
         begun = False
         try:
@@ -318,8 +318,8 @@ def _bytes(token: str) -> bytes:
 
 
 def _remover(path: Path) -> Callable[[], None]:
-    """Return a function that removes a socket's file, unless the file belongs to another socket by that
-    time.
+    """Return a function that removes a socket's file. It doesn't remove a file that belongs to another
+    socket by then.
     """
     status = path.lstat()
 

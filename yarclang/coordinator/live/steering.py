@@ -97,7 +97,7 @@ class Steering:
 
         Args:
             target: the target; None: rest.
-            state: the robot's state.
+            state: joint positions, velocities and accelerations at the end of the streamed lines.
             ahead: delay until the velocities take effect [s]. A twist is evaluated at the robot's position at
                 that time.
         """

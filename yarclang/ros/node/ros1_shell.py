@@ -50,7 +50,9 @@ from yarclang.ros.node.messages import (
 from yarclang.ros.node.trajectory import Goal
 
 ACTION = "joint_trajectory_action"
-"""Name of the action in ROS-Industrial's drivers. The files of `yarc export --moveit` contain it as well."""
+"""Default name of the action, which is that of ROS-Industrial's drivers. The files of `yarc export --moveit`
+contain it as well.
+"""
 
 _BACKLOG = 500
 """Most messages that wait for ROS. Further positions and feedback are dropped; ends of goals are never

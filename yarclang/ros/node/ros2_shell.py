@@ -37,8 +37,8 @@ from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
 from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
-"""Name of the action in ros2_control's trajectory controller. The files of `yarc export --moveit` contain
-it as well.
+"""Default name of the action, which is that of ros2_control's trajectory controller. The files of
+`yarc export --moveit` contain it as well.
 """
 
 _KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -300,8 +300,8 @@ class Track:
         return self.times[-1]
 
     def at(self, time: float) -> Moment:
-        """Return the state of the joints at a time [s]. Before the start and after the end the robot
-        rests.
+        """Return the state of the joints at a time on the path [s]. Before the start and after the end of the
+        path the robot rests.
         """
         last = len(self.times) - 1
         if time <= 0.0 or time >= self.times[last]:
@@ -374,13 +374,13 @@ def _values(coefficients: Values, since: float) -> tuple[float, float, float]:
 
 
 def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
-    """Return the path of a checked goal, as MOVEJ_TIMED defines it.
+    """Return the path over time of a checked goal, as MOVEJ_TIMED defines it.
 
     Args:
         goal: goal with its joints in any order.
         joints: joints of the robot.
-        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first point at time
-            0.
+        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first way-point at
+            time 0.
     """
     points = in_robots_order(goal, joints)
     if points[0].time_from_start == 0.0:

@@ -1,5 +1,5 @@
-"""The surroundings of a robot as known to its coordinator: the cell, and inputs and outputs by name. No
-I/O.
+"""The cell around a robot, and its inputs and outputs by name, as its coordinator knows them from programs
+and from the session. No I/O.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from yarclang.simulated_cell.script import Known, known_in
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """File of the cell, and the controller's variables for inputs and outputs by their names."""
+    """The path of the cell's file (None: there is no cell), and the controller variables of inputs and
+    outputs by the signals' names.
+    """
 
     cell: str | None
     inputs: Mapping[str, str]
@@ -26,10 +28,11 @@ class Seen:
 
 
 class Around:
-    """Cell, inputs and outputs of the last program, together with those of the session.
+    """The cell, the inputs and the outputs of the last program, together with those that the session
+    declares.
 
     Args:
-        names: names of the session.
+        names: names that the session declares.
         lines: lines of the session. Their revision changes when a name may have changed.
     """
 
@@ -45,15 +48,15 @@ class Around:
 
     @property
     def is_current(self) -> bool:
-        """Return True if nothing has changed since the last `look`."""
+        """Return True if no line of the session has changed since the last `look`."""
         return self._revision == self._lines.revision
 
     def know(self, program: Program | None, cell: Cell | None) -> None:
-        """Store the surroundings of a program that is about to run.
+        """Store the cell, the inputs and the outputs of a program that is about to run.
 
         Args:
-            program: the program with the names; None if only its text is known.
-            cell: the cell of the program.
+            program: program that declares the inputs and outputs; None if only its controller text is known.
+            cell: cell of the program.
         """
         self._known = known_in(program, cell)
         self._cell = _file(cell)
@@ -61,13 +64,16 @@ class Around:
 
     @property
     def cells(self) -> tuple[Cell | None, Cell | None]:
-        """Return the cells of the last program and of the session, as they were read. None: there is no cell,
-        or it isn't known before `look`.
+        """Return two cells: the cell of the last program and the cell of the session, without changes of
+        their parts since the files were read. Each is None if there is no cell; the session's is also None
+        before the first `look`.
         """
         return self._program_cell, self._session_cell
 
     def look(self) -> Seen:
-        """Return the surroundings. The lines of the session are read again after a new declaration."""
+        """Return the cell, the inputs and the outputs of the last program and of the session. If the
+        session's lines have changed, they are read again.
+        """
         if not self.is_current:
             revision = self._lines.revision
             scope = self._names.scope()

@@ -1,4 +1,4 @@
-"""The client's side of a coordinator, in the same process or at the other end of a socket. It sends orders,
+"""A client's connection to a coordinator, in the same process or through a socket. The client sends orders,
 and receives replies and events.
 """
 
@@ -64,7 +64,7 @@ class Attached(Protocol):
 
         Args:
             order: the order.
-            refused: called if the order is denied.
+            refused: called with the refusal if the order is denied.
         """
         ...
 

@@ -1,5 +1,5 @@
-"""The last motions in reverse: the same paths from end to start, as a program that is planned and certified
-like any other program.
+"""The last motions in reverse: the robot drives the same paths from end to start. The reversed motions are a
+program that is planned and certified like any other program.
 """
 
 from __future__ import annotations
@@ -54,13 +54,13 @@ class Passed:
 
 
 def passed(plan: MotionPlan, stands: Array | None = None, progress: float = 0.0) -> tuple[Passed, ...]:
-    """Return the motions of a plan that were carried out.
+    """Return the motions of a plan that were carried out, completely or in part.
 
     Args:
-        plan: the plan that was carried out.
-        stands: (n,) position at which the robot was stopped on its path [rad or m]; None if it reached the
-            end.
-        progress: progress of the program at the stop [s].
+        plan: the plan.
+        stands: (n,) joint positions at which the robot was stopped on its path [rad or m]; None if it reached
+            the end of the plan.
+        progress: time of the plan at which it was stopped [s].
     """
     passed_motions: list[Passed] = []
     begins, ends = plan.begins, plan.ends
@@ -89,18 +89,19 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
 
 
 def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
-    """Return the motions at the end of a list that can be taken back along their own path.
+    """Return the last motions of a list: those that the robot can drive back along their own path.
 
-    Two kinds of motions, and everything before them, can't be taken back:
+    Two kinds of motions can't be driven back, and nothing before them can be:
 
-    - A search and the motion after it. A search may have ended anywhere on its line, but the plan continues
-      from the end of the line. On the way there the robot might hit the thing that was searched for.
-    - A motion in a shifted frame and the motions after it up to the next known position. The plan contains
-      shifted motions without their shift.
+    - A search and the motion after it. A search may have ended anywhere on its line, but the plan of the next
+      motion begins at the end of the line. On the way there the robot might hit the object that the search
+      has found.
+    - A motion in a frame that is shifted at run time, and the motions after it up to the next motion to an
+      unshifted position. The plan contains shifted motions without their shift.
 
     Args:
         motions: motions that were carried out, in order. A search that was stopped on its own line can be
-            taken back, because the robot returns along this line.
+            driven back, because the robot returns along this line.
     """
     first_known, is_away = 0, False
     for number, motion in enumerate(motions):
@@ -116,7 +117,7 @@ def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
 
 
 def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Program | Diagnostic:
-    """Build the program that reverses motions.
+    """Build a program that drives a group of motions back along their paths.
 
     Args:
         robot: the robot.
@@ -124,7 +125,7 @@ def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Prog
         program: program that contains the motions. Its cell is also that of the new program.
 
     Returns:
-        The program; a finding instead if the robot can't go back along the same path.
+        The new program; a finding instead if the robot can't go back along the same path.
     """
     steps: list[Motion] = []
     blends = [one.step.blend if one.flows else None for one in group[:-1]]
@@ -174,7 +175,9 @@ def _backwards(robot: Robot, passed_motion: Passed) -> Motion | Diagnostic:
 
 
 def _turned(table: Timetable, start: Array) -> Timetable:
-    """Return a timetable in reverse: from its last row to the position `start` (n,) [rad or m]."""
+    """Return a timetable of joint positions in reverse: it begins at the last row and ends at the joint
+    positions `start` (n,) [rad or m], from which the original began.
+    """
     rows = slice(int(table.begins), None)
     rest = np.zeros((1, len(start)))
     whole = np.concatenate(([0.0], table.times[rows]))

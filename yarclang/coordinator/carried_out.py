@@ -1,4 +1,4 @@
-"""The steps of a program that were carried out, derived from the way in which the program ended. No I/O."""
+"""The steps of a program that were carried out, derived from the outcome of its run. No I/O."""
 
 from __future__ import annotations
 
@@ -35,15 +35,16 @@ _LOST = "Y1606"
 """Code of the finding for a lost connection."""
 
 _AT_END = 2.0
-"""Distance from the end of a motion [segments]. If the robot rests nearer to the end, the steps after the
-motion may have begun already.
+"""Time at the end of a motion [segments]. If the robot rests within this time of the motion's end, the steps
+after the motion may have begun already.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class CarriedOut:
-    """The steps that were certainly carried out, and the SETs after them that may have been: a first part of
-    these SETs, in their order.
+    """The numbers of the steps that were certainly carried out (`surely`), and of the SETs after them that
+    may have been carried out (`perhaps`). Of the latter, the controller may have executed the first few or
+    all.
     """
 
     surely: tuple[int, ...]
@@ -51,17 +52,17 @@ class CarriedOut:
 
 
 def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> list[int]:
-    """Return the steps that were passed on the branches that were taken, up to the first WHEN whose branch
-    isn't known.
+    """Return the numbers of the steps that were passed on the executed branches, up to the first WHEN whose
+    executed branch isn't known.
 
-    A WHEN is included if it was passed, an ELSE if a branch ended at it, and the end of a WHEN or of a loop
-    if the robot reached it. Only the last pass of a loop counts.
+    A WHEN is included if it was passed, an ELSE if the branch before it was executed to its end, and the end
+    of a WHEN or of a loop if the robot reached it. Only the last pass of a loop counts.
 
     Args:
         steps: all steps of the program.
-        begin: number of the first step.
-        end: number after the last step.
-        ways: for each WHEN that was passed, in order: True if its first branch was taken.
+        begin: number of the first step of the run.
+        end: number after the last step of the run.
+        ways: for each WHEN that was passed, in order: True if its first branch was executed.
 
     Returns:
         The numbers of the steps.
@@ -92,18 +93,18 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
 
 
 _WAY, _PASSES = (When, EndWhen), (Loop, EndLoop)
-"""Pairs of the steps between which steps are skipped: the branch that isn't taken, and the rest of a loop
-that is left.
+"""Pairs of steps. While steps are skipped, such a pair that is nested in them is skipped as a whole: `_WAY`
+in a branch that isn't executed, `_PASSES` in the rest of a loop that was left.
 """
 
 
 def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: Ended) -> CarriedOut:
-    """Return the steps that were carried out.
+    """Return the steps of a program that a run has carried out.
 
     Args:
         plan: plan of the program.
-        begin: first step of the part that was run.
-        end: step after the last one of this part.
+        begin: number of the first step of the run.
+        end: number after the last step of the run.
         program: job of the whole program.
         ended: outcome of the run.
     """
@@ -149,10 +150,11 @@ def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) ->
 
 
 def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
-    """Return the step of the first motion that can't have begun yet.
+    """Return the number of the step with the first motion that can't have begun yet; the number of all steps
+    if there is none.
 
-    The last report of the robot may be old. After a lost connection, its age is bounded by the lines that the
-    controller's buffer holds.
+    The robot may have moved on since its last report. After a lost connection, it may have executed all lines
+    that the controller's buffer holds.
     """
     command = program.command_at(ended.done)
     if ended.joints is None or command is None or len(program.commands) != len(plan.motions):
@@ -171,8 +173,9 @@ def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
 
 
 def _motion_at(plan: MotionPlan, program: Job, ended: Ended) -> tuple[int, bool, str]:
-    """Return the step of the motion at which the robot rests, True if this motion has certainly begun, and
-    the place of the robot: `within` the motion, at its `end`, or possibly far `behind` it.
+    """Find the motion at which the robot rests. Return three values: the number of its step (-1 if unknown),
+    True if the motion has certainly begun, and where the robot rests: `within` the motion, at its `end`, or
+    possibly far `behind` its end.
     """
     place = None if ended.joints is None else resting_place(plan, program, ended.joints, ended.done)
     command = program.command_at(ended.done) if place is None else place.command

@@ -1,5 +1,5 @@
-"""Execution of all motions, and tracking of the cell's parts. All motions are executed here, so that the
-places of the parts are known afterwards.
+"""Execution of all motions, and tracking of the cell's parts (workpieces and tools). No motion is executed
+elsewhere, so the places of the parts are known after each motion.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from yarclang.runtime.live import Live
 from yarclang.runtime.outcome import Ended
 
 Planning = Callable[..., Awaitable[Any]]
-"""Function that calls a planning function with arguments, in a thread or in the same one, and returns its
-result.
+"""Function that calls a planning function with the given arguments, in another thread or directly, and
+returns the result of the planning function.
 """
 
 
 class Carrying:
-    """Executes all motions, and keeps track of the places of parts.
+    """Executes all motions, and keeps track of the places of the cell's parts (workpieces and tools).
 
     Args:
         robot: the robot.
         engine: executes the motions.
         plan: runs planning functions, one at a time.
-        beside: runs a function without waiting for planning.
+        beside: runs a function without waiting for planning in progress.
 
     Attributes:
-        kept: the places of parts.
+        kept: the places of the parts.
     """
 
     def __init__(self, robot: Robot, engine: Engine, plan: Planning, beside: Planning) -> None:
@@ -48,7 +48,7 @@ class Carrying:
         self._beside = beside
 
     async def way_to_start(self, loaded: Loaded, position: Array) -> Way:
-        """Return the motion to the start of a program.
+        """Return the motion from the robot's position to the start of a program.
 
         Args:
             loaded: the program.
@@ -65,14 +65,15 @@ class Carrying:
         return way
 
     async def renewed(self, loaded: Loaded, number: int) -> Loaded | Ended:
-        """Return a program for its next pass. If its parts have moved, the program is proved again.
+        """Return a program for its next pass. If the last pass has moved the cell's parts, the program is
+        proved again with their new places.
 
         Args:
             loaded: the program.
             number: number of the next pass.
 
         Returns:
-            The program; an outcome instead if it can't be proved.
+            The program; the outcome of the run instead if the next pass can't be proved.
         """
         plan, stands = loaded.plan, loaded.program.end
         given = loaded.around if plan is None else plan.program.cell
@@ -99,12 +100,13 @@ class Carrying:
     async def perform(
         self, job: Job, program: Job | None = None, performed: Performed | None = None
     ) -> Ended:
-        """Carry a job out. Call this only within the work of `Engine.move`.
+        """Carry a job out, and record where it leaves the cell's parts. Call this only within the work of
+        `Engine.move`.
 
         Args:
             job: job that is streamed.
             program: the whole program to which the job belongs.
-            performed: steps that the job carries out; None: it moves no parts.
+            performed: steps of the plan that the job carries out; None: the job moves no parts.
         """
         cell = None if performed is None else performed.plan.program.cell
         if performed is None or cell is None or not cell.parts:
@@ -122,8 +124,8 @@ class Carrying:
         return ended
 
     async def perform_text(self, job: Job, program: Job, cell: Cell | None) -> Ended:
-        """Carry out a controller text whose steps aren't known. If it sets a gripper, the places of parts are
-        unknown afterwards.
+        """Carry out a program of which only the controller text is known, and not its steps. If the text sets
+        a gripper's output, the places of the cell's parts are unknown afterwards.
         """
         ended = await self._engine.perform(job, program)
         sets = {

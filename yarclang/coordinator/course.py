@@ -30,7 +30,7 @@ _TEXT_ALONE = "only the controller's text is known, and not its program"
 
 @dataclass(slots=True)
 class _Way:
-    """A sequence of the program's steps, and the known part of its duration [s]."""
+    """Steps of a program that are executed one after the other, and their known duration [s]."""
 
     steps: list[int] = field(default_factory=list)
     time: float = 0.0
@@ -41,13 +41,13 @@ class _Way:
 
 
 def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
-    """Return the course of a program along its longest branches. This takes a while for a long program: call
+    """Return the motion of a program along its longest branches. This takes a while for a long program: call
     it in a thread.
 
     Args:
-        loaded: the program. If it begins at a command, or is run command by command, only the rest of it
-            counts.
-        samples: number of joint positions in the course.
+        loaded: the program. If it begins at a command, or is run command by command, only the commands that
+            are left to run count.
+        samples: number of joint positions in the reply.
     """
     job, plan = loaded.rest, loaded.plan or loaded.text_plan
     proved = json.loads(job.certificate) if job.certificate else {}
@@ -72,8 +72,8 @@ def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
 
 
 def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[int, PlannedMotion, float]]:
-    """Return the motions on the longest branches: the number among `motions`, the motion, and the time of the
-    program's clock at which it begins [s].
+    """Return the motions on the longest branches. For each: its number in `motions`, the motion, and the time
+    of the program's clock at which it begins [s].
     """
     longest = longest_way(plan)
     clocks = plan.schedule.clocks
@@ -81,8 +81,8 @@ def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[
 
 
 def longest_way(plan: MotionPlan) -> set[int]:
-    """Return the steps that are executed if each WHEN takes its longer branch (the first branch if both are
-    equally long), and each loop makes one pass, up to the place at which the loop is left.
+    """Return the numbers of the steps that are executed if each WHEN takes its longer branch (the first
+    branch if both are equally long), and each loop makes one pass, up to the step at which the loop is left.
     """
     durations = {motion.step: motion.curve.duration for motion in plan.motions}
     way, opened, loops = _Way(), list[tuple[_Way, _Way | None]](), list[_Way]()
@@ -121,8 +121,8 @@ def longest_way(plan: MotionPlan) -> set[int]:
 
 
 def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
-    """Return the steps before a WHEN, followed by the longer of its two branches. A branch in which the
-    program continues has precedence over one in which it ends.
+    """Append the longer of a WHEN's two branches to the steps before the WHEN, and return these steps. A
+    branch after which the program continues has precedence over a branch in which the program ends.
     """
     if before.exits:
         return before
@@ -139,7 +139,9 @@ def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
 
 
 def _course(job: Job, chosen: list[tuple[int, PlannedMotion, float]], samples: int) -> replies.Course:
-    """Return the joint positions at times of the program's clock. Between two motions the robot stands."""
+    """Return the joint positions at `samples` evenly spaced times of the program's clock. Between two motions
+    the robot stands.
+    """
     if job.lasting.most <= 0.0:
         return replies.Course(times=(), joints=())
     times = job.clock + np.linspace(0.0, job.lasting.most, samples)
@@ -177,8 +179,8 @@ def _commands(
 
 
 def _nearest(job: Job, proved: list[dict[str, Any]]) -> courses.NearestProved | None:
-    """Return the smallest clearance of all commands. A clearance for which the bodies are known has
-    precedence over a bound for all bodies.
+    """Return the smallest proved clearance in the whole program. If two are equal, the one with the names of
+    its two bodies is returned, rather than a bound for all bodies.
     """
     nearest: list[tuple[bool, float, courses.NearestProved]] = []
     for row, command in zip(proved, job.commands, strict=False):

@@ -1,4 +1,6 @@
-"""Conversion of internal values to messages: joints by name, offers, programs, outcomes. No I/O."""
+"""Conversion of the coordinator's values to messages: joint positions by joint names, offers, programs,
+outcomes. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -109,7 +111,7 @@ def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:
 
 
 def _deeds(plan: MotionPlan) -> Iterator[str]:
-    """Yield the effects of a plan's SETs on parts of the cell, in words."""
+    """Yield in words what the SETs of a plan do to parts of the cell, such as taking a part."""
     program = plan.program
     carried = carried_parts(plan.robot, program, program.start, ends_of(plan))
     for step in range(len(program.steps)) if carried is not None else ():
@@ -206,7 +208,8 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
     Args:
         way: the motion.
         robot: the robot.
-        start: (n,) start of the program [rad or m]. It is the `end` of the message if there is no motion.
+        start: (n,) start of the program [rad or m]. If no motion is needed or possible, it is the `end` in
+            the message.
     """
     job = way.job
     return replies.Way(
@@ -222,11 +225,11 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
 def signals_described(
     variables: Mapping[str, str], values: Mapping[str, float | None]
 ) -> tuple[replies.NamedSignal, ...]:
-    """Return inputs or outputs as messages.
+    """Return the values of inputs or outputs as messages.
 
     Args:
         variables: controller variables, by the names of the signals.
-        values: values by variable; None if a value isn't known.
+        values: values by controller variable; None if a value isn't known.
     """
     return tuple(
         replies.NamedSignal(name=name, variable=one, value=values.get(one)) for name, one in variables.items()

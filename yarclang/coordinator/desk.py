@@ -55,7 +55,7 @@ _KEPT = 32
 
 
 class Desk:
-    """Executes the orders of one client to a coordinator.
+    """Executes the orders that one client gives to a coordinator.
 
     Args:
         coordinator: the robot's coordinator.
@@ -141,8 +141,8 @@ class Desk:
         return answer
 
     def answer_now(self, order: Order[R]) -> Any:
-        """Begin to carry an order out. Return the reply, or an awaitable for the reply. Stops, holds and the
-        override never wait.
+        """Begin to carry an order out. Return the reply, or an awaitable that gives the reply later. Stops,
+        holds and changes of the override are carried out at once.
         """
         return self._handlers[type(order)](order)
 
@@ -151,11 +151,11 @@ class Desk:
         self._steered.stop()
 
     def keep(self, loaded: Loaded, generation: int | None = None) -> replies.ProgramDescribed:
-        """Keep a program that was loaded in this process, so that the client can run it.
+        """Keep a program that was loaded in this process, so that the client can run it by its number.
 
         Args:
             loaded: the program.
-            generation: the planner's generation when the program was loaded; None: the present one.
+            generation: the planner's `generation` when the program was loaded; None: the current one.
         """
         number = next(self._coordinator.numbers)
         known = self._coordinator.planner.generation if generation is None else generation

@@ -1,5 +1,5 @@
-"""The outcome of an action for its client: the reason, the place on the path at which the robot rests, the
-place in the source file, and the way to continue.
+"""The outcome of an action for its client: why it ended, where on its path the robot rests, the position of
+the command in the source file, and the command with which to continue.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
 
 
 def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
-    """Add two places to an outcome: the source position of the faulty command, and the place on the path at
-    which the robot rests.
+    """Add the source position of the faulty command to an outcome. Return the outcome, and the place on the
+    path at which the robot rests (None if unknown).
 
-    The last report of a robot that rests on its path may be old. Therefore the command is searched on the
-    path.
+    The robot may have moved on since its last report. So the command that was being executed isn't taken from
+    the reported progress: the path is searched for the joint positions at which the robot rests.
     """
     plan, program, concerned = loaded.plan, loaded.program, ended.concerns
     place: Resting | None = None
@@ -92,7 +92,7 @@ def run_described(
 
 
 def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
-    """Return the command with which the program can continue; empty for the first command; None if
+    """Return the index of the command with which the program can continue; empty: its first command; None:
     unknown.
     """
     plan = loaded.plan
@@ -110,8 +110,9 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
 
 
 def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
-    """Return the command with which to continue if the robot can get to its beginning; otherwise None. If
-    parts are carried, a motion may end in a place that can only be left by the program's own motion.
+    """Return `place`, the command with which to continue, if the robot can get to the beginning of this
+    command; otherwise None. While parts are carried, the robot may rest where only the program's own motion
+    leads away.
     """
     plan, joints = loaded.plan, ended.joints
     if place is None or plan is None or joints is None:
@@ -123,8 +124,8 @@ def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
 
 
 def where_of(origins: Origins, concerned: Concerned) -> Where:
-    """Return the place of a command in its source file, or a note if it isn't known. For a command in a
-    module, this is the place of the program's call.
+    """Return the position of a command in its source file, or a note if it isn't known. If the command is in
+    an imported module, return the position of the call in the program instead.
     """
     origin = origins.of(concerned.index, concerned.name, concerned.source_line)
     if origin is None:

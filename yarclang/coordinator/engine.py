@@ -1,8 +1,8 @@
-"""The only task that talks to the controller: it monitors the idle controller, carries out work, and
-reconnects.
+"""The only task that talks to the controller: it monitors the controller while nothing is in progress,
+carries out work, and restores a lost connection.
 
-All other code gives work to this task and learns the results from notices. Orders to stop go directly to the
-session instead.
+All other code passes work to this task and receives notices of what happens. Only orders to stop go directly
+to the session.
 """
 
 from __future__ import annotations
@@ -39,7 +39,9 @@ _AGAIN_EACH = 0.5
 """Time between two attempts to restore a lost connection [s]."""
 
 _TRIED, _TRIES = 1.0, 20
-"""Longest time for which a caller waits for a connection [s], and the number of checks during this time."""
+"""Longest time for which a caller waits for a connection [s] (`_TRIED`), and number of checks for a
+connection during this time (`_TRIES`).
+"""
 
 _RESCUE = 30.0
 """Longest time to bring a robot to rest after a bug in yarclang [s]."""
@@ -54,7 +56,7 @@ UNDER_WAY = "Y1612"
 """Code of the finding for an action that is refused because another one is in progress."""
 
 NO_LOG = Path()
-"""Value for "no log"."""
+"""Path that stands for "write no log"."""
 
 
 class NotReady(Trouble):
@@ -73,8 +75,8 @@ class NotReady(Trouble):
 
 @dataclass(slots=True, eq=False)
 class _Work:
-    """Work to be done: the function, the future for which the caller waits, and True if the work moves the
-    robot.
+    """A piece of work for the controller: the function that does it, the future for which the caller waits,
+    and True if the work moves the robot.
     """
 
     do: Callable[[], Awaitable[Any]]
@@ -83,7 +85,7 @@ class _Work:
 
 
 class Running(Generic[T]):
-    """Work that continues even if nobody waits for its end.
+    """Work of the engine that continues even if its caller stops waiting for the end.
 
     Args:
         task: task that carries the work out.
@@ -98,14 +100,14 @@ class Running(Generic[T]):
         return self._task.done()
 
     async def ended(self) -> T:
-        """Wait for the end, and return the result or raise the exception. The work continues if the caller
-        is cancelled.
+        """Wait for the end of the work, and return its result or raise its exception. If the waiting caller
+        is cancelled, the work continues.
         """
         return await asyncio.shield(self._task)
 
 
 class Engine:
-    """Carries out work on one controller, one piece after the other.
+    """Carries out work on one controller, one function after the other.
 
     Args:
         robot: the robot.
@@ -120,7 +122,7 @@ class Engine:
         run_log: log of the motions; None before the first motion.
         ended: outcome of the last motion, as written at the end of the log.
         lost: reason why there is no connection; empty: there is one.
-        inspection: result of the last inspection; None: none yet.
+        inspection: result of the last inspection of the controller; None: none yet.
     """
 
     def __init__(
@@ -243,7 +245,7 @@ class Engine:
             self._task.cancel()
 
     def close_log(self) -> RunLog | None:
-        """Close the log of the motions so far, and return it; None if there is none. The next motion
+        """Close the log of all motions so far, and return it; None if there is no log. The next motion
         begins a new log.
         """
         log, self.run_log = self.run_log, None
@@ -254,7 +256,8 @@ class Engine:
         return log
 
     async def ask(self, script: Callable[[], Script[T]]) -> T:
-        """Run a short script while the controller is idle. Nothing moves meanwhile.
+        """Run a script (a short exchange with the controller) while nothing is in progress. No motion can
+        begin meanwhile.
 
         Raises:
             Trouble: the script has raised it, the robot is moving, or there is no connection.
@@ -269,7 +272,7 @@ class Engine:
             name: name of the work, for messages.
             work: function that calls `perform` and similar functions. It begins when all earlier requests are
                 done.
-            serves: True for work that prepares a controller; it may be done after a fault.
+            serves: True for work that makes a controller ready for motions; it may be done after a fault.
 
         Raises:
             Trouble: something else is in progress, or the robot's state forbids it.
@@ -318,8 +321,8 @@ class Engine:
         return await self._logged(job, self.scripts.perform(self.operation, job), program)
 
     async def perform_live(self, live: Live) -> Ended:
-        """Carry a live motion out. Call this only within the work of `move`. The log contains its states,
-        positions and orders, but not its lines.
+        """Carry a live motion out. Call this only within the work of `move`. The log contains the states and
+        positions during the motion and the users' orders, but not the lines that are streamed.
         """
         script = self.scripts.perform_live
         if script is None:
@@ -366,7 +369,7 @@ class Engine:
         return await self._wait_for(self.look, moves=False)
 
     async def look(self) -> Inspection:
-        """Inspect the controller. If everything is in order, clear a fault."""
+        """Inspect the controller. If everything is in order, end an existing fault."""
         self.inspection = await self.session.perform(
             self.scripts.look(self.operation, self.robot, self._items)
         )
@@ -434,10 +437,10 @@ class Engine:
             work.done.set_exception(error)
 
     async def _reconnect(self, reason: str, lost: str) -> None:
-        """Reconnect until there is a connection or the engine is closed.
+        """Try to connect again and again, until there is a connection or the engine is closed.
 
         Args:
-            reason: reason for the state, for reports.
+            reason: reason for the robot's state, for reports.
             lost: reason why the connection was lost.
         """
         operation = self.operation
@@ -464,11 +467,11 @@ class Engine:
             return
 
     async def _rescue(self) -> str:
-        """Bring the robot to rest after a bug in yarclang, and end the running program. The session's state
-        isn't trusted.
+        """Bring the robot to rest after a bug in yarclang, and end the running program. The state that the
+        session has stored isn't used, since the bug may have spoilt it.
 
         Returns:
-            The place at which the robot is then, as the end of a sentence; empty if nothing had moved.
+            The end of a sentence that says where the robot rests; empty if nothing had moved.
         """
         session, operation = self.session, self.operation
         operation.orders.clear()

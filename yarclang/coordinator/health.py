@@ -1,4 +1,4 @@
-"""The state of a robot's motors, connection and buffer, and the robot's frames, as messages."""
+"""Messages about the state of a robot's motors, connection and buffer, and about the robot's frames."""
 
 from __future__ import annotations
 
@@ -51,7 +51,9 @@ def health_of(coordinator: Coordinator) -> replies.Health:
 
 
 def _is_guarded(coordinator: Coordinator) -> bool:
-    """Return True if the guard PLC was tested and works. It is tested only if everything else is in order."""
+    """Return True if the guard PLC (the controller's own program that holds the robot if this computer falls
+    silent) was tested and works. It is tested only if everything else is in order.
+    """
     inspection = coordinator.inspection
     if inspection is None or inspection.errors or coordinator.engine.lost:
         return False
@@ -59,7 +61,7 @@ def _is_guarded(coordinator: Coordinator) -> bool:
 
 
 def frames_of(coordinator: Coordinator) -> replies.Frames:
-    """Return the named frames of the session."""
+    """Return the named frames of the session and their poses as a message."""
     return replies.Frames(
         frames=tuple(
             replies.NamedFrame(

@@ -1,4 +1,6 @@
-"""Hold-to-run for planned motions: an offer is carried out only as long as a client keeps confirming it."""
+"""Hold-to-run for planned motions: an offered motion continues only as long as a client keeps confirming
+it.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,8 @@ _LOOKED_EACH = 0.01
 
 
 class Held(Part):
-    """The motion that one client holds, if any. If the client falls silent, the robot comes to rest on its
-    path; `resume` continues the motion.
+    """The hold-to-run motion of one client, if any. If the client stops confirming it, the robot comes to
+    rest on its path; `resume` continues the motion.
     """
 
     def __init__(self, coordinator: Coordinator, name: str) -> None:
@@ -46,8 +48,8 @@ class Held(Part):
         self._heard = asyncio.get_running_loop().time()
 
     async def carry_out(self, going: Coroutine[Any, Any, Ended]) -> Ended:
-        """Carry a motion out while the client confirms it. Without confirmation the robot comes to rest, or
-        the motion doesn't begin.
+        """Carry a motion out as long as the client keeps confirming it. Without confirmation the robot comes
+        to rest, or the motion doesn't begin.
         """
         if self._carried:
             going.close()

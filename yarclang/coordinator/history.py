@@ -1,5 +1,5 @@
-"""The history of a session, which is needed to take motions back and to save the session as a program. No
-I/O.
+"""The history of a session's actions, which is needed to drive motions back and to save the session as a
+program. No I/O.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ _FIRST, _STEP = 10, 10
 """First index of a saved program, and the step between two indices."""
 
 _BRIDGE = "[10%]"
-"""Speed of the motions in a saved program that replace moves by something other than the session's
-commands.
+"""Speed of the motions that are inserted into a saved program where something other than the session's
+commands has moved the robot.
 """
 
 
@@ -66,7 +66,7 @@ _ROUNDED = 1e-3
 
 
 class History:
-    """The actions that were carried out and not taken back, oldest first.
+    """The actions that were carried out and not driven back again, oldest first.
 
     Args:
         robot: the robot.
@@ -103,17 +103,21 @@ class History:
         self._entries.append(entry)
 
     def ran(self, motions: tuple[Passed, ...], program: Program) -> None:
-        """Add motions of a program from a file. They aren't commands of the session; they only serve to
-        move back.
+        """Add motions of a program from a file. They aren't commands of the session, and are stored only so
+        that the robot can drive them back.
         """
         self._entries.append(Entry((), motions, program, motions[0].start, motions[-1].end, False))
 
     def forget(self) -> None:
-        """Clear the history after the motors were homed: the old positions have other counts now."""
+        """Clear the history after the motors were homed: the same motor counts mean other joint positions
+        now.
+        """
         self._entries.clear()
 
     def _take_back(self, offer: Offer, ended: Ended) -> None:
-        """Shorten the last entry after its motion was taken back. Its command no longer counts."""
+        """Shorten the last entry after its last motion was driven back. The entry's command no longer
+        counts.
+        """
         if not ended.well and (ended.joints is None or not ended.command):
             return
         last = self._entries.pop()
@@ -128,8 +132,8 @@ class History:
         return self._entries[-1].end if self._entries else None
 
     def last(self) -> tuple[tuple[Passed, ...], Program] | None:
-        """Return the last motions between which the robot didn't stop, and their program; None if there
-        are none.
+        """Return the last group of motions between which the robot didn't stop, and the program that contains
+        them; None if there are none.
         """
         while self._entries and not self._entries[-1].motions and not self._entries[-1].whole:
             self._entries.pop()

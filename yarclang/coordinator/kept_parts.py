@@ -1,5 +1,5 @@
-"""Places of the cells' parts between the actions of a coordinator. Each program, line and jog begins with the
-parts in the places in which the previous action left them. No I/O.
+"""The places of the cells' parts (workpieces and tools) between two actions of a coordinator. Each program,
+line and jog begins with the parts in the places in which the action before has left them. No I/O.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from yarclang.runtime.outcome import Ended
 from yarclang.ways import Turn
 
 ELSEWHERE = "Y1620"
-"""Code of the finding for an action that is refused because parts are elsewhere or their places are
-unknown.
+"""Code of the finding for an action that is refused because the parts aren't in the places that the proof
+assumes, or their places are unknown.
 """
 
 _COUNTS = 1.0
@@ -36,11 +36,11 @@ _COUNTS = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """Places of a cell's parts.
+    """What is known about the places of a cell's parts.
 
-    `cell` is the cell as read from its file; the places refer to this version. `stands` (n,) is the position
-    of the robot at that time [rad or m] (None: not known). `doubt` is the reason why the places are unknown;
-    empty: they are known.
+    `cell` is the cell as read from its file; `present` has the places of the parts of this cell. `stands`
+    (n,) is the position at which the robot rested when the places were stored [rad or m]; None: not known.
+    `doubt` is the reason why the places are no longer known; empty: they are known.
     """
 
     cell: Cell
@@ -51,10 +51,11 @@ class Known:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Performed:
-    """The part of a plan that was carried out: steps from `begin` to `end` (exclusive). `program` is the job
-    of the whole program.
+    """The steps of a plan that a job carries out: from `begin` to before `end`. `program` is the job of the
+    whole program.
 
-    `assumed` has the places of parts at `begin`. It is used if nothing is known about them.
+    `assumed` has the places of parts at `begin`, as assumed in the proof. They are used if no places are
+    stored for the cell.
     """
 
     plan: MotionPlan
@@ -65,7 +66,7 @@ class Performed:
 
 
 class KeptParts:
-    """Places of the parts in each cell, as known from actions or from users.
+    """Places of the parts in each cell, as known from the coordinator's actions or declared by users.
 
     Args:
         robot: the robot that carries the parts.
@@ -79,7 +80,9 @@ class KeptParts:
 
     @property
     def all(self) -> tuple[Known, ...]:
-        """Return the places in all cells. Two results are equal if nothing has changed between them."""
+        """Return the stored places of all cells. If two of the returned tuples are equal, nothing has
+        changed in between.
+        """
         return tuple(self._known.values())
 
     def known(self, cell: Cell) -> Known | None:
@@ -90,12 +93,14 @@ class KeptParts:
         return replace(found, cell=cell, present=on_cell(found.present, found.cell, cell))
 
     def of_file(self, file: Path) -> Known | None:
-        """Return the places of parts in the cell with this file; None if nothing is known beyond the file."""
+        """Return the places of the parts of the cell with this file; None if the parts are where the file
+        places them.
+        """
         return self._known.get(file_of(file))
 
     def now(self, cell: Cell, start: Array) -> Cell | None:
-        """Return a cell with its parts at their present places; None if nothing is known beyond the cell's
-        file.
+        """Return a cell with its parts at their present places; None if no places are stored, so that the
+        parts are where the cell's file places them.
 
         Args:
             cell: the cell.
@@ -108,12 +113,12 @@ class KeptParts:
         return cell if present == Present(first_parts(cell)) else presently(cell, present)
 
     def now_for_lines(self, cell: Cell, start: Array) -> Cell:
-        """Return a cell with its parts at their present places, for lines of a session. Later lines may open
-        or close grippers.
+        """Return a cell with its parts at their present places, for planning lines of a session. The returned
+        cell allows for later lines that open or close grippers.
 
         Args:
             cell: the cell.
-            start: (n,) start of the lines [rad or m].
+            start: (n,) joint positions at which the lines begin [rad or m].
 
         Raises:
             Trouble: the places of parts are unknown.
@@ -123,8 +128,8 @@ class KeptParts:
         return presently(cell, replace(self._at(known, start), goes_on=True))
 
     def _at(self, places: Known, start: Array) -> Present:
-        """Return the parts for a program that begins at `start`. Parts that the robot is just leaving count
-        only if it still stands there.
+        """Return the places of the parts for a program that begins at `start`. The parts that the robot may
+        still touch, because it has just put them down, are included only if the robot hasn't moved since.
         """
         stands = places.stands
         if places.present.leaving and (stands is None or not self._is_there(start, stands)):
@@ -169,7 +174,9 @@ class KeptParts:
             self._known[file_of_cell(cell)] = replace(known, doubt=reason)
 
     def doubt_all(self, reason: str) -> None:
-        """Record that the places of all parts that were carried or put somewhere are no longer known."""
+        """Record that it is no longer known where the parts are, for each cell whose parts' places are
+        stored.
+        """
         for file, known in tuple(self._known.items()):
             self._known[file] = replace(known, doubt=reason)
 
@@ -181,11 +188,11 @@ class KeptParts:
                 self._known[file] = replace(known, present=present, stands=q)
 
     def set(self, cell: Cell | None, variable: str, value: float, q: Array) -> None:
-        """Record that an output was set.
+        """Record how an output that was set has changed the places of a cell's parts.
 
         Args:
             cell: the cell; None: there is none.
-            variable: variable of the output.
+            variable: controller variable of the output.
             value: value of the output.
             q: position of the robot at that time (n,) [rad or m].
         """
@@ -195,11 +202,11 @@ class KeptParts:
         self._known[file_of_cell(cell)] = self._after_outputs(known, {variable: value}, q)
 
     def performed(self, performed: Performed, ended: Ended, outputs: Mapping[str, float]) -> None:
-        """Record an action that was carried out completely or in part.
+        """Record the places of the parts after a job that was carried out completely or in part.
 
         Args:
-            performed: steps of the action.
-            ended: outcome.
+            performed: steps of the job.
+            ended: outcome of the job.
             outputs: present values of the outputs of grippers and machines, without those that couldn't be
                 read.
         """
@@ -238,14 +245,16 @@ class KeptParts:
         q: Array | None,
         outputs: Mapping[str, float],
     ) -> Present:
-        """Apply the steps that were carried out. Of the steps that may have been carried out, apply as many
-        as agree with the outputs.
+        """Return the places of the parts after the steps that were carried out.
+
+        It isn't known how many of the steps `carried_out.perhaps` were carried out. Each number that agrees
+        with the outputs is followed, and all places that a part may have are returned.
 
         Args:
             handling: grippers and parts of the cell, and the steps that use them.
-            performed: the part of the plan that was carried out.
-            carried_out: steps that were carried out, and those that may have been.
-            start: (n,) position of the robot before [rad or m].
+            performed: the steps of the plan that the job carries out.
+            carried_out: steps that were certainly carried out, and steps that may have been.
+            start: (n,) position of the robot before the first step [rad or m].
             q: (n,) present position of the robot [rad or m]; None: unknown.
             outputs: present values of outputs, by their variables.
         """
@@ -274,8 +283,8 @@ class KeptParts:
         return Present(reduce(either, (one.parts for one in possible)), leaving)
 
     def _after_outputs(self, places: Known, outputs: Mapping[str, float], q: Array) -> Known:
-        """Return the places of parts after outputs were set to given values while the robot stands at `q`
-        (n,) [rad or m].
+        """Return the places of the parts after outputs were set while the robot stands at `q` (n,) [rad or
+        m].
         """
         handling = handling_of(self._robot, presently(places.cell, places.present), ())
         present = places.present
@@ -292,8 +301,8 @@ class KeptParts:
 
 
 def _moved(parts: Parts, other: Parts) -> str:
-    """Return the names of parts whose places differ in two states; "a gripper" if only a gripper's state
-    differs.
+    """Return the names of the parts whose places differ between two states; "a gripper" if only the state of
+    a gripper differs.
     """
     pairs = ((parts, other), (other, parts))
     names = [
@@ -311,7 +320,7 @@ def file_of_cell(cell: Cell) -> Path:
 
 
 def _start(plan: MotionPlan, begin: int) -> Array:
-    """Return the position of the robot (n,) [rad or m] before the first step of a part of a plan."""
+    """Return the position of the robot (n,) [rad or m] before the step `begin` of a plan."""
     if begin == 0 or not plan.motions:
         return plan.program.start
     # The robot moves only in motions, so it is at the start of the next one.

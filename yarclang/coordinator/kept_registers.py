@@ -1,5 +1,5 @@
-"""Values of KEPT registers between runs, in a small database in the state folder. A kill or a power cut never
-leaves it half written.
+"""Values that KEPT registers keep between the runs of a program, in a small database in the state folder. If
+the process is killed or the power fails, each value in the database is either the old or the new one.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def registers_file() -> Path:
 
 
 def program_of(name: str) -> str:
-    """Return the name under which the registers of a program are stored: its path. It is the same for the
-    program and its controller text.
+    """Return the name under which the registers of a program are stored: the path of the program. A program
+    and the controller text compiled from it have the same name.
     """
     return str(Path(name).resolve().with_suffix(""))
 
@@ -60,8 +60,8 @@ class KeptRegisters:
     program: str
 
     def first(self, registers: Iterable[Register]) -> tuple[dict[str, int], list[str]]:
-        """Return the stored values of registers, and one sentence for each value that is now outside of its
-        register's range.
+        """Return the stored values of registers, and a message for each stored value that is out of its
+        register's declared range.
 
         Raises:
             Trouble: the database can't be read.
@@ -101,7 +101,8 @@ class KeptRegisters:
 
 
 def listed(controller: str = "", program: str = "") -> list[Kept]:
-    """Return the stored values, sorted by program and name. An empty argument matches all.
+    """Return the stored values of registers, sorted by program and name. An empty argument matches all
+    programs or names.
 
     Raises:
         Trouble: the database can't be read.
@@ -124,7 +125,8 @@ def listed(controller: str = "", program: str = "") -> list[Kept]:
 
 
 def forget(program: str) -> int:
-    """Delete the stored values of a program on all controllers. Return their number.
+    """Delete all stored register values of a program, for all controllers. Return the number of deleted
+    values.
 
     Raises:
         Trouble: the database can't be read or written.
@@ -133,12 +135,12 @@ def forget(program: str) -> int:
 
 
 def deleted(table: str, delete: str, program: str) -> int:
-    """Delete a program's rows of a table. Return their number.
+    """Delete a program's rows of a database table. Return the number of deleted rows.
 
     Args:
-        table: statement that creates the table if it doesn't exist.
-        delete: statement that deletes the rows of a program; its argument is the program.
-        program: the program.
+        table: SQL statement that creates the table if it doesn't exist.
+        delete: SQL statement that deletes the rows of a program; its parameter is the program's name.
+        program: name of the program.
 
     Raises:
         Trouble: the database can't be read or written.

@@ -1,7 +1,8 @@
-"""The lines of a session: declarations stay, commands are carried out once. No I/O.
+"""The lines that a user enters in a session: declarations remain in force, commands are carried out once. No
+I/O.
 
-A session is one growing program. A line is planned after all declarations that were accepted before it.
-Earlier commands are not planned again: their effect is the robot's position.
+A session is one growing program. A line is planned with all declarations that were accepted before it.
+Earlier commands are not planned again: their only effect on the new line is the robot's position.
 """
 
 from __future__ import annotations
@@ -43,9 +44,10 @@ class Parts:
 
 
 def parts_of(module: Module) -> Parts:
-    """Return the parts of a text that stay, and those that are carried out.
+    """Split a text into the declarations, which remain in force, and the commands, which are carried out
+    once.
 
-    Blocks are carried out, except a SUB, and except an IF that contains only declarations.
+    A block counts as a command, except a SUB, and an IF that contains only declarations.
     """
     nodes = arrange(module).value or ()
     declarations: list[str] = []
@@ -57,13 +59,13 @@ def parts_of(module: Module) -> Parts:
 
 
 def numbered(module: Module, before: int, first: int) -> Module:
-    """Return the module with an index for every command.
+    """Return a parsed text with an index for every command that has none.
 
     Args:
-        module: the module.
+        module: the text: the session's lines, followed by the new text.
         before: number of lines before the new text. Commands of SUBs within these lines are numbered from the
             beginning.
-        first: first index after these lines.
+        first: index of the first command of the new text.
     """
     numbers = {True: first, False: _STEP}
     statements: list[Statement] = []
@@ -109,7 +111,8 @@ def _last(node: Node) -> Statement:
 
 
 def seen_from(text: str, home: Path, folder: Path) -> str:
-    """Rewrite lines of one folder for another folder. CELL and MOVEJ_TIMED may name a file.
+    """Rewrite the relative names of files in lines, so that they lead from another folder to the same files.
+    CELL and MOVEJ_TIMED may name a file.
 
     Args:
         text: a declaration, a block or a command, as written.
@@ -132,16 +135,16 @@ def relative(path: Path, folder: Path) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Typed:
-    """A text after the session's declarations. `source` contains both; the text begins after `before`
-    lines.
+    """A new text together with the session's declarations. `source` contains the declarations, which are
+    `before` lines, and then the text.
     """
 
     source: SourceFile
     before: int
 
     def placed(self, findings: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-        """Return findings with places relative to the text. Findings about a line of the session keep
-        their places.
+        """Return findings with line numbers that count from the beginning of the new text. Findings about a
+        line of the session keep their line numbers.
         """
         typed = SourceFile(TYPED, "\n".join(self.source.lines[self.before :]) + "\n")
         return tuple(self._placed(one, typed) for one in findings)
@@ -189,7 +192,7 @@ class Lines:
 
     @property
     def next_number(self) -> int:
-        """Return the index for a command that has none."""
+        """Return the number for the index of the next command that has none."""
         return _STEP * (self.count + 1)
 
     def declare(self, declarations: tuple[str, ...]) -> None:

@@ -1,4 +1,4 @@
-"""Loading of a program's file or text so that it can be run. Files are read; nothing moves."""
+"""Loading of a program so that it can be run, from a file or a text. Files are read; nothing moves."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from yarclang.source import SourceFile
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """The program to be run, and options for compiling it.
+    """The program to be run, and the options with which it is compiled.
 
     Attributes:
         file: path of the program; `-` for the standard input.
@@ -34,10 +34,11 @@ class Source:
         first: index of the command to begin with; None: the first.
         by_steps: True if the commands are run one by one.
         options: robot, start, tolerance, segment time, cell.
-        program: for a compiled program, the path of the source against which it is verified; None: the file
-            beside it.
-        approach: True to prepare the motion to its start as well.
-        present: returns the cell with its parts at their present places; None: as the program assumes them.
+        program: for a compiled program, the path of the source against which it is verified; None: the source
+            file in the same folder.
+        approach: True to prepare also the motion to the program's start.
+        present: returns the cell with its parts at their present places; None: the parts are in the places
+            that the program assumes.
     """
 
     file: str
@@ -67,8 +68,8 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
         source: the program.
         robot: robot that the program must be written for; None: the robot that the program or the options
             name.
-        stands: (n,) start of a program without START [rad or m]; None: as the options and the project
-            specify.
+        stands: (n,) joint positions at which a program without START begins [rad or m]; None: as the options
+            and the project specify.
 
     Returns:
         The program and all findings in order; no program if an error forbids running it.
@@ -93,8 +94,8 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
 
 
 def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
-    """Return a finding if the robot's files have changed since the running robot was read, because a proof
-    for the new description isn't valid for the running one.
+    """Return a finding if the files of the robot's description have changed since the coordinator read them;
+    otherwise None. A proof for the new description isn't valid for the robot that the coordinator runs.
     """
     if loaded is not None and loaded.program.robot.fingerprint == robot.fingerprint:
         return None
@@ -108,8 +109,8 @@ def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
 def _again(
     source: Source, plan: MotionPlan, robot: Robot | None, stands: Array | None
 ) -> Callable[[CellNow], Result[Loaded]]:
-    """Return a function that compiles the program again with its parts in other places. It uses the text that
-    was read, even if the file has changed meanwhile.
+    """Return a function that compiles the program again for other places of the cell's parts. It uses the
+    program's text as it was read, even if the file has changed meanwhile.
     """
     whole = replace(source, text=plan.program.source.text, first=None, by_steps=False)
 
@@ -183,7 +184,7 @@ def _compiled_here(source: Source, stands: Array) -> Result[Loaded]:
 
 
 def open_here(source: Source, stands: Array) -> Result[Opened]:
-    """Read a program that will run from the robot's position, unless it contains a START.
+    """Read and parse a program. Unless it contains a START, it begins at the robot's present position.
 
     Args:
         source: the program.

@@ -1,5 +1,5 @@
-"""The queue of one subscriber. Its length is limited, so that a subscriber that doesn't read costs little.
-No I/O.
+"""The queue of events for one subscriber. Its length is limited, so that a subscriber that doesn't read its
+events costs little memory. No I/O.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ CAPACITY = 256
 class Mailbox:
     """Queue of events, in their order.
 
-    Of positions and of progress, only the newest event waits. If there is no room, the oldest of all other
-    events is dropped. The number of dropped events is reported before any other event.
+    At most one position and one report of progress wait: the newest. If there is no room, the oldest of all
+    other events is dropped. The number of dropped events is reported before any other event.
 
     Args:
         capacity: largest number of waiting events, at least 4.
@@ -51,7 +51,9 @@ class Mailbox:
         return self._events.popleft() if self._events else None
 
     def _make_room(self) -> None:
-        """Drop the oldest event that isn't a position or progress: dropping these is never reported."""
+        """Drop the oldest event that is neither a position nor a report of progress. A position or a
+        report of progress is only replaced by a newer one, which is never reported as a loss.
+        """
         oldest = next(one for one in self._events if not isinstance(one, COALESCED))
         self._events.remove(oldest)
         self._missed += 1

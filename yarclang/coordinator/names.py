@@ -1,5 +1,5 @@
-"""The meaning of names after the lines of a session, for frames and signals that are named outside of a
-command. No I/O.
+"""The frames and signals that names stand for after the lines of a session, for orders that name them outside
+of a command. No I/O.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class _Alone:
 
 
 class Names:
-    """Names that have a meaning for a robot after the lines of a session.
+    """The frames and signals that names stand for after the lines of a session.
 
     Args:
         lines: lines of the session.
@@ -45,14 +45,15 @@ class Names:
         self._planner = planner
 
     def scope(self) -> Scope:
-        """Return the present meaning of all names."""
+        """Return what all names stand for after the session's lines."""
         module = parse(self._lines.behind("").source).value
         assert module is not None  # parsing always gives a tree
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
 
     def cell(self) -> Result[Program]:
-        """Return the session's declarations as a program, with the cell that motions respect and its parts as
-        in the cell's file. None if the cell can't be used.
+        """Return the session's declarations as a program. The program contains the cell that motions respect,
+        with the cell's parts in the places that its file gives. No value, but findings, if the cell can't be
+        used.
         """
         parsed = parse(self._lines.behind("").source)
         assert parsed.value is not None  # parsing always gives a tree
@@ -63,11 +64,15 @@ class Names:
         return Result(None if has_errors(found) else checked.value, found)
 
     def moving(self, name: str) -> Result[Frame]:
-        """Return a frame that motions can move. Its transform is flange_from_frame (4, 4) [m]."""
+        """Return the frame with a given name, if motions can move it. Its transform is flange_from_frame
+        (4, 4) [m].
+        """
         return self._frame(name, lambda frame, found: moving_frame(_Alone(), frame, self.scope(), found))
 
     def base(self, name: str) -> Result[Frame]:
-        """Return a frame in which a pose can be given. Its transform is base_from_frame (4, 4) [m]."""
+        """Return the frame with a given name, if a pose can be given in it. The transform of the frame is
+        base_from_frame (4, 4) [m].
+        """
         return self._frame(name, lambda frame, found: base_axes(_Alone(), frame, self.scope(), False, found))
 
     def frames(self) -> dict[str, Frame]:
@@ -77,15 +82,15 @@ class Names:
         return {name: frame for name, frame in found.items() if frame is not None}
 
     def signal(self, name: str) -> Result[Signal]:
-        """Return an input or an output."""
+        """Return the input or output with a given name."""
         return _looked_up(name, lambda found: signal_named(_word(name), self.scope(), _Alone(), found))
 
     def input(self, name: str) -> Result[Signal]:
-        """Return an input."""
+        """Return the input with a given name."""
         return _looked_up(name, lambda found: input_named(_word(name), self.scope(), _Alone(), found))
 
     def output(self, name: str) -> Result[Signal]:
-        """Return an output."""
+        """Return the output with a given name."""
         return _looked_up(name, lambda found: output_named(_word(name), self.scope(), _Alone(), found))
 
     def _frame(self, name: str, look: Callable[[FrameName, Collector], Frame | None]) -> Result[Frame]:
@@ -102,7 +107,7 @@ def _word(name: str) -> Word:
 
 
 def _looked_up(text: str, look: Callable[[Collector], T | None]) -> Result[T]:
-    """Return the result of a look-up. The findings refer to the text of the name."""
+    """Return what a function finds for a name. The findings refer to the text of the name."""
     findings = Collector(SourceFile(TYPED, f"{text.strip()}\n"))
     found = look(findings)
     return Result(found, tuple(findings.found))

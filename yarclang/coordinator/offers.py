@@ -1,5 +1,5 @@
-"""Conversion of a text to an offer: its motions are planned from the robot's position, and certified. Pure:
-nothing moves.
+"""Conversion of a text to an offer: motions that are planned from the robot's position and certified, and
+that the owner may then carry out. Pure: nothing moves.
 """
 
 from __future__ import annotations
@@ -45,10 +45,11 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class OfferedMotion:
-    """A motion of an offer.
+    """A motion of an offer, as shown to the user.
 
-    `title` is its index and name, `seconds` its duration, `branch` the chosen solution for a pose (empty if
-    there was no choice), and `proved` the values from the certificate: peaks, path, clearance.
+    `title` is the index and the name of its command, `seconds` its duration, `branch` the chosen
+    inverse-kinematics solution for a pose (empty if there was no choice), and `proved` the values from the
+    certificate: peaks, path, clearance.
     """
 
     title: str
@@ -63,15 +64,15 @@ class Offer:
 
     Attributes:
         number: number of the offer, unique within a coordinator.
-        text: text as given.
+        text: text as the user entered it.
         parts: declarations and commands of the text.
-        start: (n,) position at which the motions begin [rad or m].
+        start: (n,) joint positions at which the motions begin [rad or m].
         motions: motions in order; empty if nothing moves.
         findings: warnings and notes; an offer has no errors.
         compiled: text, program, plan and certificate; None if there are only declarations.
         job: job to be streamed; None if there are only declarations.
         revision: revision of the session's lines with which the offer was planned.
-        takes_back: number of earlier motions that the offer takes back.
+        takes_back: number of earlier motions that the offer drives back.
         proved_in: cell, with its parts, for which the offer is valid; None: the session's cell, or the cell
             that the offer's own lines name.
     """
@@ -120,14 +121,15 @@ class Offer:
 
 
 class Planner:
-    """Creates offers for one robot, in one folder that contains modules, cells and yarc.toml.
+    """Plans offers for one robot, with the modules, cells and yarc.toml of one folder.
 
     Args:
         robot: the robot.
         folder: folder of the session.
         tm: longest segment time [ms]; None: that of the robot.
         cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
-        present: returns the cell with its parts at their present places; None: as in the cell's file.
+        present: returns the cell with its parts at their present places; None: the parts are where the cell's
+            file places them.
 
     Attributes:
         generation: number that grows when the cell or yarc.toml is read again. Proofs of an earlier
@@ -161,10 +163,11 @@ class Planner:
         self._read()
 
     def renewed(self) -> bool:
-        """Read the cells again if one of their files has changed. Return True if so. Waits for the disk.
+        """Read the cells again if one of their files has changed. Return True if they were read again. Waits
+        for the disk.
 
-        Once a cell has been named, the robot respects it until the end. As long as none is named, yarc.toml
-        is read again as well.
+        Once a cell has been named, the robot respects this cell until the coordinator ends. As long as none
+        is named, yarc.toml is read again as well.
         """
         if self._cells.is_current and (self._keeps or self._settings == stamp_of(self._places())):
             return False
@@ -173,7 +176,9 @@ class Planner:
         return True
 
     def _places(self) -> tuple[Path, ...]:
-        """Return the places in which a yarc.toml would be used: the folder, and the folders above it."""
+        """Return the paths at which a yarc.toml would be found: in the session's folder, and in the
+        folders above it.
+        """
         folder = self.folder.resolve()
         return tuple(one / FILE_NAME for one in (folder, *folder.parents))
 
@@ -205,7 +210,7 @@ class Planner:
         return replace(self._request, start=start)
 
     def offer(self, text: str, lines: Lines, start: Array, number: int) -> Result[Offer]:
-        """Plan and certify a text after the lines of a session.
+        """Plan and certify a text that is entered after the lines of a session.
 
         Args:
             text: one command, declaration or block, or several.
@@ -214,7 +219,7 @@ class Planner:
             number: number of the offer.
 
         Returns:
-            The offer; None if a finding forbids it. Findings have their places in the text.
+            The offer; None if a finding forbids it. The findings have line numbers within the text.
         """
         typed = lines.behind(text)
         revision = lines.revision
@@ -241,7 +246,7 @@ class Planner:
     def offered(
         self, number: int, text: str, start: Array, compiled: Result[Compiled], revision: int
     ) -> Result[Offer]:
-        """Return the offer of a program that wasn't typed, such as a motion back.
+        """Return an offer for a compiled program that the user hasn't typed, such as a motion back.
 
         Args:
             number: number of the offer.
@@ -276,8 +281,8 @@ class Planner:
         return Offer(number, text, parts, start, motions, findings, compiled, job, revision)
 
     def _of_robot(self, module: Module) -> tuple[Diagnostic, ...]:
-        """Check that a ROBOT line names this robot, and that there is no START line, which is only for
-        files.
+        """Check that a ROBOT line in a session names this robot, and that there is no START line, which is
+        only allowed in files.
         """
         findings: list[Diagnostic] = []
         declared = declared_robot(module)
@@ -322,7 +327,7 @@ class Planner:
 
 
 def _new_parts(module: Module, before: int) -> Parts:
-    """Return the parts of a text that come after the session's lines."""
+    """Return the declarations and commands of a text that come after the session's lines."""
     own = replace(module, statements=tuple(one for one in module.statements if one.line > before))
     return parts_of(own)
 

@@ -21,8 +21,8 @@ from yarclang.runtime.transports.promptness import prompt_thread
 from yarclang.simulated_cell.playing import SimulatedCell
 
 _MOST_FIRST = 2**40
-"""Upper bound of the random first number of programs and offers. Numbers of an earlier coordinator are
-thereby invalid for this one.
+"""Upper bound of the random number at which a coordinator begins to count programs and offers. So a number
+from an earlier coordinator is unknown to this one.
 """
 
 
@@ -39,8 +39,9 @@ class Ground:
         cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
         log: file or folder in which motions are logged (`Engine`).
         reply_time: longest time until the controller replies [s].
-        pace: seconds of the controller per second; 1, except for a simulator.
-        patience: longest silence of this computer before the controller holds [s]; None: as the link allows.
+        pace: time of the controller's clock per time of this computer [s/s]; 1, except for a simulator.
+        patience: longest silence of this computer before the controller holds the robot [s]; None: a time
+            that depends on how fast the connection is.
         simulated: True if the controller is yarclang's simulator in this process. It pauses whenever this
             process can't run.
         serves: True if the coordinator serves other processes.

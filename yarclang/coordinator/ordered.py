@@ -8,10 +8,10 @@ from yarclang.runtime.session import Session
 
 
 class OrderedSession(Session):
-    """A session that logs orders and can pause while the robot is at rest.
+    """A session that logs users' orders, and can pause while the robot is at rest.
 
     Attributes:
-        log: log of orders; None if there is none.
+        log: log of the orders; None if there is none.
         paused: True between two commands that are carried out one by one. While paused, a hold has no effect
             and a new override applies to the next command.
         failure: failure that was reported during a pause.
@@ -36,10 +36,11 @@ class OrderedSession(Session):
         super().order(order)
 
     async def pause(self) -> bool:
-        """Wait until a user continues. Return True if a user orders the end instead, or if something has
-        failed.
+        """Wait until a user orders to continue. Return True if a user orders the end of the program instead,
+        or if something has failed.
 
-        Orders to continue that came before are discarded, because they were meant for something else.
+        Orders to continue that came before the pause are discarded, because they were meant for an earlier
+        pause or hold.
         """
         orders = self.operation.orders
         for early in [one for one in orders if isinstance(one, Resume)]:

@@ -8,10 +8,10 @@ from yarclang.coordinator.messages.replies import Status
 
 
 class Picture:
-    """The state of a robot as of the last event.
+    """The state of a robot according to the events so far.
 
     Args:
-        status: first status.
+        status: state of the robot before the first event.
 
     Attributes:
         state: state of the robot.
@@ -19,7 +19,7 @@ class Picture:
         under_way: action in progress; empty: none.
         paused: True if the robot stands between two commands that are carried out one by one.
         override: percent of the programmed speed.
-        joints: actual positions [deg or mm]; None: not known yet.
+        joints: actual joint positions [deg or mm]; None: not known yet.
         progress: progress of the program in progress.
     """
 

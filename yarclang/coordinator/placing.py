@@ -19,10 +19,11 @@ _CODE = "Y1601"
 
 
 def as_filed(places: Known, name: str | None) -> Known:
-    """Return the known places, with one part (or several) in the place that the cell's file gives.
+    """Return the places of the cell's parts after one part (or each of several) was declared to be where the
+    cell's file places it.
 
     Args:
-        places: places before.
+        places: places of the parts before.
         name: name of the part, or of all parts of a kind; None: all parts.
 
     Raises:
@@ -37,10 +38,10 @@ def as_filed(places: Known, name: str | None) -> Known:
 
 
 def gone(places: Known, name: str) -> Known:
-    """Return the known places, without a part that is no longer in the cell.
+    """Return the places of the cell's parts after one of them was declared to be no longer in the cell.
 
     Args:
-        places: places before.
+        places: places of the parts before.
         name: name of the part.
 
     Raises:
@@ -51,10 +52,10 @@ def gone(places: Known, name: str) -> Known:
 
 
 def put(places: Known, robot: Robot, name: str, pose: Array, gripper: str | None) -> Known:
-    """Return the known places, with a part in a given place or held by a gripper.
+    """Return the places of the cell's parts after one of them was declared to be at a pose or in a gripper.
 
     Args:
-        places: places before, including the robot's position.
+        places: places of the parts before, including the robot's position.
         robot: the robot that may hold the part.
         name: name of the part.
         pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds the part. For a tool, the pose
@@ -115,8 +116,8 @@ def _check_gripper(places: Known, gripper: str) -> None:
 
 
 def _placed(places: Known, kind: str, number: int | None, items: list[Item]) -> Known:
-    """Return the known places, with other items instead of one part, or (None) instead of all parts of a
-    kind.
+    """Return the places of the cell's parts after the part `number` of a kind (None: all parts of the kind)
+    was replaced by the given items.
     """
     parts = places.present.parts
 
@@ -145,8 +146,8 @@ def _with(places: Known, parts: Parts, leaving: tuple[Leaving, ...]) -> Known:
 
 
 def _lying(parts: Parts) -> tuple[Leaving, ...]:
-    """Return that the robot may be touching each part that isn't held, as if it had just put the part
-    down.
+    """Return entries which say that the robot may touch each part that no gripper holds, as if the robot had
+    just put the part down.
     """
     names = [one.name for one in parts.items if one.gripper is None]
     return tuple(Leaving((name,), False, (Touch(name, None, -np.inf),)) for name in names)

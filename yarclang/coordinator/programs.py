@@ -1,4 +1,6 @@
-"""Preparation of a program to be run: as a whole, from a command on, or command by command."""
+"""Preparation of a program so that it can be run: as a whole, from a given command on, or command by
+command.
+"""
 
 from __future__ import annotations
 
@@ -39,8 +41,9 @@ APPROACH = "approach"
 
 
 Behind = Callable[[int, Array, "tuple[int, ...] | None"], "Replanned | str"]
-"""Function that plans what is known only at run time. Its arguments are a motion's number, the robot's
-position (n,) [rad or m], and the values of an OFFSET's registers (None: after a search).
+"""Function that plans while a program runs: the rest of the program after a search, or the motions of an
+OFFSET. Its arguments are the number of the search or of the first motion, the robot's position (n,) [rad or
+m], and the values of an OFFSET's registers (None: after a search).
 """
 
 
@@ -50,24 +53,25 @@ class Loaded:
 
     Attributes:
         program: job of the whole program.
-        rest: job that is run first: the whole program, or its rest from a command on.
+        rest: job that is run first: the whole program, or its rest from a given command on.
         steps: jobs of the single commands of `rest`, if they are run one by one.
         plan: plan of the program; None if only the controller text is known.
-        begins_within: True if the run begins at a named command.
-        origins: finds the source places of its commands.
+        begins_within: True if the run begins at a given command.
+        origins: finds the positions of the program's commands in the source file.
         cell: cell for the motion to the start, for a program of which only the controller text is known.
         spans: ranges of motions in the plan (first, one after the last) for each of `steps`, or for `rest`
             and then the whole program.
         assumed: places of the cell's parts at the beginning, as assumed in the proof; None: the cell has no
             parts.
-        first_step: step of the plan at which `rest` begins; None if no command was named.
-        text_plan: plan that was reconstructed from a controller text, to derive its effect on parts.
-        behind: plans the rest after a motion that an input has ended, or the lines of an OFFSET; None if this
-            is impossible.
-        leave: plans the motions back and out after an input has held a motion. Arguments: the name of the
-            motions out, the number of the held motion, the time of the plan [s] and the robot's position (n,)
-            [rad or m]. None if this is impossible.
-        again: compiles the same program with its parts in other places; None if this is impossible.
+        first_step: step of the plan at which `rest` begins; None if no command was given.
+        text_plan: plan that was reconstructed from a controller text, to derive its effect on the cell's
+            parts.
+        behind: plans the rest of the program after an input has ended a motion, or the motions of an OFFSET;
+            None if this is impossible.
+        leave: plans the way out after an input has held a motion: motions back on the path, then the motions
+            out. Arguments: the name of the motions out, the number of the held motion, the time of the plan
+            [s] and the robot's position (n,) [rad or m]. None if this is impossible.
+        again: compiles the same program for other places of the cell's parts; None if this is impossible.
     """
 
     program: Job
@@ -92,8 +96,8 @@ class Loaded:
 
     @property
     def around_start(self) -> Cell | None:
-        """Return the cell for the motion to the start of `rest`, with its parts in the places at that
-        start.
+        """Return the cell for planning the motion to the start of `rest`, with its parts in the places that
+        the proof assumes there.
         """
         if self.around is None or self.assumed is None:
             return self.around
@@ -123,7 +127,7 @@ def load_program(
         by_steps: True if its commands are run one by one.
         compiled: result of compiling the program, if it exists already, with the findings to report.
         present: returns the cell with its parts at their present places, for a program that begins at
-            `first`; None: the places that the program assumes there.
+            `first`; None: the parts are in the places that the program assumes there.
 
     Returns:
         The program; None if an error forbids running it.
@@ -175,8 +179,8 @@ def load_program(
 
 
 def behind_search(plan: MotionPlan, request: Request) -> Behind:
-    """Return a function that plans the rest of a program after a motion that an input has ended, or the lines
-    of an OFFSET.
+    """Return a function that plans while the program runs: the rest of the program after an input has ended a
+    motion (a search), or the motions of an OFFSET.
     """
 
     def planned(number: int, position: Array, values: tuple[int, ...] | None) -> Replanned | str:
@@ -188,17 +192,20 @@ def behind_search(plan: MotionPlan, request: Request) -> Behind:
 
 
 def ways_out(plan: MotionPlan, request: Request) -> Callable[[str, int, float, Array], tuple[Job, ...] | str]:
-    """Return a function that plans the motions back and out after an input has held a motion."""
+    """Return a function that plans the way out after an input has held a motion: motions back on the path,
+    then the motions out.
+    """
     return lambda name, number, time, here: leaving(plan, name, number, time, here, request)
 
 
 def _assumed(
     plan: MotionPlan, number: int, step: int, present: CellNow | None
 ) -> tuple[Parts | None, tuple[int, int, Cell] | None]:
-    """Return the places of parts before `step`, a step before motion `number`.
+    """Return the places of the cell's parts before `step`, a step before motion `number`.
 
-    If the present places are known, they are returned instead of the program's, together with the motion, the
-    step and the cell from which on the parts are followed again.
+    If the parts' present places are known, they are returned instead of the places that the program assumes.
+    Then the second value has the motion, the step and the cell from which on the parts are tracked; otherwise
+    it is None.
     """
     cell = plan.program.cell
     if cell is None or not cell.parts:
@@ -219,10 +226,10 @@ def _assumed(
 class Way:
     """The motion from the robot's position to a program's start.
 
-    `text` gives the distance (empty: the robot is at the start). `job` is a slow certified motion of all
-    joints; None if none is needed, or if none is possible: then `findings` are the reasons. `zone` is the
-    cell's start zone in which the robot stands, empty if it is in none. In a start zone the motion needs no
-    permission.
+    `text` says how far the robot is from the start (empty: the robot is there). `job` is a slow certified
+    motion of all joints; None if none is needed, or if none is possible: then `findings` are the reasons.
+    `zone` is the name of the cell's start zone in which the robot stands, empty if it is in none. In a start
+    zone the motion needs no permission.
     """
 
     text: str
@@ -238,7 +245,8 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
         robot: the robot.
         loaded: the program.
         joints: (n,) position of the robot [rad or m].
-        around: the cell around the robot; None: as the program assumes it at its start.
+        around: the cell with its parts at their present places; None: the parts are in the places that the
+            program assumes at its start.
     """
     job = loaded.rest
     text = off_the_start(job, joints)
@@ -257,12 +265,14 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
 
 
 def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:
-    """Return the motion to the start along the path on which a run was stopped beside a part.
+    """Return a motion to the start along the program's own path, for a run that was stopped while the robot
+    touched a part.
 
     Args:
         loaded: the program.
         joints: (n,) position of the robot [rad or m].
-        around: the cell around the robot; None: as the program assumes it.
+        around: the cell with its parts at their present places; None: the parts are in the places that the
+            program assumes.
 
     Returns:
         The motion; None if the robot isn't on such a path.

@@ -1,5 +1,5 @@
-"""Motions to a program from any position of the robot: a proved motion to the program's start, or to the
-nearest place at which the program can begin, as an offer.
+"""Recovery of a program from any position of the robot: a proved motion to the program's start, or to the
+nearest position at which the program can begin, as an offer.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from yarclang.pipeline.recovering import Place, Recovery, around_place, parts_at
 from yarclang.robot.model import Robot
 
 Now = Callable[[Cell, Array], Cell | None]
-"""Function that returns a cell with its parts at their present places; None if nothing is known beyond the
-cell's file.
+"""Function that returns a cell with its parts at their present places; None if the parts are where the cell's
+file places them.
 """
 
 
 def find_recovery(robot: Robot, loaded: Loaded, position: Array, now: Now) -> Result[Recovery]:
-    """Find the place of a program to which the robot can go.
+    """Find a command of a program to whose beginning the robot can move.
 
     Args:
         robot: the robot.
-        loaded: the program. If it begins at a named command, only this place is tried.
+        loaded: the program. If it begins at a given command, only this command is tried.
         position: position of the robot (n,) [rad or m].
         now: returns a cell with its parts at their present places.
 
     Returns:
-        The place, with the motion to it; findings instead if no motion is proved.
+        The command, with the motion to its beginning; findings instead if no motion is proved.
     """
     plan, around = loaded.plan, None if loaded.around is None else replace(loaded.around, present=None)
     is_named = loaded.first_step is not None and bool(loaded.spans)
@@ -62,10 +62,10 @@ def find_recovery(robot: Robot, loaded: Loaded, position: Array, now: Now) -> Re
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recovered:
-    """The place of a program to which the robot can go, with the motion to it as an offer (None: the robot is
-    already there).
+    """The result of a search for a motion to a program.
 
-    `found` is None if no motion is proved; `findings` are the reasons.
+    `found` is the command to whose beginning the robot can move, and `offer` the motion to it (None: the
+    robot is already there). `found` is None if no motion is proved; then `findings` are the reasons.
     """
 
     found: Recovery | None
@@ -74,10 +74,11 @@ class Recovered:
 
 
 async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
-    """Plan and certify a motion from the robot's position to a program. Nothing moves.
+    """Plan and certify a motion from the robot's position to a position at which a program can begin. Nothing
+    moves.
 
     Raises:
-        Trouble: the robot is moving, there is no connection, or the places of parts are unknown.
+        Trouble: the robot is moving, there is no connection, or the places of the cell's parts are unknown.
     """
     robot, kept_parts = coordinator.robot, coordinator.carrying.kept
     if loaded.around is not None and (known := kept_parts.known(loaded.around)) is not None:
@@ -103,7 +104,7 @@ async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
 
 
 def recovery_described(recovered: Recovered, robot: Robot) -> replies.Recovery:
-    """Return the motion to a program as a message."""
+    """Return the result of `recovered` as a message."""
     recovery = recovered.found
     return replies.Recovery(
         place=None if recovery is None else recovery.place.index,

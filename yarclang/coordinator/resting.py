@@ -1,5 +1,5 @@
-"""Search for a resting robot on its path, to find the command that was being executed. The last report may
-be old.
+"""Search for the place on a planned path at which a robot rests, to find the command that was being executed.
+The robot may have moved on since it last reported its progress.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from yarclang.robot.model import Array
 from yarclang.runtime.job import Job, JobCommand
 
 _STEP = 4e-3
-"""Step of the first search [s]."""
+"""Step between the times at which the path is compared with the robot's position first [s]."""
 
 _FINER = 64
 _ROUNDS = 2
 
 _ON_PATH = 5e-3
-"""Largest distance from the path for a robot that counts as resting on it, in axis units [deg or mm]. The
-text contains rounded numbers.
+"""Largest distance between a robot and its planned path at which the robot counts as resting on the path, in
+axis units [deg or mm]. The robot follows a controller text with rounded numbers.
 """
 
 _AS_NEAR = 1e-4
-"""Largest difference of distances for places that count as equally near [deg or mm]."""
+"""Largest difference of two distances from the robot that count as equal [deg or mm]."""
 
 _EARLIER = 2.0
 """Largest time by which a report may be ahead of the robot [segments]."""
@@ -33,14 +33,16 @@ _EARLIER = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Resting:
-    """A command of a program, and the progress of the program at which the robot rests [s]."""
+    """The place on a planned path at which a robot rests: the command, and the progress of the program
+    there [s].
+    """
 
     command: JobCommand
     done: float
 
 
 def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float) -> Resting | None:
-    """Find a robot on its path, at or after the place of the last report.
+    """Find the place on a planned path at which a robot rests: at or after the place of its last report.
 
     Args:
         plan: plan of the program.
@@ -49,7 +51,8 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float
         progress: progress of the program at the last report [s].
 
     Returns:
-        The place; None if the robot isn't on the part of the path that it can have reached.
+        The command and the progress of the program at this place. None if the robot isn't on the part of the
+        path that it can have reached since.
     """
     command = program.command_at(progress)
     if command is None or len(program.commands) != len(plan.motions):
@@ -83,8 +86,8 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, progress: float
 
 
 def motion_before(plan: MotionPlan, place: str) -> str:
-    """Return the place of the last motion before a step that isn't a motion, such as a WAIT; empty if there
-    is no such motion.
+    """Return the index of the last motion before a command that isn't a motion, such as a WAIT; empty if
+    there is no such motion.
     """
     places = {
         number: step.origin.label
@@ -96,7 +99,8 @@ def motion_before(plan: MotionPlan, place: str) -> str:
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
-    """Compute the distance between a plan and a position: the largest distance of a joint [deg or mm].
+    """Compute the distance between a planned path and a position: the largest difference of a joint [deg or
+    mm].
 
     Args:
         plan: the plan.
@@ -104,7 +108,7 @@ def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
         joints: (n,) the position [rad or m].
 
     Returns:
-        The distance at each time (M,).
+        The distance at each of the times (M,).
     """
     distances: Array = (np.abs(plan.sample(times)[0] - joints) / plan.robot.axis_units).max(axis=1)
     return distances

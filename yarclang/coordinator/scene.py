@@ -1,4 +1,4 @@
-"""The shapes of a robot and its surroundings, for programs that draw them: the replies to `model` and
+"""The shapes of a robot and of the cell around it, for programs that draw them: the replies to `model` and
 `scene`, and detection of changes of the scene.
 """
 
@@ -32,24 +32,24 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
 MOST_ITEMS = 500
-"""Most bodies, zones and parts in a reply. The others are left out, with a note: writing more would delay the
-event loop, and thereby the robot.
+"""Most bodies, zones and parts in one reply to `scene`. The others are left out, with a note: writing more
+would delay the event loop, and thereby the robot.
 """
 _MOST_NOTES = 100
 _MOST_SWITCHED = 10_000
-"""Most outputs set by programs that are remembered. If there are more, the oldest are dropped."""
+"""Most changes of outputs that are stored during one action. Further changes are ignored."""
 _DIGITS = 9
 """Number of decimals of lengths in m."""
 
 
 class Scenes:
-    """Describes the surroundings of a robot.
+    """Describes the robot and the cell around it for programs that draw them.
 
     Args:
         robot: the robot.
         engine: engine that knows whether anything is in progress.
         lines: declarations of the session.
-        around: surroundings with the cell.
+        around: provides the cell.
         kept: places of the cell's parts.
     """
 
@@ -66,24 +66,24 @@ class Scenes:
         self._told = self._state()
 
     def begin(self) -> None:
-        """Record the start of an action. Until the action sets outputs, the parts are in the places that are
-        known from earlier actions.
+        """Record the start of an action. Until the action sets outputs, the scene shows the cell's parts in
+        the places that are known from earlier actions.
         """
         self._switched.clear()
 
     def output_set(self, variable: str, value: float, q: Array | None) -> None:
-        """Record that the current action has set an output.
+        """Record that the current action has set an output, which may have moved a part of the cell.
 
         Args:
-            variable: variable of the output.
-            value: its value.
+            variable: controller variable of the output.
+            value: value of the output.
             q: position of the robot at that time (n,) [rad or m]; None: unknown.
         """
         if q is not None and self._engine.under_way and len(self._switched) < _MOST_SWITCHED:
             self._switched.append((variable, value, q))
 
     def is_another(self) -> bool:
-        """Return True once after anything that may have changed the scene. This doesn't read the disk."""
+        """Return True if the scene may have changed since the last call. This doesn't read the disk."""
         before, self._told = self._told, self._state()
         return before != self._told
 
@@ -92,7 +92,7 @@ class Scenes:
         return self._lines.revision, cell, self._kept.all, len(self._switched)
 
     def model(self) -> replies.Model:
-        """Return the robot. Waits for the disk.
+        """Return the robot's shapes as a message. Waits for the disk.
 
         Raises:
             Trouble: the robot's files can't be read any more, or have changed since the start.
@@ -100,7 +100,8 @@ class Scenes:
         return model_described(self._robot)
 
     def scene(self) -> replies.Scene:
-        """Return the present surroundings of the robot. Waits for the disk.
+        """Return the cell around the robot as a message, with its parts at their present places. Waits for
+        the disk.
 
         Raises:
             Trouble: the robot's files can't be read any more.
@@ -115,8 +116,8 @@ class Scenes:
         return scene_described(robot, cell, parts, "" if known is None else known.doubt, notes)
 
     def _cell(self) -> tuple[Cell | None, tuple[str, ...]]:
-        """Return the cell in use, in the present version of its file. If the file can't be read, return the
-        version that was read before, with a note.
+        """Return the cell that is shown, as its file describes it now, and notes. If the file can't be read
+        any more, return the cell that was read before, with a note.
         """
         around = self._around
         around.look()
@@ -137,7 +138,7 @@ class Scenes:
 
 
 def model_described(robot: Robot) -> replies.Model:
-    """Return a robot as a message.
+    """Return the shapes of a robot as a message.
 
     Raises:
         Trouble: the robot's files can't be read any more, or have changed since the robot was read.
@@ -172,7 +173,7 @@ def model_described(robot: Robot) -> replies.Model:
 def scene_described(
     robot: Robot, cell: Cell, parts: Parts, doubt: str, notes: tuple[str, ...]
 ) -> replies.Scene:
-    """Return the surroundings of a robot as a message.
+    """Return the cell around a robot as a message.
 
     Args:
         robot: robot whose URDF names the links to which poses refer.
@@ -265,7 +266,9 @@ def _item(
 
 
 def _shape(shape: Shape | None) -> replies.SceneShape | str:
-    """Return a shape as a message (None as the shape: a half space), or the reason why it can't be shown."""
+    """Return a shape as a message, or the reason why it can't be drawn. The argument None stands for a
+    half space.
+    """
     match shape:
         case None:
             return replies.SceneShape(type="half-space")

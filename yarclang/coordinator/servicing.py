@@ -1,4 +1,4 @@
-"""A client's actions on a controller that isn't ready: enabling motors, homing, comparing and sending
+"""A client's actions that make a controller ready for motions: enabling motors, homing, comparing and sending
 settings. Only the owner may change anything.
 """
 
@@ -46,7 +46,7 @@ class Servicing(Part):
     # motors
 
     async def enable(self) -> replies.Serviced:
-        """Close the loops of the motors. See `yarclang.runtime.scripts.Services`.
+        """Close the control loops of the motors. See `yarclang.runtime.scripts.Services`.
 
         Raises:
             NotOwner: this client only watches.
@@ -55,7 +55,7 @@ class Servicing(Part):
         return await self._served(ENABLING, "to enable the motors", self._services.enable)
 
     async def disable(self) -> replies.Serviced:
-        """Open the loops of all motors.
+        """Open the control loops of all motors.
 
         Raises:
             NotOwner: this client only watches.
@@ -84,8 +84,9 @@ class Servicing(Part):
 
         Args:
             name: name of the work, for messages.
-            work: the work.
-            wrong: returns what is wrong with a result; empty if nothing is.
+            work: function that does the work.
+            wrong: function that takes the result of the work and returns what is wrong with it; empty if
+                nothing is.
         """
         coordinator = self._coordinator
 
@@ -134,8 +135,7 @@ class Servicing(Part):
         )
 
     async def home(self, motors: tuple[int, ...]) -> Ended:
-        """Let the controller search the home of motors, one after the other. A hold, a stop or an abort ends
-        the search.
+        """Let the controller home motors, one after the other. A hold, a stop or an abort ends the homing.
 
         Returns:
             The outcome.
@@ -201,10 +201,10 @@ class Servicing(Part):
         )
 
     async def send(self, compared_sha: str) -> replies.SettingsSent:
-        """Send the settings.
+        """Send the settings that the robot needs to the controller.
 
         Args:
-            compared_sha: SHA-256 of the text that the user has compared.
+            compared_sha: SHA-256 of the settings' text that the user has compared.
 
         Raises:
             NotOwner: this client only watches.
@@ -234,7 +234,7 @@ class Servicing(Part):
         )
 
     async def save(self) -> replies.Done:
-        """Store the settings in the controller.
+        """Let the controller store its settings permanently.
 
         Raises:
             NotOwner: this client only watches.

@@ -40,12 +40,14 @@ from yarclang.runtime.transports.private import folder, own_name, peer_of, priva
 from yarclang.runtime.transports.runs import remove_stale
 
 _LAST = 0.01
-"""Time before closing in which the last callers can still connect [s]: asyncio loses a connection that it
-accepts while the server closes.
+"""Time for which the server still accepts callers after its socket was removed [s]: asyncio loses a
+connection that it accepts while the server closes.
 """
 
 _MOST_UNREAD = 1024
-"""Most replies and events that may wait for a caller that doesn't read. One more ends the connection."""
+"""Most replies and events that may wait for a caller that doesn't read them. With one more, the connection is
+closed.
+"""
 
 _LINES = 32
 """Number of encoded events that are kept for the next client."""
@@ -124,8 +126,8 @@ class ControlSocket:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The orders allowed on a connection: their types, their description for messages, and the longest
-    line [bytes].
+    """The orders that are allowed on a connection: the types of the orders, a description of them for
+    messages, and the longest line [bytes].
     """
 
     allowed: tuple[type[Order[Any]], ...]
@@ -158,7 +160,7 @@ class Visitor:
         coordinator: the coordinator.
         reader: reader of the connection.
         writer: writer of the connection.
-        written: events as lines.
+        written: converts events to lines of text.
         limits: allowed orders; None: all.
     """
 
@@ -291,7 +293,7 @@ class Visitor:
         self._wanted.set()
 
     async def _write(self) -> None:
-        """Write waiting lines, as fast as the caller reads them."""
+        """Write waiting replies and events, as fast as the caller reads them."""
         writer = self._writer
         try:
             while True:

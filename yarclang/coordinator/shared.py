@@ -66,12 +66,12 @@ class SharedRobot:
         log: file or folder in which motions are logged (`Engine`).
         name: name that `yarc status` shows while nothing is in progress.
         simulated: True if the controller is yarclang's simulator.
-        serves: True if other processes are served.
+        serves: True if the coordinator serves other processes.
         surroundings: machines around a robot that is simulated in this process; None: the robot isn't
             simulated here.
         patient: True to run also while the controller can't be reached, or isn't in the state that the robot
             needs; nothing can move then.
-        first: first number of a program or an offer.
+        first: number at which the coordinator begins to count programs and offers.
         plan: runs planning functions; None: in a thread, so that planning a long program doesn't delay a
             stop.
 
@@ -81,7 +81,7 @@ class SharedRobot:
         planner: creates offers.
         lines: declarations of the session.
         history: actions of the session.
-        names: names known after the session's lines.
+        names: the frames and signals that names stand for after the session's lines.
         around: the cell, and inputs and outputs by name.
         scenes: descriptions of robot and cell, for programs that draw them.
         stops: number of stops and aborts so far. Requests that were made before the last one no longer begin.
@@ -90,7 +90,7 @@ class SharedRobot:
         why: reason for the robot's present state.
         progress: last reported progress of a program.
         sample: last reported position of the motors.
-        behind: known time of the program after the current part, at full speed [s].
+        behind: known duration of the program after the current job, at full speed [s].
     """
 
     def __init__(
@@ -169,8 +169,8 @@ class SharedRobot:
         return free
 
     def detach(self, name: str) -> None:
-        """Remove a client. If it owned the robot, the robot comes to rest on its path, and nobody owns it
-        then.
+        """Remove a client. If this client owned the robot, the robot comes to rest on its path, and then
+        has no owner.
         """
         if name in self._clients:
             self._clients.remove(name)
@@ -201,7 +201,7 @@ class SharedRobot:
             self._tell(events.OwnerChanged(time_s=self.time, owner=name))
 
     def give(self, name: str, to: str) -> None:
-        """Hand the robot from its owner to another client, or (empty) to nobody.
+        """Hand the robot from its owner `name` to another client `to`, or to nobody if `to` is empty.
 
         Raises:
             NotOwner: `name` doesn't own the robot, or there is no client `to`.
@@ -275,7 +275,7 @@ class SharedRobot:
     async def stands(self) -> Array:
         """Request and return the robot's commanded position (n,) [rad or m].
 
-        If the last motion has ended within one count of its planned end, the planned end is returned.
+        If this position is within one count of the last motion's planned end, the planned end is returned.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -311,7 +311,7 @@ class SharedRobot:
             waits: if True, wait for planning in progress; otherwise do nothing while planning is in progress.
 
         Returns:
-            The planner's generation.
+            The planner's `generation`, which grows each time the cell is read.
         """
         if not waits and self._planning.locked():
             return self.planner.generation
@@ -338,7 +338,7 @@ class SharedRobot:
         Args:
             client: client that orders the work.
             name: name of the work, for messages.
-            lasting: duration.
+            lasting: how long the work will take.
             work: function that moves the robot.
             stops: number of stops at the time of the request.
             serves: True if the work may be done after a fault (`Engine.move`).
@@ -401,8 +401,8 @@ class SharedRobot:
         positions: bool = True,
         arrived: Callable[[], object] = lambda: None,
     ) -> Subscription:
-        """Return an iterator over all events from now on. A subscriber that doesn't read them costs the
-        memory of at most `capacity` events.
+        """Return an iterator over all events from now on. At most `capacity` events are stored for a
+        subscriber that doesn't read them.
 
         Args:
             capacity: largest number of waiting events.
@@ -420,7 +420,7 @@ class SharedRobot:
 
         Args:
             text: the remark.
-            stopped_by: bodies and zones that limit a live motion, if the remark is about this.
+            stopped_by: bodies and zones that stop or slow a live motion, if the remark is about this motion.
             warning: True if a user should react.
             code: code of the finding; None if there is none.
         """
@@ -434,7 +434,7 @@ class SharedRobot:
             self._tell(events.OverrideChanged(time_s=self.time, percent=round(self.override, 6)))
 
     def tell_scene(self) -> None:
-        """Inform all clients if the surroundings of the robot may have changed."""
+        """Inform all clients if the cell around the robot or its parts may have changed."""
         if self.scenes.is_another():
             self._tell(events.SceneChanged(time_s=self.time))
 

@@ -1,4 +1,4 @@
-"""Conversion of inputs and outputs of a run to events of the coordinator."""
+"""Conversion of changes of inputs and outputs to events of the coordinator."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def signal_event(signal: Signal) -> events.BaseEvent:
 def hear_inputs(
     surroundings: SimulatedCell, session: Session, later: Callable[[Callable[[Set], None], Set], object]
 ) -> None:
-    """Make a session report each change of a simulated input.
+    """Make a session report each change of an input of a simulated controller.
 
     Args:
         surroundings: the machines around the robot, which run in a thread of their own.
         session: session that reports the changes.
-        later: calls a function with an argument in the session's event loop.
+        later: function that calls a given function, with one argument, in the session's event loop.
     """
 
     def tell(event: Set) -> None:
@@ -66,12 +66,12 @@ def hear_inputs(
 def receive_values(
     surroundings: SimulatedCell, values: Values, later: Callable[[Callable[[Given], None], Given], object]
 ) -> None:
-    """Make the cameras of a simulated cell send values, as a client would.
+    """Make the cameras of a simulated cell send values to the running program, as a client would.
 
     Args:
         surroundings: the machines around the robot, which run in a thread of their own.
         values: receiver of the values.
-        later: calls a function with an argument in the session's event loop.
+        later: function that calls a given function, with one argument, in the session's event loop.
     """
 
     def take(values_given: Given) -> None:

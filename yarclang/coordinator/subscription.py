@@ -13,7 +13,8 @@ class Subscription:
     """Events as an asynchronous iterator, which ends when the coordinator or the subscription is closed.
 
     Args:
-        capacity: largest number of waiting events; further events are counted and reported as `Missed`.
+        capacity: largest number of waiting events. If there are more, events are dropped, and their number is
+            reported as `Missed`.
         leave: called when the subscription is closed.
         positions: True if the subscriber wants positions.
         told: called when an event has arrived, for a subscriber that doesn't wait in `next`.

@@ -1,4 +1,4 @@
-"""Places that programs have taught while they ran (JPOS, LPOS). They are stored in the database of KEPT
+"""Positions that programs have taught while they ran (JPOS, LPOS). They are stored in the database of KEPT
 registers.
 """
 
@@ -25,7 +25,7 @@ _TABLE = (
 
 @frozen
 class Place:
-    """The place that was taught last under a name: the line that declares it in a program."""
+    """The position that was taught last under a name: the line that declares it in a program."""
 
     controller: str
     program: str
@@ -34,13 +34,14 @@ class Place:
 
 
 def line_of(robot: Robot, teaches: str, name: str, joints: Array) -> str:
-    """Return the line of a program that declares a place.
+    """Return the line of a program that declares a taught position.
 
     Args:
         robot: the robot.
-        teaches: `joints`, or `pose` for the pose of {TCP} in {B}, or of {FLANGE} if there is no {TCP}.
-        name: name of the place.
-        joints: position of the robot (n,) [rad or m].
+        teaches: what is taught: `joints`, or `pose` for the pose of {TCP} in {B} (of {FLANGE} if there is no
+            {TCP}).
+        name: name of the position.
+        joints: joint positions of the robot (n,) [rad or m].
     """
     if teaches == "joints":
         values = joints / robot.axis_units
@@ -57,19 +58,19 @@ def _numbers(values: Array) -> str:
 
 
 def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
-    """Store a place. When this returns, the place is on the disk.
+    """Store a taught position. When this returns, the position is on the disk.
 
     Args:
         robot: the robot.
-        controller: robot and address; a simulated controller has places of its own.
+        controller: robot and address; a simulated controller has taught positions of its own.
         program: name of the program, from `yarclang.coordinator.kept_registers.program_of`.
-        wanted: the place.
+        wanted: the position.
 
     Returns:
-        The line that declares it.
+        The line of a program that declares the position.
 
     Raises:
-        OSError: the place can't be stored.
+        OSError: the position can't be stored.
     """
     line, place = line_of(robot, wanted.teaches, wanted.name, wanted.joints), registers_file()
     try:
@@ -84,7 +85,8 @@ def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
 
 
 def places(program: str = "") -> list[Place]:
-    """Return the taught places, sorted by program and name. An empty argument matches all.
+    """Return the taught positions, sorted by program and name. An empty argument matches all programs or
+    names.
 
     Raises:
         Trouble: the database can't be read.
@@ -106,7 +108,7 @@ def places(program: str = "") -> list[Place]:
 
 
 def forget(program: str) -> int:
-    """Delete the taught places of a program on all controllers. Return their number.
+    """Delete the taught positions of a program, for all controllers. Return the number of deleted positions.
 
     Raises:
         Trouble: the database can't be read or written.

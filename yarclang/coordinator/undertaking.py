@@ -25,13 +25,13 @@ from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
 
 TO_THE_START = "to the start"
-"""Name of an approach's command."""
+"""Name of the motion to a program's start."""
 
 BACK_ON_PATH = "back to where the motion began"
-"""Name of the motion back along the path after a motion was left."""
+"""Name of the motion back along the path, which comes before the motions out."""
 
 _SAME_TIME = 1e-6
-"""Largest difference of times when a command is searched by the time at which it begins [s]."""
+"""Largest difference of two times that count as equal, when a command is found by its beginning [s]."""
 
 
 class Undertaking:
@@ -60,9 +60,11 @@ class Undertaking:
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
         self._taken: frozenset[int] = frozenset()
-        """Steps of the program on the branches that were taken in the last part."""
+        """Steps that the last job has passed on the executed branches."""
         self._registers: dict[str, int] = {}
-        """Values of the registers at the end of the last part. The next step or pass begins with them."""
+        """Values of the registers at the end of the last job. The next command or pass begins with these
+        values.
+        """
 
     async def carry_out(self, way: Job | None) -> Ended:
         """Carry out the motion to the start, then the program."""
@@ -111,11 +113,11 @@ class Undertaking:
         return ended
 
     async def _leave(self, outcome: Ended) -> Ended:
-        """Carry out the motions back and out after an input has held a motion. All of them are proved before
-        the first one begins.
+        """Carry out the way out after an input has held a motion: motions back on the path, then the motions
+        out. All of them are proved before the first one begins.
 
         Args:
-            outcome: outcome of the part whose motion was held.
+            outcome: outcome of the job whose motion was held.
         """
         loaded, way, joints = self.loaded, outcome.leaves, outcome.joints
         operation = self._session.operation
@@ -169,13 +171,13 @@ class Undertaking:
         )
 
     def remember(self, history: History) -> None:
-        """Add the motions that were carried out to the history, so that they can be taken back."""
+        """Add the motions that were carried out to the history, so that the robot can drive them back."""
         plan = self.loaded.plan
         if plan is not None and self._done:
             history.ran(tuple(self._done), plan.program)
 
     def _begin_registers(self) -> None:
-        """Read the last values of KEPT registers.
+        """Read the values of KEPT registers that are stored from earlier runs.
 
         Raises:
             Trouble: the values can't be read.
@@ -197,8 +199,9 @@ class Undertaking:
         session.teacher = partial(teach, coordinator.robot, registers.controller, registers.program)
 
     def _replan(self, wanted: Replan) -> Replanned | str | None:
-        """Plan the rest of the program from the end of a search, or plan the lines of an OFFSET. None: there
-        is no program to plan from.
+        """Plan the rest of the program from the position at which a search has ended, or the motions of an
+        OFFSET. Return None if the program can't be planned again; a text is the reason why planning has
+        failed.
         """
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
@@ -207,8 +210,8 @@ class Undertaking:
         return loaded.behind(begins.index(min(begins)), wanted.joints, wanted.values)
 
     def _next(self, number: int) -> Job | None:
-        """Return the next job of the program: its only job, its next step, or its next pass; None after
-        the last one.
+        """Return job `number` of the program, counted from 0; None after the last one. A job is one command
+        if the program is run command by command, otherwise one pass of the whole program.
         """
         loaded = self.loaded
         if loaded.steps:
@@ -258,7 +261,7 @@ class Undertaking:
         return ended
 
     def _goes_on(self, job: Job) -> Job:
-        """Return a job whose registers begin with their values at the end of the part before."""
+        """Return a job whose registers begin with their values at the end of the job before."""
         if not job.registers or not self._registers:
             return job
         held = tuple(replace(one, first=self._registers.get(one.name, one.first)) for one in job.registers)
@@ -296,7 +299,9 @@ class Undertaking:
         return loaded.spans[number if loaded.steps else min(number, len(loaded.spans) - 1)]
 
     async def _pause(self, job: Job, number: int) -> Ended | None:
-        """Wait until somebody orders the next step. Return the outcome if the program ends here instead."""
+        """Wait until somebody orders the next command. Return the outcome of the program if it ends here
+        instead; otherwise None.
+        """
         coordinator, session = self._coordinator, self._session
         title = job.commands[0].title if job.commands else "the next command"
         coordinator.announce(

@@ -1,5 +1,5 @@
-"""Values that a running program accepts from outside: who may send them, which values are refused, and what
-is logged.
+"""Register values that other processes send to a running program: who may send them, which values are
+refused, and what is logged.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from yarclang.runtime.notices import Fill, Wanted
 from yarclang.runtime.values import checked_values
 
 _REFUSALS, _EACH = 5, 1.0
-"""Most refusals that are logged in this time [s]. Of further refusals only the number is logged, so that
-endless wrong messages don't fill the disk.
+"""Most refusals of values that are logged (`_REFUSALS`) in a period (`_EACH`) [s]. Of further refusals only
+the number is logged, so that endless wrong messages don't fill the disk.
 """
 
 
 class Values:
-    """Accepts values for the program that waits for them.
+    """Accepts register values from clients, for the program that waits for them.
 
     Args:
         session: session that executes the program.
@@ -36,15 +36,17 @@ class Values:
 
     @property
     def wanted(self) -> message.ValuesWanted | None:
-        """Return the values that the program accepts now; None if there are none."""
+        """Return the registers for which the program accepts values now, as a message; None if there are
+        none.
+        """
         return wanted_message(self._session.operation.wants)
 
     def take(self, values: Mapping[str, Any], number: int | None, client: str) -> dict[str, int]:
-        """Accept either all values or none, and return them as integers.
+        """Accept either all values or none, and return the accepted values as integers.
 
         Args:
             values: values by the names of the registers, as sent.
-            number: number of the question that is answered; None: the open one.
+            number: number of the program's question that the values answer; None: the current question.
             client: client that sends the values.
 
         Raises:
@@ -78,7 +80,7 @@ class Values:
 
 
 def wanted_message(wanted: Wanted | None) -> message.ValuesWanted | None:
-    """Return the values that a program wants as a message."""
+    """Return the registers for which a program waits for values, as a message."""
     if wanted is None:
         return None
     ranges = tuple(

@@ -1,5 +1,5 @@
-"""A TCP port through which a camera, a PLC gateway or a script can send values to the running program.
-Nothing else is possible there.
+"""A TCP port through which a camera, a PLC gateway or a script can send register values to the running
+program. Nothing else is possible there.
 
 A token is checked before the first order is read. The messages are those of the coordinator (`messages/`),
 one JSON object per line.
@@ -33,7 +33,7 @@ _UNTOLD = 'the first line must be {"token": "..."}, with the token that yarc ser
 
 
 class ValuesDoor:
-    """Server for values from outside. It listens until the context ends.
+    """Server that receives register values for the running program. It listens until the context ends.
 
     Args:
         coordinator: the coordinator.

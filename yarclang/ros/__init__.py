@@ -1,3 +1,3 @@
-"""The ROS door: the controller's side of ROS-Industrial's simple_message protocol, by which MoveIt moves the
-robot through the stock client nodes.
+"""The ROS door: a server for ROS-Industrial's simple_message protocol, on the side of the robot controller.
+MoveIt moves the robot through it, with ROS-Industrial's unchanged client nodes.
 """

@@ -1,5 +1,5 @@
-"""Execution of the motion link's actions: the coordinator plans, proves and runs the goals. Stops overtake
-everything else.
+"""Execution of the actions that the motion link (the connection on which goals arrive) requests: the
+coordinator plans, proves and runs the goals. Stops overtake everything else.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ Send = Callable[[Message], object]
 _ENDED = "Y1624"
 
 _AT_ONCE = 500
-"""Number of points up to which a goal is converted to text directly, within 1 ms. Longer goals are converted
-in a thread.
+"""Largest number of way-points of a goal that is converted to program text directly, within 1 ms. Longer
+goals are converted in a thread.
 """
 
 
 class Carrying:
-    """Connection between the motion link and the coordinator.
+    """Connection between the motion link's state machine and the coordinator.
 
-    The link's client owns the robot from the planning of a goal until no goal waits any more. Between goals,
-    other clients may move the robot.
+    The door's client of the coordinator owns the robot from the planning of a goal until no goal waits any
+    more. Between goals, other clients may move the robot.
 
     Args:
         robot: the robot.
-        link: the state machine.
+        link: state machine of the motion link.
         say: prints a line on the terminal.
 
     Attributes:
@@ -55,11 +55,11 @@ class Carrying:
         self._goals: set[asyncio.Task[None]] = set()
 
     def do(self, actions: list[Action], send: Send | None = None) -> None:
-        """Carry out actions in order.
+        """Carry out actions that the motion link requests, in order.
 
         Args:
-            actions: actions of the motion link.
-            send: sends replies to the client.
+            actions: the actions.
+            send: sends replies to the client on the motion link.
         """
         for action in actions:
             match action:
@@ -132,8 +132,8 @@ class Carrying:
         await self._released(seat)
 
     async def _planned(self, goal: Goal, seat: Attached | None) -> replies.ProgramDescribed | Refusal | None:
-        """Return the program of a goal, planned and proved from the robot's position; None if the robot is
-        already at its end.
+        """Plan and prove a goal from the robot's position. Return its program, or the reason why it is
+        refused; None if the robot is already at the goal's end.
         """
         if seat is None:
             return Refusal(
@@ -181,7 +181,7 @@ class Carrying:
 
 
 def _refused(goal: Goal, findings: tuple[Finding, ...]) -> Refusal:
-    """Return the first error of a program as a refusal."""
+    """Return the first error that prevents a goal's program as a refusal of the goal."""
     for one in findings:
         if one.severity == "error":
             return Refusal(one.code, f"goal {goal.number}: {one.message}", one.help or "")

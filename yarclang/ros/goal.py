@@ -1,5 +1,5 @@
-"""Conversion of a goal to a program with one timed motion. The coordinator plans and proves it like any other
-program. No I/O.
+"""Conversion of a goal (a trajectory from ROS) to a program with one timed motion. The coordinator plans and
+proves it like any other program. No I/O.
 """
 
 from __future__ import annotations
@@ -10,37 +10,37 @@ from yarclang.robot.model import Array, Robot
 from yarclang.ros.motion import Goal
 
 START_WITHIN = 0.01
-"""Largest distance from the robot at which a first way-point counts as the start itself [rad or m], as in
-MoveIt's check.
+"""Largest distance between the robot and a goal's first way-point at which this way-point counts as the
+robot's own position [rad or m], as in MoveIt's check.
 """
 
 LEAD_SHARE = 0.5
-"""Largest share of the velocity and acceleration limits for the motion to a first way-point that isn't the
-start.
+"""Largest share of the velocity and acceleration limits for the motion to a goal's first way-point, if the
+robot isn't there yet.
 """
 
 _SHORTEST_LEAD = 0.1
 """Shortest duration of the motion to the first way-point [s]."""
 
 _SINGLE = 1e-6
-"""Largest excess over a limit that counts as rounding to single precision, relative to the limit (at least 1
-rad or 1 m).
+"""Largest excess of a joint position over a limit that counts as rounding to single precision, relative to
+the limit (at least 1 rad or 1 m).
 """
 
 _NEXT = ";\n      "
 """Separator of way-points. Each way-point is on a line of its own, because the length of lines is limited."""
 
 _SAME = 1e-6
-"""Largest distance from the robot at which a single way-point needs no motion [rad or m]."""
+"""Largest distance between the robot and a goal's only way-point at which no motion is needed [rad or m]."""
 
 
 def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
-    """Return the way-points of a goal and their times since its start.
+    """Return the way-points of a goal and the times from its start to each of them.
 
-    The duration of the first way-point isn't used, because the stock client computes it from the previous
-    trajectory. If the robot is at the first way-point, its time is 0. Otherwise its time is computed from the
-    distance and the limits. Velocity ratios aren't used either, because different motions have the same
-    ratios.
+    The duration of the first way-point isn't used, because ROS-Industrial's client node computes it from the
+    previous trajectory. If the robot is at the first way-point, this way-point is left out. Otherwise its
+    time is computed from the distance and the limits. Velocity ratios aren't used either, because different
+    motions have the same ratios.
 
     Args:
         robot: robot whose joints the goal names, in the order of robot.toml.
@@ -48,7 +48,7 @@ def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
         stands: (n,) commanded position of the robot [rad or m].
 
     Returns:
-        (k, n) positions [rad or m] and (k,) times [s]. k is 0 if there is nothing to do.
+        (k, n) positions [rad or m] and (k,) times [s]. k is 0 if the robot need not move.
     """
     positions = _within(robot, np.array([one.joints[: robot.size] for one in goal.points], dtype=float))
     durations = np.array([one.duration for one in goal.points], dtype=float)
@@ -63,11 +63,11 @@ def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
 
 
 def goal_text(robot: Robot, positions: Array, times: Array) -> str:
-    """Return the program of a timetable.
+    """Return the program that moves through way-points at given times.
 
     Args:
         robot: robot that runs the program.
-        positions: (k, n) positions with k >= 1 [rad or m].
+        positions: (k, n) way-points with k >= 1 [rad or m].
         times: (k,) times since the start [s], increasing.
     """
     rows = (positions / robot.axis_units).tolist()
@@ -79,8 +79,8 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
 
 
 def _within(robot: Robot, positions: Array) -> Array:
-    """Return positions (k, n) in which those that exceed their limits only by rounding to single precision
-    are clamped to the limits.
+    """Clamp joint positions (k, n) to the robot's limits where they exceed a limit only by rounding to single
+    precision. Return all positions.
     """
     limits = robot.limits
     lower = limits.lower - _SINGLE * np.maximum(np.abs(limits.lower), 1.0)
@@ -91,8 +91,8 @@ def _within(robot: Robot, positions: Array) -> Array:
 
 
 def _lead(robot: Robot, away: Array) -> float:
-    """Return the duration of the motion to the first way-point [s]. It is a polynomial of degree five from
-    rest to rest, whose peak velocity is 1.875 d/T and whose peak acceleration is 5.774 d/T².
+    """Return the duration of the motion to the first way-point [s]: of a polynomial of degree five from rest
+    to rest over the distance d. Its peak velocity is 1.875 d/T and its peak acceleration 5.774 d/T².
     """
     limits = robot.limits
     by_velocity = 1.875 * away / (LEAD_SHARE * limits.velocity)

@@ -1,9 +1,9 @@
-"""The motion link as a state machine. Its inputs are messages and times, its outputs are replies and orders.
-No I/O, no clock.
+"""The motion link (the connection on which a ROS client sends goals) as a state machine. Its inputs are
+messages and times, its outputs are replies and orders. No I/O, no clock.
 
-Each point is answered at once, because the stock client holds its lock while it waits for a reply, and a stop
-waits for that lock. The client ignores the content of the reply, and never marks the end of a streamed
-trajectory: a goal is complete after a pause without another point.
+Each way-point is answered at once, because ROS-Industrial's client node holds its lock while it waits for a
+reply, and a stop waits for that lock. The client ignores the content of the reply, and never marks the end of
+a streamed trajectory: a goal is complete after a pause without another way-point.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from yarclang.ros.simple_message import (
 )
 
 PAUSE = 0.05
-"""Time without another point after which a streamed goal is complete [s]. The stock client sends a point
-every 6 to 8 ms.
+"""Time without another way-point after which a streamed goal is complete [s]. ROS-Industrial's client node
+sends a way-point every 6 to 8 ms.
 """
 
 PATIENCE = 10.0
 """Time for which an incomplete goal waits until its client reconnects, and for which a download waits for its
-next point [s].
+next way-point [s].
 """
 
 MOST_POINTS = 20_000
@@ -46,8 +46,8 @@ class Goal:
     """A trajectory that was received.
 
     Attributes:
-        number: number of the goal on its link, from 1.
-        points: its way-points in order. The duration of the first way-point has no meaning.
+        number: number of the goal on its connection, from 1.
+        points: way-points in order. The duration of the first way-point has no meaning.
         downloaded: True if the client marked the end of the goal; False if the goal was streamed.
     """
 
@@ -65,7 +65,9 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Plan and prove a goal from the robot's position at rest, then call `MotionLink.planned`."""
+    """Request to plan and prove a goal from the robot's position at rest, and then to call
+    `MotionLink.planned`.
+    """
 
     goal: Goal
 
@@ -106,15 +108,15 @@ Action = Answer | Plan | Move | Stop | Hold | Refused | Told
 
 @dataclass(slots=True)
 class _Incoming:
-    """A goal whose points are being received.
+    """A goal whose way-points are being received.
 
     Attributes:
         number: number of the goal.
         downloaded: True for a download, False for a stream.
-        points: points received so far.
-        due: time at which the goal is complete, or is given up [s]; None if no more points are expected.
-        complete: True if all points were received.
-        cut: True if its client disconnected before the goal was complete.
+        points: way-points received so far.
+        due: time at which the goal is complete, or is given up [s]; None if no more way-points are expected.
+        complete: True if all way-points were received.
+        cut: True if the client disconnected before the goal was complete.
     """
 
     number: int
@@ -129,11 +131,11 @@ class _Incoming:
 
 
 class MotionLink:
-    """The motion link of one robot. At most one client is connected at a time.
+    """State machine of the motion link of one robot. At most one client is connected at a time.
 
     Args:
         joints: number of the robot's joints; further joint slots of a message are 0.
-        pause: time without another point after which a streamed goal is complete [s].
+        pause: time without another way-point after which a streamed goal is complete [s].
         patience: time for which an incomplete goal waits [s].
         hold_on_disconnect: True to hold the robot if its client disconnects during a motion; False to finish
             the goal.
@@ -196,8 +198,8 @@ class MotionLink:
     def disconnected(self, now: float) -> list[Action]:
         """Handle the disconnection of the client.
 
-        An incomplete goal waits until the client reconnects and repeats the point that wasn't answered. A
-        running motion continues.
+        An incomplete goal waits until the client reconnects and sends the way-point again that wasn't
+        answered. A running motion continues.
         """
         incoming = self._incoming
         if incoming is not None and not incoming.complete:
@@ -218,7 +220,8 @@ class MotionLink:
     # messages
 
     def heard(self, message: Message, now: float) -> list[Action]:
-        """Handle a message of the client, and reply to requests.
+        """Handle a message of the client. Return the resulting actions, with a reply if the message is a
+        request.
 
         Args:
             message: message as decoded.
@@ -250,7 +253,7 @@ class MotionLink:
         return actions
 
     def passed(self, now: float) -> list[Action]:
-        """Handle the passage of time: a goal may be complete, or may be given up."""
+        """Handle a timeout: a goal that is being received is complete, or is given up."""
         incoming = self._incoming
         if incoming is None or incoming.due is None or now < incoming.due:
             return []
@@ -275,7 +278,8 @@ class MotionLink:
         """Handle the end of planning.
 
         Args:
-            goal: the planned goal. It counts as another goal if further points have arrived since.
+            goal: the planned goal. If further way-points of the same trajectory have arrived meanwhile, it is
+                outdated.
             refusal: reason why the goal can't be run; None if it can.
 
         Returns:
@@ -315,7 +319,9 @@ class MotionLink:
     # points
 
     def _point(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
-        """Handle a point. Return True if it belongs to a goal, and the resulting actions."""
+        """Handle a way-point. Return two values: True if the way-point belongs to a goal, and the
+        resulting actions.
+        """
         if self._is_repeated(point):
             incoming = self._incoming
             if incoming is not None and not incoming.complete:
@@ -338,8 +344,8 @@ class MotionLink:
         return self._goes_on(point, now)
 
     def _is_repeated(self, point: TrajectoryPoint) -> bool:
-        """Return True if a point repeats the last one. The client repeats a point if its reply was lost
-        with the connection.
+        """Return True if a way-point is a repetition of the last one. The client sends a way-point again if
+        the reply to it was lost with the connection.
         """
         if not self._is_new or self._last != point:
             return False
@@ -440,8 +446,8 @@ class MotionLink:
         return [Plan(self._planning)]
 
     def _stopped(self) -> list[Action]:
-        """Drop all pending goals, and come to rest. The motion of another owner is stopped as well, because
-        everybody may stop the robot.
+        """Drop all pending goals, and bring the robot to rest. A motion of another client of the coordinator
+        is stopped as well, because everybody may stop the robot.
         """
         forgotten = self._planning is not None or self._incoming is not None
         self._planning = self._incoming = None
@@ -459,7 +465,9 @@ class MotionLink:
         return self._refused(Refusal(code, what, help_))
 
     def _refused(self, refusal: Refusal) -> list[Action]:
-        """Drop the goal that is being received or planned, and all points until the next goal begins."""
+        """Drop the goal that is being received or planned, and ignore all way-points until the next goal
+        begins.
+        """
         self._incoming = self._planning = None
         self._rejects = True
         self.refusal = refusal

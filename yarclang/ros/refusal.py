@@ -8,7 +8,9 @@ from yarclang.findings import number_of
 from yarclang.runtime.actions import Trouble
 
 UNNAMED = 9999
-"""Error code of a reason that has no finding's code. All numbers of findings are smaller."""
+"""Error code of a refusal for which there is no finding, and so no finding's code. All numbers of findings
+are smaller.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +18,7 @@ class Refusal:
     """Reason why a goal isn't run.
 
     Attributes:
-        code: code of the finding; empty if there is none.
+        code: code of the finding (an error that yarclang reports); empty if there is none.
         what: the reason, in one sentence.
         help: the remedy; may be empty.
     """
@@ -38,5 +40,5 @@ class Refusal:
 
 
 def refusal_of(trouble: Trouble) -> Refusal:
-    """Convert a trouble to a refusal."""
+    """Convert an exception of the coordinator to a refusal of a goal."""
     return Refusal(trouble.code, trouble.what, trouble.remedy)

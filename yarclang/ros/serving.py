@@ -1,5 +1,5 @@
 """The sockets of the ROS door, in the event loop of the coordinator's task. One client moves the robot on the
-motion link, and many clients can listen on the state link.
+motion link, and many clients can receive the robot's state on the state link.
 """
 
 from __future__ import annotations
@@ -54,7 +54,9 @@ _PIECE = 4096
 """Most bytes that are read from one client at a time."""
 
 _MOST_UNREAD = 1 << 16
-"""Most bytes that may wait for a client that doesn't read. If there are more, its connection is closed."""
+"""Most bytes that may wait for a client that doesn't read them. If there are more, its connection is
+closed.
+"""
 
 _SENT = 1 << 14
 """Size of the system's send buffer for a client [bytes]. It is small, so that clients don't receive old
@@ -69,7 +71,9 @@ _SAME_TEXT = 5.0
 """Shortest time until the same line is printed again [s], because a rejected client reconnects repeatedly."""
 
 _GONE = ((socket.TCP_KEEPIDLE, 2), (socket.TCP_KEEPINTVL, 1), (socket.TCP_KEEPCNT, 3))
-"""Socket options by which the failure of a client's computer is noticed within about 5 s."""
+"""Socket options by which a connection is recognized as dead within about 5 s after the client's computer
+has failed.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +81,7 @@ class Place:
     """Address of a ROS door.
 
     Attributes:
-        host: address or name.
+        host: network address or host name on which to listen.
         motion: port of the motion link; 0 for any free port.
         state: port of the state link; 0 for any free port.
     """
@@ -193,7 +197,7 @@ class _Listener(_Client):
 
 
 class _Door:
-    """State that both links share."""
+    """State of the ROS door that the motion link and the state link share."""
 
     def __init__(self, robot: Robot, attach: Attach, order: ByteOrder, say: Say, link: MotionLink) -> None:
         self.order = order
@@ -218,7 +222,9 @@ class _Door:
     # the motion link
 
     def mover_came(self, client: _Mover) -> None:
-        """Let a client move the robot. A second client waits until the first one has disconnected."""
+        """Handle the connection of a client that wants to move the robot. A second client waits until the
+        first one has disconnected.
+        """
         if len(self._movers) >= _MOST_WAITING:
             client.close()
             return

@@ -16,8 +16,8 @@ SLOTS = 10
 """Joint slots of a message. Slots beyond the robot's joints are 0."""
 
 MOST = 1020
-"""Largest length of a frame [bytes]: the stock nodes receive at most 1024 bytes at a time, including the
-length itself.
+"""Largest length of a frame [bytes]: ROS-Industrial's nodes receive at most 1024 bytes at a time, including
+the word that contains the length.
 """
 
 _HEADER = 12
@@ -77,11 +77,11 @@ class Ping:
 
 @dataclass(frozen=True, slots=True)
 class JointPosition:
-    """Positions of the joints.
+    """Content of a message: positions of the joints.
 
     Attributes:
         joints: (10,) positions [rad or m].
-        sequence: a number that the stock nodes don't use.
+        sequence: a number that ROS-Industrial's nodes don't use.
     """
 
     joints: tuple[float, ...]
@@ -91,7 +91,7 @@ class JointPosition:
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryPoint:
-    """A way-point.
+    """Content of a message: one way-point of a trajectory.
 
     Attributes:
         sequence: index in the trajectory from 0, or one of `Sequence`.
@@ -109,7 +109,7 @@ class TrajectoryPoint:
 
 @dataclass(frozen=True, slots=True)
 class RobotStatus:
-    """Status of the robot: 1 for yes, 0 for no, -1 for unknown.
+    """Content of a message: status of the robot, with 1 for yes, 0 for no, -1 for unknown.
 
     Attributes:
         drives_powered: all motors are in closed loop.
@@ -133,12 +133,13 @@ class RobotStatus:
 
 @dataclass(frozen=True, slots=True)
 class FullPoint:
-    """A way-point with the derivatives of all joints. The stock nodes don't send it.
+    """Content of a message: a way-point with the derivatives of all joints. ROS-Industrial's nodes don't send
+    it.
 
     Attributes:
         robot: number of a group of joints.
         sequence: index in the trajectory from 0, or one of `Sequence`.
-        valid: flags of the valid fields: 1 time, 2 positions, 4 velocities, 8 accelerations.
+        valid: sum of flags for the fields that are valid: 1 time, 2 positions, 4 velocities, 8 accelerations.
         time: time since the start of the trajectory [s].
         positions: (10,) positions [rad or m].
         velocities: (10,) velocities [rad/s or m/s].
@@ -157,8 +158,8 @@ class FullPoint:
 
 @dataclass(frozen=True, slots=True)
 class JointFeedback:
-    """Positions of the joints with their derivatives. The stock nodes don't understand it. The attributes are
-    those of `FullPoint`.
+    """Content of a message: positions of the joints with their derivatives. ROS-Industrial's nodes don't
+    understand it. The attributes are those of `FullPoint`.
     """
 
     robot: int
@@ -183,11 +184,11 @@ Body = Ping | JointPosition | TrajectoryPoint | RobotStatus | FullPoint | JointF
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A message.
+    """A message of the protocol.
 
     Attributes:
-        comm: its communication type.
-        body: its content.
+        comm: communication type: topic, request or reply.
+        body: content of the message.
         code: code of a reply.
     """
 
@@ -242,8 +243,8 @@ def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
 
 
 class Decoder:
-    """Decoder of a stream of bytes, which may be split anywhere. It keeps less than one frame and the last
-    input.
+    """Decoder of messages from a stream of bytes, which may be split anywhere. It stores less than one frame
+    and the last input.
 
     Args:
         order: order of the bytes.
@@ -343,7 +344,9 @@ def _numbers(body: Body) -> tuple[float, ...]:
 
 
 def _body(kind: int, found: tuple[float, ...]) -> Body:
-    """Return the body of a known kind of message from its words. Integers come before real numbers."""
+    """Convert the words of a message's body to the body of this kind. The integers come before the real
+    numbers.
+    """
     if kind == JointPosition.kind:
         return JointPosition(found[1:], int(found[0]))
     if kind == TrajectoryPoint.kind:

@@ -1,4 +1,6 @@
-"""Messages of the state link, derived from the coordinator's reports on the controller. No I/O, no clock."""
+"""Messages of the state link (the connection on which ROS clients receive the robot's state), made from the
+coordinator's reports. No I/O, no clock.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,8 @@ from yarclang.ros.simple_message import SLOTS, Comm, JointPosition, Message, Rob
 from yarclang.runtime.state import State
 
 STANDS = 0.002
-"""Share of the velocity limit below which a joint counts as resting. A position that flickers between two
-counts isn't a motion.
+"""Share of a joint's velocity limit below which the joint counts as resting. A position that alternates
+between two counts isn't a motion.
 """
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
@@ -21,12 +23,12 @@ _MANUAL, _AUTOMATIC = 1, 2
 
 
 class Feedback:
-    """State of a robot for clients on the state link.
+    """State of a robot for the clients on the state link.
 
     Args:
         robot: the robot.
-        name: name of the client that runs goals.
-        status: first status from the coordinator.
+        name: name of the coordinator's client that runs the goals.
+        status: status that the coordinator has reported first.
     """
 
     def __init__(self, robot: Robot, name: str, status: replies.Status) -> None:
@@ -48,7 +50,7 @@ class Feedback:
 
     @property
     def positions(self) -> int:
-        """Number of positions received so far. If it hasn't changed, there is nothing new to send."""
+        """Number of position reports received so far. If it hasn't changed, there is nothing new to send."""
         return self._count
 
     def hear(self, event: events.BaseEvent) -> None:
@@ -99,8 +101,8 @@ class Feedback:
         return Message(Comm.TOPIC, body)
 
     def _place(self, joints: Array, time: float) -> None:
-        """Store the joint positions (n,) [rad or m] at a time of the session [s]. The velocities follow from
-        the previous positions.
+        """Store the joint positions (n,) [rad or m] at a time of the session [s]. From the previous positions
+        and their time, decide whether a joint moves.
         """
         before, passed = self._joints, time - self._heard
         if before is not None and passed > 0.0:
@@ -116,8 +118,8 @@ class Feedback:
         return _YES if all(one.closed_loop for one in health.motors) else _NO
 
     def _in_motion(self) -> int:
-        """Return 1 while the controller runs a program or a joint moves: a joint also moves while the robot
-        comes to rest in a hold.
+        """Return 1 while the controller runs a program or a joint moves, 0 if not, -1 if it isn't known. A
+        joint also moves while the robot comes to rest in a hold.
         """
         if self._state is State.MOVE:
             return _YES

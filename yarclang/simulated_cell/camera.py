@@ -1,4 +1,5 @@
-"""A simulated camera. It sends the position of a part to a program that accepts values from outside.
+"""A simulated camera. It sends the position of a workpiece to a program that accepts values from other
+processes.
 
 Time is an argument; there is no I/O.
 """
@@ -27,16 +28,17 @@ _FAR = 10**8
 
 @frozen(eq=False)
 class CameraForm:
-    """Description of a camera.
+    """Description of a simulated camera.
 
     Attributes:
         name: name of the camera.
-        part: kind of the parts for which the camera looks.
+        part: kind of the parts (workpieces) for which the camera looks.
         frame: the frame in which the camera reports positions.
-        registers: names of registers, by the values that they get: found, x, y, z, rz.
+        registers: names of the registers that get the values found, x, y, z and rz, by these words.
         unit: size of one count [mm; deg for rz].
         delay: time from a request to the reply [s].
-        does: reactions to the first requests. Later requests are answered without a fault.
+        does: how the camera reacts to the first requests, for example with a fault. Later requests are
+            answered without a fault.
         lies: displacements (4, 4) [m], in the axes of the frame, of the parts' actual places from the places
             in the cell's file, in the order of the parts. Parts without a displacement are in the places of
             the file.
@@ -54,7 +56,7 @@ class CameraForm:
 
 @frozen(eq=False)
 class Given:
-    """Values that a camera sends.
+    """Values that a camera sends in reply to a request.
 
     Attributes:
         camera: name of the camera.
@@ -86,7 +88,7 @@ class Camera:
         return min((when for when, _, _ in self._due), default=math.inf)
 
     def wanted(self, wanted: Wanted | None, now: float) -> None:
-        """Handle a request of the program for values. It is ignored if the camera doesn't fill its registers.
+        """Handle a program's request for values. It is ignored if the camera has no values for the registers.
 
         Args:
             wanted: the request; None if the program no longer waits for values.
@@ -111,8 +113,8 @@ class Camera:
                 self._due.append((now + 2.0 * self.form.delay, "answer", wanted))
 
     def laid(self, parts: Parts) -> Parts:
-        """Return the parts, with those that are still in the places of the cell's file moved to their
-        actual places.
+        """Move the parts that are still in the places of the cell's file to their actual places, which differ
+        by `lies`. Return all parts.
         """
         form = self.form
         if not form.lies or form.frame.mount.on_flange:
@@ -127,7 +129,7 @@ class Camera:
         return parts
 
     def answers(self, now: float, parts: Parts, flange: Callable[[], Array]) -> list[Given]:
-        """Return the replies that are due.
+        """Return the camera's replies that are due by now.
 
         Args:
             now: the time [s].
@@ -161,8 +163,8 @@ class Camera:
         return dict(values)
 
     def _seen(self, parts: Parts, flange: Callable[[], Array]) -> dict[str, int] | None:
-        """Return the position of the nearest part that no gripper holds [counts]; None if there is no such
-        part.
+        """Return the position of the part that is nearest to the camera's frame and in no gripper [counts];
+        None if there is no such part.
         """
         form = self.form
         lying = [one for one in parts.items if one.part.body.name == form.part and one.gripper is None]

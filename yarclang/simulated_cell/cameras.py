@@ -1,4 +1,4 @@
-"""Reader for the cameras of a script. Findings refer to lines of the script.
+"""Reader for the cameras in a script file of a simulated cell. Findings refer to lines of the file.
 
 Pydantic is imported at its first use.
 """
@@ -26,10 +26,11 @@ _TOLD = ("found", "x", "y", "z", "rz")
 
 
 def load_cameras(path: FilePath, known: Known, cell: Cell | None) -> Result[tuple[CameraForm, ...]]:
-    """Read the cameras of a script. Its inputs must already have been read without a finding.
+    """Read the cameras in a script file. The inputs in the file must already have been read without a
+    finding.
 
     Args:
-        path: the script.
+        path: path of the file.
         known: names that the program declares.
         cell: the cell whose parts and frames the cameras use; None if there is none.
 

@@ -1,4 +1,4 @@
-"""State machine of the inputs that a script changes. Time is an argument; there is no I/O.
+"""State machine of the controller inputs that a script changes. Time is an argument; there is no I/O.
 
 Changes are made at their own times and in the order of time. Changes at equal times are made in the order in
 which they were requested. Therefore the values at a given time don't depend on the steps in which time
@@ -21,12 +21,12 @@ SCRIPT, SENSOR, HAND = "script", "sensor", "hand"
 
 @frozen
 class Set:
-    """A value that was set.
+    """A change of an input's value that was made.
 
     Attributes:
         time: time of the change [s].
-        variable: the variable.
-        value: its new value.
+        variable: variable of the input.
+        value: new value of the input.
         cause: cause of the change: SCRIPT, SENSOR or HAND.
     """
 
@@ -38,12 +38,12 @@ class Set:
 
 @frozen
 class _Due:
-    """A pending change, or the next value of an input that toggles.
+    """A pending change of an input, or the next value of an input that toggles.
 
     Attributes:
         change: the change.
-        turn: number of changes of the input when its toggling began. If the number differs, another change
-            has ended the toggling. None for a first change.
+        turn: number of changes of the input when its toggling began. If the input has changed more often
+            since, another change has ended the toggling. None for a first change.
         phase: 0 for the value of the change, 1 for its opposite.
         cause: cause of the change: SCRIPT, SENSOR or HAND.
     """
@@ -55,7 +55,7 @@ class _Due:
 
 
 class Inputs:
-    """The inputs that a script changes.
+    """The controller inputs that a script, sensors or a user change.
 
     Args:
         script: changes of the script. Their times count from `start`.
@@ -117,11 +117,11 @@ class Inputs:
                 self._put(now + change.delay, _Due(change))
 
     def reached(self, place: str, now: float) -> None:
-        """Report the command that the program has reached.
+        """Report that the program has reached a command, which may be the event for changes of the script.
 
         Args:
-            place: place of the command that begins, or at which the program waits. Empty for none; after
-                that, the same command can be reached again.
+            place: index or full place of the command that begins, or at which the program waits. Empty for
+                none; after that, the same command can be reached again.
             now: the time [s].
         """
         self._settle(now)
@@ -136,7 +136,9 @@ class Inputs:
         self._put(now, _Due(Change(variable, value), cause=cause))
 
     def sense(self, variable: str, value: float, now: float) -> None:
-        """Report the value of an input's sensors at `now` [s]. Only a changed value sets the input."""
+        """Report the value that sensors give to an input at `now` [s]. The input is set only if this value
+        differs from the last reported one.
+        """
         if self._sensed.get(variable) != value:
             self._sensed[variable] = value
             self.set(variable, value, now, SENSOR)

@@ -1,6 +1,7 @@
-"""A simulated cell on a simulated controller.
+"""The machines around a simulated robot, connected to the simulated controller.
 
-Inputs of the cell change at exact times of the controller. Changes of outputs take effect at once.
+Inputs from the machines change at exact times of the controller's clock. Changes of outputs take effect at
+once.
 """
 
 from __future__ import annotations
@@ -47,8 +48,8 @@ class SimulatedController(Protocol):
         """Add a companion that runs in the controller's time."""
 
     def define(self, variable: str) -> None:
-        """Define a variable for an input or output that has no address. The variable then has a value of
-        its own.
+        """Define a controller variable for an input or output that has no address. The variable then has a
+        value of its own.
         """
 
     def read(self, variable: str) -> float:
@@ -71,13 +72,13 @@ class SimulatedCell:
     event. All other methods must be called in the controller's thread.
 
     Args:
-        script: the changes that the machines make.
+        script: the changes of inputs that the machines make.
         known: names of inputs and outputs that can be set by hand.
         settings: inputs that have a value from the start of the simulation.
         cell: the cell of the robot, with sensors and the parts that they see; None if there is none.
         robot: the simulated robot.
-        waits: True if times of the script count from `begin`. Otherwise they count from `attach`.
-        cameras: cameras that send values to programs that accept values from outside.
+        waits: True if times of the script count from the first `begin`. Otherwise they count from `attach`.
+        cameras: cameras that send values to programs that accept values from other processes.
     """
 
     def __init__(
@@ -132,8 +133,8 @@ class SimulatedCell:
     # in any thread
 
     def begin(self) -> None:
-        """Report the start of a run. If the cell `waits`, the times of the script count from the first
-        start.
+        """Report the start of a program. If the cell was made with `waits`, the times of the script count
+        from the first start.
         """
         self._said.append(self._start if self._waits else lambda now: self._inputs.reached("", now))
 
@@ -150,19 +151,19 @@ class SimulatedCell:
         self._said.append(lambda now: self._inputs.reached(place, now))
 
     def listen(self, listener: Callable[[Set], object] | None) -> None:
-        """Set the function that is called in the controller's thread for each change of an input; None for
-        no function.
+        """Set the function that is called, in the controller's thread, for each change of an input; None:
+        no function is called.
         """
         self._listener = listener
 
     def wanted(self, wanted: Wanted | None) -> None:
-        """Report the values that the program accepts from outside; None if it doesn't wait for any."""
+        """Report to the cameras which values the program waits for; None if it doesn't wait for any."""
         if self._cameras:
             self._said.append(lambda now: self._asked(wanted, now))
 
     def receive(self, receiver: Callable[[Given], object] | None) -> None:
-        """Set the function that is called in the controller's thread for values that cameras send; None
-        for no function.
+        """Set the function that is called, in the controller's thread, for values that cameras send; None: no
+        function is called.
         """
         self._receiver = receiver
 
@@ -179,8 +180,8 @@ class SimulatedCell:
         return None if machine is None else machine.read(variable)
 
     def place(self, parts: Parts, cell: Cell) -> None:
-        """Set the places of parts, for the sensors. `cell` is the cell as read from its file; the places
-        refer to this version.
+        """Set the places of the cell's parts that sensors and cameras see. `cell` is the cell, as read from
+        its file, to which these parts belong.
         """
         sensing = self._sensing
         if sensing is not None:

@@ -1,4 +1,5 @@
-"""Reader for scripts of inputs. It converts a TOML file to changes, or to findings that refer to its lines.
+"""Reader for the changes of inputs in a script file of a simulated cell. It converts the TOML file to
+changes, or to findings that refer to lines of the file.
 
 Pydantic is imported at its first use.
 """
@@ -34,11 +35,12 @@ _STATES = {"ON": 1.0, "OFF": 0.0}
 
 @frozen
 class Change:
-    """A change of an input, after one of three events: a time, a command, or a change of an output.
+    """A change of an input that a script makes after one of three events: a time, a command, or a change of
+    an output.
 
     Attributes:
         variable: variable of the input in the controller.
-        value: its new value.
+        value: new value of the input.
         at: time of the event after the start of the run [s]; None for another event.
         place: index or full place of the command whose beginning is the event; None for another event.
         output: variable of an output, and the value whose assignment is the event; None for another event.
@@ -65,12 +67,14 @@ class Known:
     Attributes:
         inputs: variables of inputs in the controller, by their names in upper case.
         outputs: variables of outputs in the controller, by their names in upper case.
-        places: places of the program's commands; None if the program isn't known yet.
-        has_places: False if no program will ever be run, so that a script can't name places.
+        places: full places of the program's commands, such as P0020(I=2)>P0010; None if the program isn't
+            known yet.
+        has_places: False if no program will ever be run, so that a script can't name a command.
         signal: function that parses a text in upper case as the variable of an input or output.
         groups: variables of each group of inputs by the group's name, lowest bit first. The bits (JOB.0 and
             so on) are also in `inputs`.
-        registers: registers that the program accepts from outside; None if the program isn't known yet.
+        registers: registers for which the program accepts values from other processes; None if the program
+            isn't known yet.
     """
 
     inputs: Mapping[str, str]
@@ -85,7 +89,9 @@ class Known:
 def known_in(
     program: Program | None, cell: Cell | None, signal: Callable[[str], SignalVariable] = known_signal
 ) -> Known:
-    """Return the names that a program and a cell declare. Names of the program have precedence."""
+    """Return the names that a program and a cell declare. If both declare a name, that of the program is
+    used.
+    """
     inputs: dict[str, str] = {}
     outputs: dict[str, str] = {}
     places: set[str] = set()
@@ -119,7 +125,7 @@ def known_in(
 
 
 def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
-    """Read the file of a script.
+    """Read the changes of inputs in a script file.
 
     Returns:
         The changes, or None with findings. A missing file is a finding without a position.
@@ -131,7 +137,7 @@ def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
-    """Read the changes of a text.
+    """Read the changes of inputs in the text of a script.
 
     Returns:
         The changes, or None with findings.
@@ -169,7 +175,9 @@ def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def _of_bits(change: Change) -> tuple[Change, ...]:
-    """Return the simultaneous changes of the bits of a group. For a single input, return its change."""
+    """Convert a change of a group of inputs to simultaneous changes of the group's bits. Return the change of
+    a single input as it is.
+    """
     if not is_group(change.variable):
         return (change,)
     return tuple(
@@ -211,7 +219,7 @@ def read_setting(text: str, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def check_setting(text: str) -> tuple[str, float]:
-    """Return the name and the value in a text such as `CLAMP=1`.
+    """Split a text such as `CLAMP=1`, and return the name and the value.
 
     Raises:
         ValueError: the text has another form.
@@ -236,7 +244,8 @@ def value_of(text: str) -> float | None:
 
 
 def input_variable(text: str, known: Known) -> str | Diagnostic:
-    """Return the variable of an input, all variables of a group, or a finding without a position.
+    """Return the variable of an input, or the variables of all bits of a group; a finding without a position
+    if there is none.
 
     Args:
         text: name or variable of the input, or name of the group.
@@ -266,16 +275,17 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
 
 
 def is_reached(wanted: str, place: str, before: str = "") -> bool:
-    """Return True if a program has reached a command.
+    """Return True if a program has reached the command that a script names.
 
-    An index alone stands for each command with this index, and for each call of it, in any loop: P0020 is
-    reached at P0020(I=2)>P0010. An index after `>` stands for each command with this index in any SUB: this
-    place also reaches >P0010.
+    An index alone, such as P0020, names each command with this index, in each pass of a loop, and each call
+    that has this index: P0020 is reached at P0020(I=2)>P0010, a command in a SUB. An index after `>` names
+    each command with this index in any SUB: P0020(I=2)>P0010 also reaches >P0010.
 
     Args:
-        wanted: an index or the full place of a command.
-        place: place of the command that begins.
-        before: place of the previous command. A call isn't reached again by the commands within it.
+        wanted: the name in the script: an index or the full place of a command.
+        place: full place of the command that begins.
+        before: full place of the previous command. A call isn't reached again by the commands within the
+            call.
     """
     parts, there, last = wanted.upper().split(">"), place.upper().split(">"), before.upper().split(">")
     if not parts[0]:
@@ -335,8 +345,8 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
 
 
 def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
-    """Return a place in the form for `is_reached`; None, with a finding, if the program has no such
-    command.
+    """Return the command that a script names in the form for `is_reached`; None, with a finding, if the
+    program has no such command.
     """
     if not known.has_places:
         message = f"The place {place[:40]} is of a program, which a controller doesn't know."

@@ -1,4 +1,5 @@
-"""The parts and sensors of a cell while a simulated robot moves: poses of parts, values of sensors.
+"""The parts (workpieces) and sensors of a cell while a simulated robot moves: poses of parts, values of
+sensors.
 
 Time is an argument; there is no I/O. The caller reports changes of outputs and positions of the robot.
 """
@@ -30,11 +31,11 @@ ARRIVES_AFTER = 0.5
 
 @frozen(eq=False)
 class _Region:
-    """Region that a sensor sees.
+    """Region of space in which a sensor sees bodies.
 
     Attributes:
         input: variable of the sensor's input.
-        inverted: True if the input is on while nothing is seen.
+        inverted: True if the input is on while nothing is in the region.
         geometry: shape of the region.
         transform: pose (4, 4) of the region in the flange or in {B} [m].
         on_flange: True if the sensor is on the flange.
@@ -56,7 +57,7 @@ def _geometry(shape: Shape) -> Geometry | None:
 
 
 class Sensing:
-    """The parts of a cell, and its sensors.
+    """Tracks the parts of a cell, and computes what the cell's sensors see.
 
     Args:
         robot: the robot in the cell.
@@ -101,11 +102,11 @@ class Sensing:
         return bool(self._cell.sensors)
 
     def output_changed(self, variable: str, value: float, q: Array) -> None:
-        """Report the value of an output, which may close or open a gripper, or remove parts.
+        """Report the value of an output, which may close or open a gripper, or remove parts from the cell.
 
         Args:
             variable: variable of the output.
-            value: its value.
+            value: value of the output.
             q: (n,) joint positions [rad or m].
         """
         grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
@@ -119,14 +120,14 @@ class Sensing:
             self.parts = remove(self.parts, removal)
 
     def place(self, parts: Parts, cell: Cell) -> None:
-        """Set the places of parts. `cell` is the cell as read from its file; the places refer to this
-        version.
+        """Set the places of the cell's parts. `cell` is the cell, as read from its file, to which these
+        parts belong.
         """
         self.parts = on_cell(Present(parts), cell, self._cell).parts
         self._left.clear()
 
     def look(self, q: Array, now: float) -> Mapping[str, float]:
-        """Read the sensors.
+        """Compute what the sensors see.
 
         Args:
             q: (n,) joint positions [rad or m].
@@ -134,7 +135,7 @@ class Sensing:
 
         Returns:
             Values of the sensors' inputs, by variable. If several sensors have the same input, it is on if
-            one of them is on.
+            one of the sensors turns it on.
         """
         if self.parts.expected:
             self._arrive(q, now)
@@ -195,9 +196,10 @@ class Sensing:
         return pose
 
     def _moved(self, q: Array) -> Array:
-        """Return the displacements (n + 1, 4, 4) of the bodies that follow the first 0, 1, ... n joints.
+        """Return displacements of the robot's bodies, as (n + 1, 4, 4) [m]. Number i is that of the bodies
+        that the first i joints move.
 
-        Each displacement maps the pose at zero joint positions to the pose at `q` (n,) [rad or m].
+        Each displacement maps a body's pose at zero joint positions to its pose at `q` (n,) [rad or m].
         """
         at = q.tobytes()
         if self._before is not None and self._before[0] == at:
@@ -228,8 +230,8 @@ class Sensing:
             self.parts = replace(self.parts, items=(*self.parts.items, *new), expected=rest)
 
     def _is_free(self, expected: Expected, q: Array) -> bool:
-        """Return True if the place of a part is free: the previous part is gone, or is so far away that the
-        bounding spheres of both don't overlap.
+        """Return True if the next part of a kind has room at its place: the part before it is gone, or is so
+        far away that the bounding spheres of both don't overlap.
         """
         geometry = _geometry(expected.part.body.shape)
         before = next(

@@ -1,1 +1,3 @@
-"""Small edits of a program that is shown as a list of commands: teaching, touching up, forms, templates."""
+"""Small edits of a program's text that is shown as a list of commands: teaching of motions, touching up of
+taught points, forms for new commands, templates for new programs.
+"""

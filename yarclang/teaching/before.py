@@ -1,4 +1,4 @@
-"""The robot's pose before a line of a program, if it can be found without planning a motion."""
+"""The pose of the flange before a line of a program, if it can be found without planning a motion."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _ENOUGH = 20_000
 
 
 def flange_before(around: Around, after: int) -> Array:
-    """Return base_from_flange (4, 4) [m] after the first execution of a line.
+    """Return the pose of the flange, base_from_flange (4, 4) [m], after the first execution of a line.
 
     Args:
         around: the program.
@@ -62,7 +62,8 @@ def flange_before(around: Around, after: int) -> Array:
 
 
 def text_before(program: Program, after: int) -> str:
-    """Return the lines of a program up to a line, changed such that each block that is open there runs once.
+    """Return the lines of a program up to a given line. Each block that isn't closed by then is changed so
+    that it is executed once, with the branch that contains the line.
 
     Args:
         program: the program.
@@ -104,8 +105,8 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
 
 
 class _Walk:
-    """State of a walk through a program's goals without planning motions: the flange's pose, and the joints
-    as long as they are known.
+    """Follows the goals of a program's motions without planning the motions. Stores the pose of the flange,
+    and the joint positions as long as they follow from the goals.
     """
 
     def __init__(self, around: Around, start: Array) -> None:
@@ -114,7 +115,7 @@ class _Walk:
         self._flange = flange_poses(self._chain, start[None])[0]
 
     def walked(self, steps: Iterable[Step]) -> Array:
-        """Return base_from_flange (4, 4) [m] after some steps."""
+        """Return the pose of the flange, base_from_flange (4, 4) [m], after the given steps of a program."""
         for step in line_to(steps):
             self._step(step)
         return np.asarray(self._flange)

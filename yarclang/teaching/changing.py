@@ -22,8 +22,8 @@ def change(
 
     Args:
         program: the program.
-        line: line of the command.
-        fields: new texts of fields by name; an empty text removes the field's part.
+        line: number of the command's line.
+        fields: new texts of fields by field name; an empty text removes the field from the command.
         joints: names of the robot's joints; None for J1 and so on.
 
     Raises:
@@ -77,9 +77,10 @@ def _wanted(name: str, text: str, placed: Mapping[str, Placed]) -> str:
 def _pieces(
     statement: Statement, program: Program, placed: Mapping[str, Placed], changed: Mapping[str, str]
 ) -> dict[int, list[tuple[int, int, str]]]:
-    """Return the replacements in each row, each with its columns (from 0) and its text.
+    """Return the replacements of text in each row of a statement, each as (first column, column after the
+    last, new text); columns count from 0.
 
-    New parts are inserted after the parts that precede them in the language's order.
+    Fields that the statement lacks are inserted after those that precede them in the language's order.
     """
     found: dict[int, list[tuple[int, int, str]]] = {}
     added: dict[Part, list[str]] = {}
@@ -129,8 +130,8 @@ def _merged(pieces: list[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
 
 
 def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, int]:
-    """Return the row and column (from 0) at which a missing part is inserted: after the last part that
-    precedes it in the language's order.
+    """Return the row and column (from 0) at which a field that the statement lacks is inserted: after the
+    last of the fields that precede it in the language's order.
     """
     before = _ORDER[: _ORDER.index(part)] if part != "option" else _ORDER[:-1]
     row, column = 0, statement.name.place.end - 1
@@ -167,7 +168,7 @@ def _read_back(
     changed: Mapping[str, str],
     joints: tuple[str, ...] | None,
 ) -> None:
-    """Check that the new line has the requested fields, and that its other fields are unchanged."""
+    """Check that each changed field is read from the new line with its new text."""
     from yarclang.source import SourceFile
     from yarclang.teaching.edits import applied
 

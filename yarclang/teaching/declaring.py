@@ -1,4 +1,6 @@
-"""Declarations: their place in the text, their allowed names, and the lines of taught declarations."""
+"""Declarations of taught frames and positions: the lines that declare them, the names that are allowed, and
+where they are inserted in the text.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
 def declare(around: Around, what: str, name: str, joints: Array) -> Edited:
-    """Declare the robot's present position as a frame, a pose or a joint position.
+    """Insert a declaration of the robot's present position as a frame, a pose or a joint position.
 
     Args:
         around: the program.
@@ -40,13 +42,13 @@ def declare(around: Around, what: str, name: str, joints: Array) -> Edited:
 
 
 def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: bool = False) -> Edited:
-    """Declare a frame with a known pose.
+    """Insert a declaration of a frame with a given pose.
 
     Args:
         around: the program.
         name: name of the frame.
         pose: parent_from_frame (4, 4) [m].
-        parent: the frame to which it is fixed.
+        parent: the frame to which the new frame is fixed.
         again: True to change the values of an existing FRAME line of this name.
 
     Raises:
@@ -77,7 +79,7 @@ def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: 
 
 
 def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: Array, line: int) -> int:
-    """Add a declaration of the robot's present position to the other declarations.
+    """Add a declaration of the robot's present position below the program's other declarations.
 
     Args:
         draft: the changes.
@@ -88,7 +90,7 @@ def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: 
         line: first line that uses the declaration.
 
     Returns:
-        The line after which the declaration is inserted.
+        The number of the line after which the declaration is inserted.
 
     Raises:
         Trouble: the name can't be declared, or a frame isn't known.
@@ -140,8 +142,8 @@ def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = Fal
 
 
 def place_of_declarations(program: Program, line: int) -> int:
-    """Return the line after which a new declaration is inserted: after the other declarations, before the
-    first command.
+    """Return the number of the line after which a new declaration is inserted: after the other declarations,
+    before the first command.
 
     Args:
         program: the program.
@@ -167,13 +169,13 @@ def _is_declaration(statement: Statement) -> bool:
 
 
 def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str:
-    """Return the line `JOINTS NAME ...` for joint positions, without units that DEFAULT gives.
+    """Return the line `JOINTS NAME ...` that declares joint positions. Units that DEFAULT gives are left out.
 
     Args:
         around: the program.
         name: name of the declaration.
         joints: (n,) joint positions [rad or m].
-        holds: values that the line may omit.
+        holds: values from DEFAULT that the line may omit.
     """
     kinds = joint_kinds(around.robot)
     units = {kind: holds.unit(kind) for kind in kinds}
@@ -182,14 +184,14 @@ def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str
 
 
 def place_line(around: Around, head: str, joints: Array, holds: Holding, line: int) -> str:
-    """Return the line `FRAME {NAME} ...` or `POSE NAME ...` with the tool's pose in the base frame of the
-    line.
+    """Return the line `FRAME {NAME} ...` or `POSE NAME ...` that declares the tool's pose in the base frame
+    of the line.
 
     Args:
         around: the program.
-        head: the word and the name.
+        head: the first words of the line: FRAME or POSE, and the name.
         joints: (n,) present joint positions [rad or m].
-        holds: values that the line may omit.
+        holds: values from DEFAULT that the line may omit.
         line: number of the line.
 
     Raises:

@@ -1,4 +1,6 @@
-"""Changes of a text line by line, and the small edits that carry them out. All other bytes stay unchanged."""
+"""Changes of a program's text line by line, and the small replacements of text that result from them. All
+other bytes stay unchanged.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ _ENDS = ("\r\n", "\n", "\r")
 
 @dataclass(frozen=True, slots=True)
 class Edited:
-    """A change of a text.
+    """A change of a program's text.
 
     Attributes:
         edits: replacements in order, at places of the old text, without overlaps.
@@ -82,8 +84,8 @@ class Program:
 
     @cached_property
     def unreadable(self) -> dict[int, int]:
-        """Return the number of rows of each statement that can't be parsed, by the number of its first
-        line.
+        """Return the statements that can't be parsed: for each, the number of its first line and its
+        number of lines.
         """
         module = self.sketch.module
         known = {one.line for one in module.statements} | {line for line, _ in module.comment_lines}
@@ -102,7 +104,9 @@ class Program:
 
     @cached_property
     def lost(self) -> dict[tuple[str, bool], list[int]]:
-        """Return the lines with names that aren't declared above them, by pairs (name, True for a frame)."""
+        """Return the names that are used without a declaration above. For each pair (name, True for a frame):
+        the numbers of the lines that use it.
+        """
         found: dict[tuple[str, bool], list[int]] = {}
         for use in self.sketch.names.uses:
             if use.symbol is None and not use.module:
@@ -110,7 +114,7 @@ class Program:
         return found
 
     def check_line(self, line: int, least: int = 1) -> None:
-        """Check that a line exists.
+        """Check that the program has a line with a given number.
 
         Args:
             line: number of the line.
@@ -141,7 +145,9 @@ class Program:
         return found
 
     def last_row(self, line: int) -> int:
-        """Return the last line of the statement that contains a line; if there is none, the line itself."""
+        """Return the number of the last line of the statement that contains a line. If no statement contains
+        the line, return the line's own number.
+        """
         found = self.sketch.statement_at(line)
         if found is not None:
             return found.line + found.rows - 1
@@ -192,14 +198,14 @@ class Draft:
         return sum(len(rows) for after, rows in self.added.items() if after < line)
 
     def finished(self, line: int, what: str) -> Edited:
-        """Check the result of the changes, and return the edits.
+        """Check the changed program, and return the change of its text.
 
         Args:
             line: line of the cursor in the new text.
             what: description of the change.
 
         Raises:
-            Trouble: the meaning of other lines would change; nothing is changed.
+            Trouble: a line couldn't be parsed any more, or a block would be incomplete; nothing is changed.
         """
         text, edits = self._text(), self._edits()
         if applied(self.program.source.text, edits) != text:  # for example, if the last line has no end
@@ -284,7 +290,7 @@ def _stretches(lines: set[int]) -> Iterable[tuple[int, int]]:
 
 
 def _inside(line: int, old: str, new: str) -> Edit | None:
-    """Return the smallest edit of a line; None if nothing changes."""
+    """Return the smallest edit that turns a line into another; None if both are equal."""
     if old == new:
         return None
     same = _alike(old, new)
@@ -300,7 +306,9 @@ def _alike(one: str, other: str) -> int:
 
 
 def _losses(before: Program, after: Program) -> Iterable[str]:
-    """Yield a sentence for each name that lines use although it isn't declared above them any more."""
+    """Yield a message for each name that lines of the changed program use, although the change has removed
+    its declaration above them.
+    """
     for (name, is_frame), lines in after.lost.items():
         if len(lines) > len(before.lost.get((name, is_frame), ())) and before.sketch.names.declared(
             name, is_frame

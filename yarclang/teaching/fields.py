@@ -1,4 +1,4 @@
-"""The parts of a command that users change individually, and their places in the text."""
+"""The fields of a command, which users change one by one, and their places in the program's text."""
 
 from __future__ import annotations
 
@@ -25,18 +25,20 @@ FieldKind = Literal["number", "percent", "choice", "frame", "joints", "pose", "s
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
 _DECLARED_POSES = ("FRAME", "FRAME_QUAT", "POSE")
 _COUNTED = 64
-"""Largest number of way-points whose values are fields. Further way-points of a list have no fields."""
+"""Largest number of a motion's way-points whose values are shown as fields. The way-points after them have
+no fields.
+"""
 
 
 @frozen
 class Field:
-    """A part of a command.
+    """A field of a command, which a user can fill in.
 
     Attributes:
         name: identifier of the field within its command.
         label: name that is displayed.
         kind: kind of the value.
-        value: text of the value; empty if the part is left out.
+        value: text of the value; empty if the command doesn't contain the value.
         unit: unit of the value; empty for none.
         choices: possible values; empty if they aren't known here.
     """
@@ -54,13 +56,13 @@ Part = Literal["name", "moving", "value", "time", "units", "base", "option", "co
 
 @frozen
 class Placed:
-    """A field and the text that it replaces.
+    """A field of a statement, and the text of the statement that a new value replaces.
 
     Attributes:
         field: the field.
-        part: kind of the part in the statement.
-        place: place of the part; None if the part is missing.
-        form: text to insert, with `@` for the value.
+        part: part of the statement to which the text belongs, such as its time or its options.
+        place: place of the text; None if the statement doesn't contain the field.
+        form: text to insert, with `@` for the new value.
     """
 
     field: Field
@@ -70,10 +72,10 @@ class Placed:
 
 
 class Reader:
-    """Reads the fields of statements.
+    """Reads the fields of a program's statements.
 
     Args:
-        sketch: structure of the text.
+        sketch: parsed structure of the program's text.
         joints: names of the robot's joints; None for J1 and so on.
     """
 
@@ -183,7 +185,7 @@ class Reader:
                 yield Placed(field, "value", point.time.place, "[@]")
 
     def _columns(self, meaning: Values, count: int) -> tuple[tuple[str, str], ...]:
-        """Return the label and the unit of each value."""
+        """Return the label and the unit of each value of a way-point."""
         key = (meaning, count, *self._units.values())
         if key not in self._known:
             labels = meaning.labels(self._joints or _JOINTS[:count])
@@ -256,8 +258,8 @@ def slot_fields(slots: Sequence[Slot], values: Sequence[Value]) -> Iterator[Plac
 
 
 def fields_of(slots: Sequence[Slot]) -> tuple[Field, ...]:
-    """Return an empty field for each value of an action. If there are several fields of one kind, their
-    names get numbers.
+    """Return an empty field for each value that an action (a command without motion) takes. If several fields
+    have the same name, the names get numbers.
     """
     found: list[Field] = []
     for slot in slots:
@@ -284,9 +286,9 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression in a LET, FUNC, SET, IF, WHEN or WAIT.
+    """Return the place of the expression in the text of a LET, FUNC, SET, IF, WHEN or WAIT.
 
-    The expression is the code after the equals sign or after the first word, up to a time.
+    The expression is the code after the equals sign or after the first word, up to a time in brackets.
     """
     from yarclang.syntax.lines import code_of
 
@@ -320,7 +322,9 @@ def _frame(name: str, label: str, frame: FrameName | None, part: Part) -> Placed
 def _absent(
     name: str, label: str, kind: FieldKind, unit: str, part: Part, form: str, choices: tuple[str, ...] = ()
 ) -> Placed:
-    """Return the field of a missing part. It is cached, because most commands lack most parts."""
+    """Return an empty field for something that a statement doesn't contain. The result is cached, because
+    most commands lack most fields.
+    """
     return Placed(Field(name, label, kind, "", unit, choices), part, None, form)
 
 
@@ -337,8 +341,8 @@ def _inner(statement: Statement) -> str:
 
 
 def _times(statement: Statement, *, has_speed: bool, unit: str, speed: str) -> Iterator[Placed]:
-    """Yield the fields for time, share of the limits, speed and largest speed. The square brackets contain
-    only one of them.
+    """Yield the fields for a motion's time, share of the limits, speed, and largest speed. A motion has only
+    one of them, in its square brackets.
     """
     if statement.time is None:
         yield _absent("time", "Time", "number", unit, "time", "[@]", ("MIN",))
@@ -379,7 +383,7 @@ def _options(
 
 
 def _last_time(statement: Statement, unit: str) -> Placed:
-    """Return the time of the last way-point of a timetable."""
+    """Return the field for the time of a timed motion's last way-point."""
     if statement.time is None:
         return _absent("time", "Time", "number", unit, "time", "[@]")
     return Placed(
@@ -395,7 +399,9 @@ def _options_of_table(statement: Statement) -> Iterator[Placed]:
 
 
 def _allowed(statement: Statement, given: dict[str, Option]) -> Iterator[Placed]:
-    """Yield the field of ALLOW. There is no field for several pairs: they are edited in the text."""
+    """Yield the field of the option ALLOW (two bodies that may touch). If a motion has several of these
+    options, there is no field, and they are edited in the text.
+    """
     if sum(option.word.name == "ALLOW" for option in statement.options) < 2:
         yield _option(given, "ALLOW", "Bodies that may touch (two names)", "text", "")
 

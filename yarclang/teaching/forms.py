@@ -1,4 +1,4 @@
-"""Forms for new commands, and the lines that result from them.
+"""Forms with which a user fills in a new command, and the program lines that result from them.
 
 The forms are built from the descriptions of the commands and from the documentation of the modules.
 """
@@ -52,7 +52,7 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Names that may be chosen.
+    """Names of a program that a user may choose in a form.
 
     Attributes:
         inputs: names of inputs.
@@ -102,7 +102,7 @@ def known(around: Around) -> Known:
 
 
 def forms(names: Known, robot: Robot | None = None) -> tuple[Form, ...]:
-    """Return all forms.
+    """Return the forms of all commands.
 
     Args:
         names: names that may be chosen.
@@ -202,7 +202,9 @@ def _parameters(sub: SubText, names: Known) -> Iterator[Field]:
 
 
 def _parameter(one: ParameterText, value: str, names: Known) -> Field:
-    """Return the field of a parameter. Which names are proposed depends on the words in its description."""
+    """Return the field for a parameter of a SUB. The words in the parameter's description decide which names
+    the field proposes.
+    """
     word, _, unit = one.name.partition(" (")
     label = f"{word}: {one.meaning}" if one.meaning else word
     if word.startswith("{"):
@@ -233,13 +235,13 @@ def _last(names: tuple[str, ...]) -> str:
 
 
 def put_in(around: Around, after: int, command: str, fields: Mapping[str, str]) -> Edited:
-    """Insert the command of a form whose fields are filled in.
+    """Insert a command into a program, with the values that the user has filled in.
 
     Args:
         around: the program.
         after: number of the line after which the command is inserted.
-        command: name of the form.
-        fields: texts by field name.
+        command: name of the command's form.
+        fields: filled-in texts by field name.
 
     Raises:
         Trouble: a value is missing or not allowed.
@@ -337,9 +339,11 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
 
 
 def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], holds: Holding) -> str:
-    """Return the line of an action.
+    """Return the program line of an action (a command without motion), with the values that the user has
+    filled in.
 
-    Values that are optional are left out if neither a signal nor a text is given.
+    If all values of the action are optional and neither a signal nor a text is filled in, they are all left
+    out.
     """
     slots = spec.fullest.slots
     names = [one.name for one in fields_of(slots)]

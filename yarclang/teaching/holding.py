@@ -1,4 +1,6 @@
-"""The context of a line: units, frames and times from DEFAULT, and the poses of frames and of the robot."""
+"""What is in force in a line of a program: the units, frames and times from DEFAULT, and the poses of frames
+and of the robot.
+"""
 
 from __future__ import annotations
 
@@ -31,12 +33,12 @@ _DIGITS_OF_QUATERNION = 7
 
 @dataclass(frozen=True, slots=True)
 class Holding:
-    """Values that a line may omit.
+    """Values from DEFAULT that are in force in a line, so that the line may omit them.
 
     Attributes:
         moving: moving frame, without braces; empty if the line must name one.
         base: base frame, without braces; empty if the line must name one.
-        time: motion time in its brackets; empty if the line must give one.
+        time: motion time as written within the brackets; empty if the line must give one.
         units: names of the units that DEFAULT gives, by kind.
     """
 
@@ -51,7 +53,7 @@ class Holding:
 
 
 def holding(program: Program, line: int, *, declares: bool = False) -> Holding:
-    """Return the values that DEFAULT gives to a line.
+    """Return the values from DEFAULT that are in force in a line.
 
     Args:
         program: the program.
@@ -84,7 +86,7 @@ def units_of(statement: Statement) -> dict[Kind, str]:
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """A program with its robot and its names.
+    """A program with its robot, and with the frames, signals and positions that its names stand for.
 
     Attributes:
         program: the program.
@@ -99,7 +101,7 @@ class Around:
     scope: Scope
 
     def frame(self, name: str, line: int, *, moves: bool) -> Frame:
-        """Return the meaning of a frame's name in a line.
+        """Return the frame that a name stands for in a line.
 
         Args:
             name: name without braces.
@@ -139,7 +141,7 @@ class Around:
         return any(one is statement for one in self.program.sketch.nodes)
 
     def pose(self, joints: Array, moving: str, base: str, line: int) -> Array:
-        """Return base_from_moving (4, 4) [m] at joint positions.
+        """Return the pose of a moving frame in a base frame, base_from_moving (4, 4) [m], at joint positions.
 
         Args:
             joints: (n,) joint positions [rad or m].
@@ -156,12 +158,14 @@ class Around:
 
     @property
     def tool(self) -> str:
-        """Return the moving frame of a line for which the program names none: {TCP}, otherwise {FLANGE}."""
+        """Return the name of the moving frame of a motion that names none: TCP if the robot has this
+        frame, otherwise FLANGE.
+        """
         return "TCP" if "TCP" in self.robot.flange_from_frame else "FLANGE"
 
 
 def around(program: Program, folder: Path, robot: Robot) -> Around:
-    """Resolve the names of a program. Motions aren't planned, and errors in motions are ignored.
+    """Find what the names of a program stand for. Motions aren't planned, and errors in motions are ignored.
 
     Args:
         program: the program.
@@ -242,5 +246,5 @@ def quaternion_of(rotation: Array) -> list[float]:
 
 
 def _digits(kind: Kind, unit: str) -> int:
-    """Return the number of decimal places for a unit."""
+    """Return the number of decimal places with which taught numbers in a unit are written."""
     return max(0, math.ceil(-math.log10(_FINEST[kind] / UNITS[unit].factor) - 1e-9))

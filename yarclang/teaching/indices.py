@@ -25,16 +25,17 @@ def shown_index(number: int) -> str:
 
 
 def free_indices(program: Program, after: int, count: int, gone: frozenset[int] = frozenset()) -> list[int]:
-    """Return indices for new commands after a line, between those of its neighbours.
+    """Return indices (such as P0030) for new commands after a line, between the indices of the commands
+    around them.
 
     Args:
         program: the program.
-        after: the line.
+        after: number of the line.
         count: number of new commands.
-        gone: lines to ignore.
+        gone: numbers of lines whose indices count as unused.
 
     Returns:
-        Unused indices; empty if there is no room.
+        Unused indices; empty if there aren't enough between the neighbours' indices.
     """
     numbers = {
         one.line: int(one.index.text[1:])
@@ -74,7 +75,9 @@ def _between(low: int, high: int, count: int, taken: set[int]) -> list[int]:
 
 
 def index_for(draft: Draft, after: int) -> int:
-    """Return an index for a command after a line. If there is no room, the commands are renumbered."""
+    """Return an index for a new command after a line. If no index is free between the neighbours' indices,
+    all commands are renumbered.
+    """
     found = free_indices(draft.program, after, 1)
     if found:
         return found[0]
@@ -119,7 +122,7 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
 
 
 def indentation(program: Program, after: int) -> str:
-    """Return the indentation of a new line after a line, which is that of its neighbours."""
+    """Return the indentation of a line that is inserted after a given line: that of its neighbours."""
     statements = program.sketch.module.statements
     above = [one for one in statements if one.line <= after]
     below = next((one for one in statements if one.line > after), None)

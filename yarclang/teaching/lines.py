@@ -17,13 +17,13 @@ from yarclang.teaching.indices import (
 
 
 def insert(program: Program, after: int, code: str, *, has_index: bool = True, use: str = "") -> Edited:
-    """Insert a line.
+    """Insert a line into a program.
 
     Args:
         program: the program.
         after: number of the line after which the new line is inserted; 0 is the beginning.
         code: the line without index and indentation.
-        has_index: True if the line is a command.
+        has_index: True if the line is a command, which gets an index.
         use: module that the line needs; a USE line is inserted if it is missing.
 
     Raises:
@@ -124,7 +124,7 @@ def _last(node: Node) -> int:
 
 
 def move(program: Program, line: int, before: int) -> Edited:
-    """Move a statement or a block to another place, and indent it like its new neighbours.
+    """Move a statement or a block to another line, and indent it like its new neighbours.
 
     Args:
         program: the program.
@@ -168,7 +168,9 @@ def _called(count: int, first: int) -> str:
 
 
 def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
-    """Return the indentation after a line if some other lines were missing."""
+    """Return the indentation of a line that is inserted after a given line, as if the lines `without` were
+    missing.
+    """
     statements = [one for one in program.sketch.module.statements if one.line not in without]
     above = max((one.line for one in statements if one.line <= after), default=0)
     head = next((one for one in statements if one.line == above), None)
@@ -183,7 +185,7 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
 
 
 def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
-    """Return lines with a new indentation of the first line. The others are shifted by the same amount."""
+    """Return lines that are shifted to the left or right, so that the first line has a given indentation."""
     old, rows = program.indent(lines[0]), []
     for line in lines:
         text = program.content(line)
@@ -194,8 +196,8 @@ def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
 
 
 def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) -> list[str]:
-    """Return rows with indices between those of their new neighbours. Indices that already fit stay
-    unchanged.
+    """Return lines whose commands have indices between those of their new neighbours. Indices that already
+    fit stay unchanged.
     """
     with_index = [(at, number) for at, row in enumerate(rows) if (number := index_of(row)) is not None]
     if not with_index:

@@ -26,20 +26,21 @@ _LONGEST = 200
 
 @frozen
 class Listed:
-    """A command, a declaration, a comment line or a line that can't be parsed.
+    """An entry of the list that shows a program: a command, a declaration, a comment line or a line that
+    can't be parsed.
 
     Attributes:
-        line: number of its first line.
+        line: number of the entry's first line.
         rows: number of lines.
-        depth: number of blocks that contain it.
+        depth: number of blocks that contain the entry.
         kind: kind of the line; "other" for comment lines and lines that can't be parsed.
         index: the index as written; empty if there is none.
         name: name of the command in upper case; "!" for a comment, "?" for a line that can't be parsed.
         title: name and values.
         detail: time, units, base frame, options, comment.
-        target: form of a motion's end; None if it has none.
-        taught: True if its position can be touched up.
-        fields: the parts that can be changed.
+        target: form of a motion's end (joint values or a pose); None if the entry isn't a motion.
+        taught: True if the entry contains a position that can be touched up.
+        fields: the values that can be changed.
     """
 
     line: int
@@ -58,10 +59,10 @@ class Listed:
 def listing(
     source: SourceFile, joints: tuple[str, ...] | None = None, lines: tuple[int, int] | None = None
 ) -> tuple[Listed, ...]:
-    """List the lines of a text.
+    """List the entries of a program: commands, declarations, comment lines.
 
     Args:
-        source: the text.
+        source: the program's text.
         joints: names of the robot's joints; None for J1 and so on.
         lines: first and last line for which fields are listed; None for all lines of a text of up to
             `MOST_WITH_FIELDS` lines, and for none of a longer text.
@@ -160,7 +161,7 @@ class _Lister:
     def _is_joints(self, one: Statement, of_joints: bool) -> bool:
         """Return True if a motion ends at joint values.
 
-        If the goal is a name, it stands for joint values, whatever the suffix of the command, unless it is
+        A motion whose goal is a name ends at joint values, whatever the suffix of the command, unless it is
         the name of a pose.
         """
         values = one.waypoints[-1].values if one.waypoints else ()
@@ -170,8 +171,8 @@ class _Lister:
         return of_joints
 
     def _texts(self, one: Statement) -> tuple[str, str]:
-        """Return the title of a command (its code before time, units, base frame and options) and its detail
-        (the rest, with the comment).
+        """Return two texts of a command: the title (its code before time, units, base frame and options) and
+        the detail (the rest, with the comment).
         """
         if one.rows == 1:
             return self._text(one)

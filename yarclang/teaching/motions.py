@@ -37,13 +37,14 @@ _HEADERS = ("ROBOT", "CELL", "DEFAULT", "START")
 
 @dataclass(frozen=True, slots=True)
 class Taught:
-    """A motion to teach.
+    """A motion that a user wants to teach.
 
     Attributes:
         motion: kind of the motion.
-        target: form of the motion's end: joint values or a pose. Cartesian motions end at a pose.
+        target: form in which the motion's end is written: joint values or a pose. Cartesian motions end at a
+            pose.
         via: (n,) joint positions at the point that MOVEC passes through [rad or m].
-        name: name of a POSE or JOINTS declaration for the end; empty to write the values into the line.
+        name: name of a new POSE or JOINTS declaration for the end; empty to write the values into the line.
         axes: axes of a DMOVE: "base" for those of the line's base frame, "tool" for those of the moving
             frame.
         time: text in the square brackets; empty for the time of DEFAULT, or [50%] if DEFAULT gives none.
@@ -58,7 +59,7 @@ class Taught:
 
 
 def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
-    """Add a motion to the robot's present position.
+    """Insert a motion that ends at the robot's present position.
 
     Args:
         around: the program.
@@ -91,13 +92,14 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
 
 
 def place_of_command(draft: Draft, after: int) -> int:
-    """Return the line after which a command is inserted so that it follows a given line.
+    """Return the number of the line after which a new command must be inserted to follow a given line.
 
-    The place is outside of way-point lists, and below ROBOT, CELL, DEFAULT and START.
+    If the given line is within a statement of several lines, such as a list of way-points, this is the
+    statement's last line. Commands are inserted below ROBOT, CELL, DEFAULT and START.
 
     Args:
-        draft: the changes; it receives a note if the place isn't the requested one.
-        after: number of the requested line.
+        draft: the changes; it receives a note if the command must be inserted elsewhere.
+        after: number of the given line.
 
     Raises:
         Trouble: there is no such line.
@@ -119,8 +121,8 @@ def place_of_command(draft: Draft, after: int) -> int:
 
 
 def _outermost(program: Program, after: int) -> int:
-    """Return the first line of the outermost block that is open after a line; if there is none, the next
-    line.
+    """Return the number of the first line of the outermost block that is open after a line. If no block is
+    open there, return the number of the next line.
     """
     return next((one.head.line for one in blocks_around(program.sketch.nodes, after)), after + 1)
 
@@ -136,7 +138,7 @@ class _Maker:
         self._base = holds.base or BASE
 
     def line(self, taught: Taught, joints: Array) -> str:
-        """Return the line of a taught motion without an index such as P0030.
+        """Return the program line of a taught motion, without an index such as P0030.
 
         Args:
             taught: the motion.
@@ -206,7 +208,8 @@ class _Maker:
         return " ".join(position_numbers(via[:3, 3], units))
 
     def _increment(self, taught: Taught, units: dict[Kind, str], joints: Array) -> tuple[str, str]:
-        """Return the increments of DMOVE, and the base frame that the line has to name.
+        """Return two texts: the increments of a DMOVE to the robot's present position, and the frame that the
+        line has to name for its axes (empty if DEFAULT gives it).
 
         Args:
             taught: the motion.

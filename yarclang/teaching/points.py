@@ -35,14 +35,13 @@ _DECLARED: Mapping[str, Values] = {
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A point that can be touched up: the numbers are in a statement, or in the declaration that the
-    statement names.
+    """A point that can be touched up. Its numbers are in a motion, or in a declaration that the motion names.
 
     Attributes:
-        statement: the statement with the numbers.
+        statement: the statement that contains the numbers.
         values: the numbers.
-        meaning: meaning of the numbers.
-        symbol: the declaration, if the numbers belong to one.
+        meaning: what the numbers stand for, such as joint positions or a pose.
+        symbol: the declaration, if it contains the numbers.
     """
 
     statement: Statement
@@ -52,7 +51,7 @@ class Point:
 
 
 def meanings(statement: Statement) -> tuple[Values, ...]:
-    """Return the meanings of the values of each way-point.
+    """Return for each way-point of a statement what its values stand for, such as joint positions or a pose.
 
     The result is empty if the statement is neither a motion nor a declaration with a position.
     """
@@ -73,13 +72,13 @@ def meanings(statement: Statement) -> tuple[Values, ...]:
 def point_of(
     sketch: Sketch, statement: Statement, number: int = 0, meant: tuple[Values, ...] = ()
 ) -> Point | None:
-    """Return a point of a statement; None if it can't be touched up.
+    """Return the point of a statement's way-point; None if it can't be touched up.
 
     Args:
-        sketch: structure of the text.
+        sketch: parsed structure of the text.
         statement: a motion, or a declaration of a frame, a pose or joints.
         number: number of the way-point, from 1; 0 for the last one.
-        meant: meanings of its way-points, if already known.
+        meant: result of `meanings` for the statement, if it is already known.
     """
     meant = meant or meanings(statement)
     if not meant or not -1 <= number - 1 < len(meant):
@@ -115,7 +114,9 @@ def own_values(statement: Statement, waypoint: WayPoint) -> tuple[Value, ...]:
 
 
 def _declared(sketch: Sketch, symbol: Symbol | None, wanted: Values | None) -> Point | None:
-    """Return the point of a declaration that is outside of blocks and whose values are numbers."""
+    """Return the point that a declaration contains. None if the declaration is within a block, or its values
+    aren't all numbers.
+    """
     if symbol is None or symbol.inside or sketch.names.declared(symbol.name, symbol.is_frame) is not symbol:
         return None
     statement = symbol.statement
@@ -202,7 +203,7 @@ def _why_not(program: Program, statement: Statement, number: int) -> str:
 
 
 def _numbers(around: Around, asked: Statement, point: Point, joints: Array) -> list[str]:
-    """Return the new numbers of a point.
+    """Return new numbers for a point, so that it is at the robot's present position.
 
     Args:
         around: the program.

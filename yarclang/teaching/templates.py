@@ -1,4 +1,6 @@
-"""Templates: files of the standard library that are filled in with places within the robot's reach."""
+"""Templates for new programs: files of the standard library that are filled in with positions within the
+robot's reach.
+"""
 
 from __future__ import annotations
 
@@ -30,22 +32,22 @@ _MARK = re.compile(r"@([A-Z]+)((?: [A-Z0-9.-]+)*)@")
 _TRIED = 3000
 _WIDEST = 75.0 * DEG
 _SHARES = (0.08, 0.05, 0.03)
-"""Distances of the places from READY, as shares of the reach. The first share for which the program can be
-proved is used.
+"""Distances of a template's positions from READY, as shares of the robot's reach. The first share for which
+the program can be proved is used.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A value to fill in: the name of a signal, or a number.
+    """A value of a template that the user fills in: the name of a signal, or a number.
 
     Attributes:
         mark: name of the value in the file of the template.
         label: name that is displayed.
         kind: kind of the value.
         value: proposed value.
-        least: smallest number.
-        most: largest number.
+        least: smallest allowed number.
+        most: largest allowed number.
         unit: unit of the number.
     """
 
@@ -97,10 +99,10 @@ _TITLES: Mapping[str, tuple[str, tuple[Asked, ...]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Template:
-    """A program to begin with.
+    """A complete program with which a user can begin.
 
     Attributes:
-        name: name of its file.
+        name: name of the template's file.
         title: name that is displayed.
         summary: what the program does.
         fields: fields to fill in, with proposed values.
@@ -127,13 +129,13 @@ def _text(name: str) -> str:
 
 
 def filled(name: str, robot: Robot, fields: Mapping[str, str], share: float = _SHARES[0]) -> str:
-    """Return the text of a template that is filled in for a robot.
+    """Return the program that results from a template, for a robot and with filled-in values.
 
     Args:
         name: name of the template.
         robot: the robot to move.
         fields: texts by field name; missing fields keep their proposed values.
-        share: distance of the places from READY, as a share of the robot's reach.
+        share: distance of the positions from READY, as a share of the robot's reach.
 
     Raises:
         Trouble: there is no such template, a value isn't allowed, or the robot can't execute the program.
@@ -180,7 +182,9 @@ _NOTHING = "!-"
 
 
 def _robot_line(robot: Robot) -> str:
-    """Return the ROBOT line for a robot of the library. Other robots are named in the project's yarc.toml."""
+    """Return the ROBOT line that names a robot of the library. For another robot, return `_NOTHING` (no
+    line): it is named in the project's yarc.toml.
+    """
     is_known = any(one.folder == robot.folder for one in list_robots())
     return f"ROBOT {robot.name}" if is_known else _NOTHING
 
@@ -245,10 +249,10 @@ def _value(asked: Asked, text: str) -> str:
 
 
 def _ready(robot: Robot) -> tuple[Array, float]:
-    """Return a ready position (n,) [rad or m] and the reach [m].
+    """Return a ready position (n,) [rad or m] for a robot, and the robot's reach [m].
 
-    Random positions are rated; the best one has room around it, is far from singularities, and its tool
-    points down.
+    The ready position is the best of many random positions: the joints are near the middle of their ranges,
+    the robot is far from singularities, and the tool points down.
     """
     lower, upper = robot.limits.lower, robot.limits.upper
     random = np.random.default_rng(0)
@@ -280,7 +284,7 @@ def _ready(robot: Robot) -> tuple[Array, float]:
 
 
 def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str:
-    """Return the text of a template that is proved for a robot in a project.
+    """Return the program that results from a template, proved for a robot in a project.
 
     Args:
         name: name of the template.
@@ -289,7 +293,7 @@ def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str
         folder: folder for the program.
 
     Raises:
-        Trouble: a value isn't allowed, or no places were found for which the program can be proved.
+        Trouble: a value isn't allowed, or no positions were found for which the program can be proved.
     """
     first: Diagnostic | None = None
     for share in _SHARES:

@@ -1,4 +1,6 @@
-"""Check of the texts that users type into fields, so that they can't change the meaning of a line."""
+"""Check of the texts that users type into fields of a command, so that a text can't change the meaning of the
+rest of the line.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ _LONGEST = 1000
 
 
 def checked(name: str, kind: FieldKind, text: str) -> str:
-    """Return the text of a field as it is inserted into a line; empty if the part is left out.
+    """Return the text of a field as it is inserted into a line; empty if the user has left the field empty.
 
     Args:
         name: name of the field.

@@ -18,7 +18,7 @@ from yarclang.robot.model import Robot
 
 
 class Client:
-    """A client of the coordinator.
+    """A client of the coordinator. Its actions are grouped in the attributes from `session` to `files`.
 
     Args:
         coordinator: the robot's coordinator.

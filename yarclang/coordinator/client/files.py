@@ -1,4 +1,4 @@
-"""Programs in files, and conversion of the session to a program."""
+"""A client's actions on programs in files, and conversion of the session to a program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Motions whose end isn't known in advance: jogs, velocities, and motions that follow a master."""
+"""A client's actions for motions whose end isn't known in advance: jogs, velocities, and motions that follow
+a master arm.
+"""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Motions whose end is known in advance: offers, programs, stops and the override; and the position of the
-robot.
+"""A client's actions for motions whose end is known in advance (offers, programs, stops, the override), and
+the position of the robot.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from yarclang.runtime.state import State
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Where:
-    """The position of the robot: `joints` (n,) commanded [rad or m], and `base_from_moving` (4, 4), the
-    moving frame in the requested frame.
+    """The position of the robot: the commanded `joints` (n,) [rad or m], and the pose `base_from_moving` (4,
+    4) [m] of the moving frame in the requested frame.
     """
 
     joints: Array
@@ -105,8 +105,8 @@ class Motion(Part):
         return offered
 
     async def offer_back(self) -> Result[Offer]:
-        """Plan and certify the reverse of the last motion along the same path, including all motions that
-        flowed into it.
+        """Plan and certify a motion that drives the last motion back along its path, and also the motions
+        before it from which the robot flowed into it without a stop.
 
         Raises:
             Trouble: the robot is moving, or there is no connection.
@@ -150,8 +150,8 @@ class Motion(Part):
         return Result(replace(offered.value, takes_back=len(group)), offered.diagnostics)
 
     async def offer_recovery(self, loaded: Loaded) -> Recovered:
-        """Plan and certify a motion from the robot's present position to a program: to its start, otherwise
-        to the nearest place at which the program can begin. Nothing moves.
+        """Plan and certify a motion from the robot's present position to a program: to its start, or else to
+        the nearest position at which the program can begin. Nothing moves.
 
         Args:
             loaded: the program. If a first command is given, only the beginning of this command is tried.
@@ -211,8 +211,8 @@ class Motion(Part):
         return ended
 
     async def _check_surroundings(self, offer: Offer) -> None:
-        """Check that the cell of an offer is still the same, and that its parts are in the places that were
-        assumed in the proof.
+        """Check that the cell is still the one for which an offer was planned, and that the cell's parts are
+        in the places that were assumed in the proof.
 
         Raises:
             Trouble: the cell or the place of a part has changed.
@@ -298,7 +298,8 @@ class Motion(Part):
         self._coordinator.hold()
 
     def resume(self, answer: int | None = None) -> None:
-        """Continue after a hold, at a HOLD of the program, or with the next step.
+        """Continue after a hold, at a HOLD of the program, or with the next command of a program that is run
+        command by command.
 
         Args:
             answer: answer to the question of the HOLD.

@@ -6,7 +6,7 @@ from yarclang.coordinator.shared import SharedRobot
 
 
 class Part:
-    """Group of a client's actions.
+    """Base class of a group of a client's actions.
 
     Args:
         coordinator: the robot's coordinator.

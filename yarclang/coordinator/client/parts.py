@@ -1,4 +1,4 @@
-"""The places of the cell's parts."""
+"""A client's actions on the places of the cell's parts (workpieces and tools)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Parts(Part):
             file: file of the cell; None: the session's cell.
 
         Returns:
-            The places; None for a file whose parts were never moved.
+            The places. None for a file if no places are stored: the parts are where the file places them.
 
         Raises:
             Trouble: the session's cell has no parts.
@@ -41,7 +41,7 @@ class Parts(Part):
         return Result(self._known(made.value.cell))
 
     async def as_filed(self, part: str | None = None) -> Result[Known]:
-        """Declare that a part, or each part (None), is in the place that the cell's file gives.
+        """Declare that a part (None: each part) is in the place that the cell's file gives.
 
         Raises:
             NotOwner: this client only watches, and the owner doesn't share the robot.

@@ -1,4 +1,4 @@
-"""Ownership of the robot, declarations, and events."""
+"""A client's actions on the session: ownership of the robot, declarations, and events."""
 
 from __future__ import annotations
 
@@ -62,14 +62,18 @@ class Session(Part):
         return tuple(self._coordinator.lines.declarations)
 
     def frame(self, name: str) -> Result[Frame]:
-        """Return a frame that motions can move. Its transform is flange_from_frame (4, 4) [m]."""
+        """Return the frame with a given name, if motions can move it. Its transform is flange_from_frame
+        (4, 4) [m].
+        """
         return self._coordinator.names.moving(name)
 
     async def adopt(self, declarations: tuple[str, ...]) -> Result[tuple[str, ...]]:
-        """Replace all accepted declarations by given ones, which come from a file or have been edited.
+        """Replace all accepted declarations of the session by other declarations, which come from a file or
+        have been edited.
 
         Returns:
-            None, with findings, if the new declarations aren't accepted. Then the earlier ones remain.
+            None, with findings, if the new declarations aren't accepted. Then the earlier ones remain in
+            force.
 
         Raises:
             NotOwner: this client only watches.

@@ -1,4 +1,4 @@
-"""Inputs and outputs."""
+"""A client's actions on inputs and outputs."""
 
 from __future__ import annotations
 
@@ -139,7 +139,8 @@ class Signals(Part):
 
 
 def _of_bits(variable: str, number: float) -> tuple[tuple[str, float], ...]:
-    """Return the variables to set, with their values: one variable, or the bits of a group.
+    """Return the controller variables to set for a signal, with their values: one variable, or one for each
+    bit of a group.
 
     Raises:
         Trouble: the group can't have this value.

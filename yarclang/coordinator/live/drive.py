@@ -22,8 +22,8 @@ class Drive:
 
     Args:
         robot: the robot.
-        generator: generator of the motion.
-        running: the running motion.
+        generator: computes the lines of the motion.
+        running: the engine's work that streams the lines.
         now: the session's clock [s].
         stop: ends the motion at once, by a hold.
         tell: tells all clients the reason why the target isn't followed, and the bodies and zones in the way.
@@ -31,7 +31,7 @@ class Drive:
         check: raises an error if the client no longer owns the robot.
 
     Attributes:
-        lag: delay of a target [s]; a stop isn't delayed.
+        lag: time until a new target takes effect [s]; a stop isn't delayed.
     """
 
     def __init__(
@@ -106,18 +106,18 @@ class Drive:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         axes: Literal["base", "tool"] = "base",
     ) -> None:
-        """Move the tool. Raises the same errors as `want`.
+        """Move the tool with a velocity. Raises the same errors as `want`.
 
         Args:
             linear: velocity of the tool's origin [m/s].
             angular: angular velocity [rad/s].
-            axes: axes of both velocities: those of {B}, or those of the tool.
+            axes: axes in which both velocities are given: those of {B}, or those of the tool.
         """
         self.want(Twist(np.asarray(linear, dtype=float), np.asarray(angular, dtype=float), axes))
 
     def follow(self, q: Array, rate: Array | None = None) -> None:
-        """Follow a master at joint positions `q` (n,) [rad or m] that move with `rate` (n,) [rad/s or m/s].
-        Raises the same errors as `want`.
+        """Follow a master arm that is at the joint positions `q` (n,) [rad or m] and moves with the joint
+        velocities `rate` (n,) [rad/s or m/s]. Raises the same errors as `want`.
         """
         self.want(Master(q, np.zeros_like(q) if rate is None else rate))
 
@@ -155,10 +155,10 @@ def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
 
 
 def check_finite(target: Target) -> None:
-    """Check the number of a target's values, and that they are finite.
+    """Check that a target has the right number of values, and that all of them are finite.
 
     Raises:
-        Trouble: a value isn't finite, or there are too few or too many.
+        Trouble: a value isn't finite, or there are too few or too many values.
     """
     match target:
         case JointVelocity(velocity=velocity):

@@ -1,9 +1,9 @@
-"""A live motion as text: control points for the present target, proved before they are streamed, together
-with a motion to rest after them.
+"""A live motion as controller text: control points towards the present target. They are streamed only after
+they were proved together with a motion to rest that follows them.
 
-At each instant there is a motion to rest that the judge has accepted. If a motion towards the target can't be
-proved, the robot follows the motion to rest instead, point by point. So the robot comes to rest before a
-limit, an obstacle or a zone. From there it can move again if the target leads away.
+At each instant there is a motion to rest that the judge (`proof.py`) has accepted. If a motion towards the
+target can't be proved, the robot follows the motion to rest instead, point by point. So the robot comes to
+rest before a limit, an obstacle or a zone. From there it can move again if the target leads away.
 """
 
 from __future__ import annotations
@@ -21,11 +21,13 @@ WATCHDOG = 0.2
 """Time without a message after which the robot comes to rest [s]."""
 
 STRIDE = 3
-"""Number of points that are proved together while the robot moves; the target is read once per stride."""
+"""Number of control points that are proved together while the robot moves; the target is read once for each
+such group of points.
+"""
 
 _FIRST_STRIDE = 36
-"""Largest number of points that are proved together before the motion begins, when many are needed at once.
-The target is still read once per stride.
+"""Largest number of control points that are proved together before the motion begins, when many are needed at
+once to fill the controller's buffer. The target is still read once for each such group of points.
 """
 
 _SAME_WAY = 0.7
@@ -36,11 +38,11 @@ _USED = {"velocity": 0.98, "acceleration": 0.9, "jerk": 0.85}
 
 
 def rates_of(robot: Robot, share: float = 1.0) -> Rates:
-    """Return the limits for live motions of a robot.
+    """Return the limits of joint velocity, acceleration and jerk for live motions of a robot.
 
     Args:
         robot: the robot.
-        share: share of the robot's largest velocities.
+        share: share of the joints' velocity limits that live motions may use.
     """
     limits = robot.limits
     # A motor that drives several joints may be slower than the limits of these joints.
@@ -55,14 +57,14 @@ def rates_of(robot: Robot, share: float = 1.0) -> Rates:
 
 
 class Generator:
-    """One live motion, from rest to rest.
+    """Generates the controller text of one live motion, from rest to rest.
 
     Args:
         robot: the robot.
         start: (n,) commanded position of the robot [rad or m].
-        printed: converts positions (k, n) [rad or m] to lines of text.
+        printed: converts control points (k, n) [rad or m] to lines of text.
         segment: segment time [s].
-        steering: computes velocities from targets.
+        steering: computes joint velocities from targets.
         judge: proves the text.
         rates: limits of the motion.
 
@@ -117,11 +119,11 @@ class Generator:
         self._ending = True
 
     def expired(self, now: float) -> bool:
-        """Return True if the last target is too old."""
+        """Return True if the last target is older than the watchdog allows."""
         return now - self._heard > WATCHDOG
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
-        """Return further lines: at least `count`, or fewer if the text ends.
+        """Return the next lines of the text: at least `count`, or fewer if the text ends.
 
         Args:
             now: the host's clock [s].
@@ -137,7 +139,9 @@ class Generator:
         return tuple(lines)
 
     def _stride(self, target: Target | None, size: int) -> tuple[str, ...]:
-        """Return the next points: towards the target if that can be proved, otherwise towards rest."""
+        """Return the lines of the next control points, at most `size`: towards the target if that can be
+        proved, otherwise towards rest.
+        """
         h, rates = self._segment, self._rates
         states: list[State] = []
         state = self._state
@@ -165,7 +169,9 @@ class Generator:
         return self._towards_rest()
 
     def _towards_rest(self) -> tuple[str, ...]:
-        """Return the next points of the motion to rest that was proved for the end of the streamed lines."""
+        """Return the lines of the next control points of the proved motion to rest, which begins at the end
+        of the streamed lines.
+        """
         known = self._rest or (State.at_rest(self._state.c),)
         states = [known[min(number, len(known) - 1)] for number in range(STRIDE)]
         return self._taken(self._printed(states), states[-1], known[STRIDE:])

@@ -24,7 +24,9 @@ _LONGEST = 2000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """Limits that are used: the largest velocity, acceleration and jerk of each joint (n,) [rad or m, s]."""
+    """Largest velocity, acceleration and jerk that a live motion may use, each (n,) per joint [rad or m,
+    s].
+    """
 
     velocity: Array
     acceleration: Array
@@ -33,8 +35,8 @@ class Rates:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """The last control point and its differences: `c` (n,) [rad or m], `v` (n,) [per s] and `a` (n,) [per
-    s^2].
+    """The last control point `c` (n,) [rad or m], and its first and second differences: the velocity `v` (n,)
+    [per s] and the acceleration `a` (n,) [per s^2].
     """
 
     c: Array
@@ -54,13 +56,13 @@ class State:
 
 
 def advance(state: State, requested: Array, rates: Rates, h: float) -> State:
-    """Compute the next control point.
+    """Compute the next control point and its differences.
 
-    All joints change their velocities together, so that a change keeps the direction of the motion; each
-    joint reaches its target velocity without overshoot.
+    All joints change their velocities together, so that the change of velocity keeps its direction in joint
+    space; each joint reaches its target velocity without overshoot.
 
     Args:
-        state: last state.
+        state: last control point and its differences.
         requested: (n,) joint velocities [rad/s or m/s]; they are clipped to the limits.
         rates: limits.
         h: segment time [s].
@@ -104,10 +106,10 @@ def advance(state: State, requested: Array, rates: Rates, h: float) -> State:
 
 
 def to_rest(state: State, rates: Rates, h: float) -> tuple[State, ...]:
-    """Compute the states of a motion to rest, as fast as the limits allow. The last state is at rest.
+    """Compute the control points of a motion to rest, as fast as the limits allow. The last one is at rest.
 
     Args:
-        state: last state.
+        state: last control point before the motion, and its differences.
         rates: limits.
         h: segment time [s].
     """

@@ -24,7 +24,7 @@ SEGMENT = 10.0 * MS
 @dataclass(frozen=True, slots=True)
 class Settings:
     """Settings of a live motion: the largest `speed` of the tool [m/s] (None: the robot's `jog_speed`), the
-    `share` of the joints' velocity limits, and the segment time [s].
+    `share` of the joints' velocity limits that may be used, and the segment time [s].
     """
 
     speed: float | None = None
@@ -35,7 +35,7 @@ class Settings:
 def live_motion(
     robot: Robot, position: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
 ) -> Result[tuple[Live, Generator]]:
-    """Create a live motion from the robot's present position.
+    """Prepare a live motion from the robot's present position.
 
     The motion doesn't begin with a RAPID to a printed start position, because a RAPID takes the motors'
     acceleration time even for a tiny distance.
@@ -44,12 +44,12 @@ def live_motion(
         robot: the robot.
         position: (n,) commanded position of the robot, as reported by the controller [rad or m].
         moving: frame of the tool.
-        cell: the surroundings, with parts at their present places.
+        cell: the cell around the robot, with its parts at their present places.
         settings: settings of the motion.
         name: name of the motion, for messages.
 
     Returns:
-        The motion and its generator; a finding instead if the surroundings can't be read, or don't allow any
+        The motion and its generator; a finding instead if the cell can't be read, or doesn't allow any
         motion.
     """
     around = surroundings_of(robot, around_start(cell), moving)

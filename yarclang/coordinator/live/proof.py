@@ -39,24 +39,26 @@ from yarclang.robot.model import START_SHARE, Array, Robot
 from yarclang.units import MM
 
 _BEYOND = 1.0
-"""Assumed largest distance of a tool's bodies from the tool's origin [m]. It bounds the deviation of these
-bodies from the proved motion.
+"""Assumed largest distance of the tool's collision bodies from the tool's origin [m]. It is used to bound how
+far these bodies may be from the proved motion.
 """
 
 _AHEAD, _AROUND = 1.5, 1e-3
-"""Size of the region around the end of a text that is searched for free room: this share of the text's
-extent, plus this margin [rad or m].
+"""Size of the box of joint positions around the end of a text that is tested for free room: the text's extent
+times the first number, plus the second number as a margin [rad or m].
 """
 
 _CROWDED = 8
-"""Number of texts without a search after a search that has found no free room."""
+"""Number of texts for which no free room is searched after a search has found none."""
 
 _PIECES = (1, 8, 64)
-"""Numbers of pieces into which a segment is cut to bound the tool's speed, tried in this order."""
+"""Numbers of equal intervals into which a segment's time is cut to bound the tool's speed. If the bound is
+too loose with one number, the next is tried.
+"""
 
 
 class Judge:
-    """Proves the text of a live motion piece by piece.
+    """Proves the text of a live motion: each group of new lines before it is streamed.
 
     Args:
         robot: the robot with its limits.
@@ -65,10 +67,11 @@ class Judge:
         speed: largest speed of the tool's origin [m/s].
         tool: (4, 4) flange_from_tool.
         scene: bodies that must stay apart; None if there are none.
-        watches: zones.
+        watches: zones of the cell.
         strict: bodies that must stay apart as soon as the robot has left the part that it touches at the
             start; None: it touches none.
-        points: reads the points (k, n) [rad or m] of a text's lines, or returns the reason why it can't.
+        points: reads the control points (k, n) [rad or m] of a text's lines, or returns the reason why it
+            can't.
 
     Attributes:
         slack: (n,) allowed deviation of each joint from `start` when the motion begins [rad or m]: a fraction
@@ -116,11 +119,12 @@ class Judge:
         self.stopped_by: tuple[str, ...] = ()
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
-        """Return the reason why lines can't be streamed; empty if they can.
+        """Return the reason why lines must not be streamed; empty if they are proved together with the motion
+        to rest.
 
         Args:
             lines: lines to be streamed.
-            tail: further lines that would bring the robot to rest.
+            tail: lines after them that would bring the robot to rest.
         """
         self.stopped_by = ()
         points = self._points(self._robot, (*lines, *tail))
@@ -160,8 +164,8 @@ class Judge:
         self._starts = max(0, self._starts - len(points))
 
     def _limits(self, cubics: Cubics, off: Array) -> str:
-        """Check the limits of joints and motors. The control points of each segment may be off by `off`
-        (N, n) [rad or m].
+        """Check the limits of joints and motors. Return the reason why a limit isn't respected; empty if all
+        are. The control points of each segment may be off by `off` (N, n) [rad or m].
         """
         h = self._segment
         robot, limits, names = self._robot, self._robot.limits, self._robot.joint_names
@@ -189,8 +193,10 @@ class Judge:
         return ""
 
     def _tool_speed(self, cubics: Cubics, faster: Array) -> str:
-        """Check the tool's speed. Segments are cut into pieces until the bound is tight enough. Each segment
-        may be `faster` (N,) than computed [m/s].
+        """Check the tool's speed. Return the reason why it may be too large; empty if it can't be.
+
+        A segment's time is cut into shorter intervals until the bound is tight enough. In each segment the
+        tool may be faster than computed by `faster` (N,) [m/s].
         """
         worst = 0.0
         for pieces in _PIECES:
@@ -203,11 +209,12 @@ class Judge:
         return f"the tool might reach {worst / MM:.1f} mm/s, of {self._speed / MM:g} at most"
 
     def _speed_bounds(self, cubics: Cubics, pieces: int) -> Array:
-        """Compute a bound (N,) of the speed of the tool's origin on each segment [m/s].
+        """Return an upper bound of the speed of the tool's origin in each segment, as (N,) [m/s].
 
-        The bound is the speed in the middle of each piece, plus its largest increase towards the piece's
-        ends. |p''| is at most the sum over joints of R_m (B_m - B_(m-1)), with B = (sum w)^2 + sum a over the
-        joints up to m, as in `bounds.arm_fourth`; a sliding joint enters once, with length 1.
+        Each segment's time is cut into `pieces` equal intervals. The bound is the speed at the middle of an
+        interval, plus its largest increase towards the ends of the interval. |p''| is at most the sum over
+        joints of R_m (B_m - B_(m-1)), with B = (sum w)^2 + sum a over the joints up to m, as in
+        `bounds.arm_fourth`; a sliding joint enters once, with length 1.
         """
         robot, half = self._robot, self._segment / (2.0 * pieces)
         count = len(cubics.h)
@@ -259,10 +266,9 @@ class Judge:
         return ""
 
     def _has_room(self, scene: Scene, control: Array) -> bool:
-        """Return True if all bodies are so far apart around the text that the path itself need not be
-        checked.
-
-        By the convex hull property, the path stays within the box of its control points.
+        """Return True if all bodies stay apart in a whole box of joint positions that contains the text's
+        control points. Then the path itself need not be checked: by the convex hull property, it stays within
+        this box.
         """
         lower, upper, end = control.min(axis=0), control.max(axis=0), control[-1]
         if self._room is not None and self._room.has(lower, upper):
@@ -280,10 +286,10 @@ class Judge:
 def surroundings_of(
     robot: Robot, cell: Cell | None, moving: Moving
 ) -> Result[tuple[Scene | None, tuple[Watch, ...]]]:
-    """Return the bodies and zones that a robot in a cell must respect while a frame is moved.
+    """Return the bodies and zones that a robot in a cell must respect while the frame `moving` is moved.
 
     Returns:
-        Bodies and zones, each empty if there are none. None, with findings, if a body can't be read.
+        The bodies (None if there are none) and the zones. No value, but findings, if a body can't be read.
     """
     if not robot.shapes and not (cell and (cell.obstacles or cell.zones)):
         return Result((None, ()))

@@ -1,8 +1,8 @@
-"""Free room around a joint position: boxes of joint positions in which all bodies stay apart, proved once for
-all paths within the box.
+"""Free room around a joint position: a box of joint positions in which all bodies stay apart. One proof of a
+box is valid for all paths within it.
 
-The text of a jog is proved every 30 ms, mostly with nothing nearby. In this case one proof of a room covers
-many texts.
+The text of a jog is proved every 30 ms, mostly with nothing nearby. Then one proof of a box covers many of
+these texts.
 """
 
 from __future__ import annotations
@@ -20,17 +20,19 @@ from yarclang.robot.model import Array
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Room:
-    """A box of joint positions: all positions within `reach` (n,) of `middle` (n,) [rad or m]."""
+    """A box of joint positions: each joint at most `reach` (n,) away from its position in `middle` (n,)
+    [rad or m].
+    """
 
     middle: Array
     reach: Array
 
     def has(self, lower: Array, upper: Array) -> bool:
-        """Return True if a box of joint positions is in the room.
+        """Return True if another box of joint positions lies within this one.
 
         Args:
-            lower: (n,) smallest positions of the box [rad or m].
-            upper: (n,) largest positions of the box [rad or m].
+            lower: (n,) smallest joint positions of the other box [rad or m].
+            upper: (n,) largest joint positions of the other box [rad or m].
         """
         inside = (lower >= self.middle - self.reach) & (upper <= self.middle + self.reach)
         return bool(inside.all())
@@ -38,11 +40,11 @@ class Room:
 
 def is_free(scene: Scene, room: Room) -> bool:
     """Return True if all pairs of bodies are proved to be farther apart than their margins plus `SLACK` at
-    all joint positions in a room.
+    all joint positions in a room (a box of joint positions).
 
     The bound is the distance of two bodies at the middle of the room, minus their largest relative motion
-    from there (`collision.travel`, whose bound holds at each posture in the box). Bounding spheres decide
-    most pairs, then bounding boxes, then the shapes themselves.
+    from there (`collision.travel`, whose bound is valid at each joint position in the box). Bounding spheres
+    decide most pairs, then bounding boxes, then the shapes themselves.
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])

@@ -1,9 +1,10 @@
-"""Access for another process that steers the robot (`messages/wants.py`): a master that the robot follows, or
-a program that sends velocities.
+"""Servers through which another process steers the robot (`messages/wants.py`): a master arm that the robot
+follows, or a program that sends velocities.
 
 The right to steer is checked before the first order is read: by the permissions of a Unix socket's file and
-the caller's user, or, over TCP, by a token. A process without this right can occupy one of a few waiting
-places for a few seconds, but never the place of the process that steers.
+the caller's user, or, over TCP, by a token. Only one process steers at a time. A process without the right
+can occupy one of a few places for waiting connections for a few seconds, but never the place of the process
+that steers.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ _TOKEN_BYTES = 32
 """Number of random bytes in a token."""
 
 _UNREAD = 1 << 16
-"""Number of unread bytes from which on no further replies are written."""
+"""Number of bytes that a caller hasn't read from which on no further replies are written to it."""
 
 _TAKEN = "another process steers the robot"
 
@@ -47,7 +48,7 @@ class UnixDoor:
     """A Unix socket that only processes of the same user and of root may use.
 
     Attributes:
-        path: path of its file; None: a new file in the folder that only its owner may enter.
+        path: path of the socket's file; None: a new file in a folder that only its owner may enter.
     """
 
     path: Path | None = None
@@ -83,7 +84,7 @@ DEFAULT_DOOR = UnixDoor()
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """Limits on the resources of connections.
+    """Limits on the number of connections, and on how long a connection may stay silent.
 
     Attributes:
         first: longest time for the whole first line [s].
@@ -108,7 +109,7 @@ class MasterServer:
 
     Args:
         attached: the client that moves the robot; it must own the robot.
-        door: address on which to listen, and the way in which callers prove their right to steer.
+        door: address on which to listen, and the method by which callers prove their right to steer.
         robot: name of the robot, used for a socket's name.
         moving: frame to which poses and twists refer.
         speed: maximum speed of that frame [mm/s]; None: the robot's jog speed.
@@ -240,8 +241,8 @@ class MasterServer:
             self._steers = None
 
     async def _serve(self, line: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> str:
-        """Execute a caller's lines, including a first line that was read already. Return the reason why the
-        connection ends.
+        """Carry out the orders of a caller, line by line; the first line may have been read already. Return
+        the reason why the connection ends.
         """
         begun = False
         try:
@@ -283,8 +284,8 @@ def _denied(error: str) -> bytes:
 
 
 def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
-    """Return the token that a line contains, or a denial with the text `untold`. Raises no exception for
-    any line.
+    """Return the token that a line contains. If the line has none, return a denial, usually with the text
+    `untold`. Raises no exception for any line.
     """
     content = read_object(line, MOST_LINE)
     if isinstance(content, Denied):
@@ -317,8 +318,8 @@ def _bytes(token: str) -> bytes:
 
 
 def _remover(path: Path) -> Callable[[], None]:
-    """Return a function that removes a socket's file, unless the file belongs to another socket by that
-    time.
+    """Return a function that removes a socket's file. It doesn't remove a file that belongs to another
+    socket by then.
     """
     status = path.lstat()
 

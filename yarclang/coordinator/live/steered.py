@@ -1,4 +1,4 @@
-"""The live motion that one client steers: conversion of its messages to targets of a drive."""
+"""A live motion that one client steers by messages, which are converted to targets of the motion."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ _JUMP = 0.5
 
 
 class Reader:
-    """Converts messages to targets. A master's velocity is sent with its position, or estimated from its
-    earlier positions.
+    """Converts a client's messages to targets of a live motion. The velocity of a master arm is sent with its
+    position, or estimated from its earlier positions.
 
     Args:
         robot: the robot that is steered.
@@ -51,11 +51,11 @@ class Reader:
         self._rate = np.zeros(robot.size)
 
     def read(self, want: wants.Want, now: float) -> Target | None:
-        """Return the target of a message; None: rest.
+        """Return the target that a message asks for; None: come to rest.
 
         Args:
             want: the message.
-            now: time at which it arrived [s].
+            now: time at which the message arrived [s].
 
         Raises:
             Trouble: the robot can't follow the target.
@@ -159,7 +159,7 @@ class Steered:
         self._reader = self._begun_at = None
 
     async def take(self, want: wants.Want) -> replies.Wanted:
-        """Execute a message. The first target begins a motion.
+        """Carry out a message: set the target of the live motion, or begin the motion if there is none.
 
         Raises:
             NotOwner: the client only watches.
@@ -181,8 +181,8 @@ class Steered:
         return replies.Wanted(lag_s=round(drive.lag, 3), behind=behind, why=drive.why)
 
     async def _read_by(self, want: wants.Want) -> Reader:
-        """Return the reader for a message. If no motion is in progress, a new reader is created, since the
-        robot may be elsewhere by now.
+        """Return the reader that converts a message to a target. If no motion is in progress, a new reader is
+        created, since the robot may be elsewhere by now.
         """
         robot = self._client.robot
         if not isinstance(want, wants.BeThere | wants.HoldPose):
@@ -222,8 +222,8 @@ class Steered:
 
 
 def _refusal(finding: Diagnostic) -> Trouble:
-    """Convert a finding to a `Trouble` for a client. The message contains its place if it is in a file of the
-    cell or the robot.
+    """Convert a finding to a `Trouble` for a client. If the finding is about a line of the cell's or the
+    robot's file, the message names the file and the line.
     """
     what = finding.clause
     if finding.source is not None and finding.span is not None and finding.source.name.endswith(".toml"):

@@ -1,4 +1,6 @@
-"""Computation of joint velocities from targets: a joint's velocity, a twist, or a master that is followed."""
+"""Computation of joint velocities from the target of a live motion: a velocity of one joint, a twist of the
+tool, or a master arm that is followed.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +21,15 @@ singularity, a motion slows down below the first value and stops at the second.
 """
 
 _AHEAD = 0.02
-"""Distance for which the motion is extrapolated to look for a singularity, as motion of the joints [rad, or
+"""Distance ahead at which the motion is tested for a singularity, as motion of the fastest joint [rad, or
 arm's lengths for a sliding joint].
 """
 
 _SAME = 1e-7
 _KEPT = 0.9
-"""Share of a tool's largest speed that is used; the rest is for an increase within a segment."""
+"""Share of the tool's largest speed that is used. The rest allows for a higher speed inside a segment than at
+its control points.
+"""
 
 _NEAR = 0.2
 """Time in which the robot reaches a master that stands still [s]."""
@@ -51,8 +55,8 @@ class Twist:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Master:
-    """Target: the robot follows a master at joint positions `q` (n,) [rad or m] that move with `rate` (n,)
-    [per s].
+    """Target: the robot follows a master arm that is at the joint positions `q` (n,) [rad or m] and moves
+    with the joint velocities `rate` (n,) [per s].
     """
 
     q: Array
@@ -64,7 +68,7 @@ Target = JointVelocity | Twist | Master
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Steered:
-    """Joint velocities (n,) [rad/s or m/s], and the reason in words if they differ from the target."""
+    """Joint velocities (n,) [rad/s or m/s], and the reason in words if they aren't those of the target."""
 
     velocity: Array
     held_back: str = ""
@@ -93,7 +97,7 @@ class Steering:
 
         Args:
             target: the target; None: rest.
-            state: the robot's state.
+            state: joint positions, velocities and accelerations at the end of the streamed lines.
             ahead: delay until the velocities take effect [s]. A twist is evaluated at the robot's position at
                 that time.
         """
@@ -108,12 +112,13 @@ class Steering:
                 return self._of_twist(target, state.c + ahead * state.v)
 
     def _within(self, requested: Array, q: Array, reason: str) -> Steered:
-        """Slow all joints down together until each joint and the tool keep their limits.
+        """Slow all joints down by the same factor until each joint and the tool are within their speed
+        limits.
 
         Args:
             requested: (n,) joint velocities [rad/s or m/s].
             q: (n,) joint positions [rad or m].
-            reason: reason, if the velocities already differ from the target.
+            reason: reason why the velocities already differ from those of the target; empty: they don't.
         """
         # Factors by which the joints and the tool would exceed their limits; the largest one counts.
         share = float((np.abs(requested) / self._rates.velocity).max(initial=0.0))
@@ -152,8 +157,8 @@ class Steering:
         return self._within(factor * joints * self._slide, q, reason)
 
     def _towards(self, master: Master, state: State) -> Array:
-        """Return the master's velocity plus a velocity that closes the distance. The latter is small enough
-        to brake within the remaining distance.
+        """Return the master's joint velocities plus joint velocities that reduce the distance to the master.
+        The latter are small enough to brake within the remaining distance.
         """
         left = master.q - state.c
         brake = 0.5 * self._rates.acceleration

@@ -60,13 +60,13 @@ SETTLING = 2.0
 """Default of the time in which the joints must arrive after the end of the program [s]."""
 
 STEP = 0.05
-"""Largest step of the program's reported time that is assumed until two reports have arrived [s]. The time is
-reported in steps of the segments.
+"""Assumed step between two program times that the coordinator reports [s], until two reports have arrived.
+The program time grows in steps of one or several segments.
 """
 
 BEHIND, AHEAD = 1.5, 2.5
-"""Number of steps by which the joints may be behind or ahead of the reported time, because the controller is
-asked for the joints and the time one after the other.
+"""Number of these steps by which the joints may be behind or ahead of the reported program time, because the
+controller is asked for the joints and for the time one after the other.
 """
 
 
@@ -92,9 +92,10 @@ class Ready:
     """A goal that was planned and proved.
 
     Attributes:
-        track: its path, with joints in the robot's order; None if the robot is already at its end.
-        lead: duration of the motion to its first point [s].
-        course: pairs (time of the program [s], positions [rad or m]) of this motion.
+        track: planned path over time, with joints in the robot's order; None if the robot is already at its
+            end.
+        lead: duration of the motion from the robot's position to the goal's first point [s].
+        course: this motion to the first point, as pairs (program time [s], joint positions [rad or m]).
     """
 
     track: Track | None
@@ -114,8 +115,8 @@ class Accepted:
 
 @dataclass(frozen=True)
 class Plan:
-    """Plan and prove a goal from the robot's position at rest, then call `TrajectoryAction.planned` with its
-    number.
+    """Request to plan and prove a goal from the robot's position at rest, and then to call
+    `TrajectoryAction.planned` with the goal's number.
     """
 
     number: int
@@ -164,14 +165,15 @@ class _UnderWay:
         goal_id: id of the goal at its client.
         goal: goal as received.
         begins: planned start by the caller's clock [s].
-        phase: planning, ready, moving or settling.
+        phase: planning, ready, moving or settling (the program has ended, but the joints may not have
+            arrived).
         ready: the planned goal; None before planning has finished.
-        due: time of its next timeout [s]; None if there is none.
-        ending: outcome and result that the goal gets when the robot rests; None if they depend on the
-            motion's end.
+        due: time of the next timeout [s]; None if there is none.
+        ending: outcome and result that the goal gets when the robot rests; None if they depend on how the
+            motion ends.
         done: program time reached so far [s].
         step: smallest step between reported program times so far [s].
-        late: delay of its start relative to its stamp [s].
+        late: delay of the start relative to the stamp of the goal [s].
     """
 
     number: int
@@ -197,7 +199,7 @@ class _Tolerances:
 
 @dataclass
 class TrajectoryAction:
-    """The action of one robot.
+    """State machine of the FollowJointTrajectory action of one robot.
 
     Args:
         joints: joints of the robot.
@@ -244,7 +246,8 @@ class TrajectoryAction:
             now: the time of any monotonic clock [s].
 
         Returns:
-            The reason why the goal is rejected, None if it is accepted; and the resulting actions.
+            Two values: the reason why the goal is rejected (None if it is accepted), and the resulting
+                actions.
         """
         fault = fault_of(goal, self.joints)
         if fault is None and goal_id in (one.goal_id for one in (self._current, self._next) if one):
@@ -264,7 +267,9 @@ class TrajectoryAction:
         return None, actions + self._stop(preempted)
 
     def cancel(self, goal_id: str | None = None) -> list[Action]:
-        """Cancel a goal, or all goals (None). A goal that moves the robot ends when the robot rests."""
+        """Cancel the goal with a given id, or all goals (None). A goal that moves the robot ends when the
+        robot rests.
+        """
         canceled = CANCELED, Result(SUCCESSFUL, "canceled")
         actions: list[Action] = []
         if self._next is not None and goal_id in (None, self._next.goal_id):
@@ -279,8 +284,8 @@ class TrajectoryAction:
     # results of orders
 
     def planned(self, number: int, made: Ready | Result, now: float) -> list[Action]:
-        """Handle the end of planning: the planned goal, or a `Result` if it failed. A goal that has ended
-        meanwhile isn't run.
+        """Handle the end of planning, with the planned goal, or with a `Result` if planning has failed. A
+        goal that has ended meanwhile isn't run.
         """
         current = self._current
         if current is None or not self.plans(number):
@@ -331,7 +336,7 @@ class TrajectoryAction:
     # reports and time
 
     def position(self, actual: Moment, done: float | None, now: float) -> list[Action]:
-        """Handle a report of the joints.
+        """Handle a report of the joint positions.
 
         Args:
             actual: state of the joints in the robot's order.
@@ -352,7 +357,9 @@ class TrajectoryAction:
         return self._watched(current, current.ready, actual)
 
     def passed(self, now: float) -> list[Action]:
-        """Handle the passage of time: a goal may have to begin, or may not have reached its end in time."""
+        """Handle a timeout: begin a goal whose start is due, or end a goal whose joints haven't arrived in
+        time.
+        """
         current = self._current
         if current is None or current.due is None or now < current.due:
             return []
@@ -397,8 +404,8 @@ class TrajectoryAction:
         return SETTLING if given == 0.0 else math.inf if given < 0.0 else given
 
     def _stop(self, ending: tuple[str, Result]) -> list[Action]:
-        """Hold the goal that moves. When the robot rests, the goal ends with the given outcome, unless
-        another outcome was set before.
+        """Bring the robot to rest during a goal. Then the goal ends with the given outcome, unless another
+        outcome was set before.
         """
         current = self._current
         assert current is not None
@@ -422,7 +429,9 @@ class TrajectoryAction:
     # tolerances
 
     def _watched(self, current: _UnderWay, ready: Ready, actual: Moment) -> list[Action]:
-        """Return the feedback of the goal that moves, and a stop if it violates its path tolerance."""
+        """Return the feedback of the goal that moves. Add a stop if the joints are farther from the planned
+        path than the goal's path tolerance.
+        """
         assert ready.track is not None
         time = current.done - ready.lead
         if time < 0.0:
@@ -514,7 +523,7 @@ def _minus(first: Values, second: Values) -> Values:
 
 
 def _between(course: Sequence[tuple[float, Values]], time: float) -> Values:
-    """Return the positions of a course at a time, interpolated linearly between its samples."""
+    """Return joint positions at a time, interpolated linearly between the samples of a planned motion."""
     before = course[0]
     for after in course:
         if after[0] >= time:

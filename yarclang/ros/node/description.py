@@ -1,4 +1,4 @@
-"""The robot's description for launch files, which need it before the nodes start:
+"""A program that writes the robot's URDF, for launch files that need it before the nodes start:
 
     PYTHONPATH=lib /usr/bin/python3 -m yarclang.ros.node.description [ROBOT]
 
@@ -18,7 +18,7 @@ PATIENCE = 60.0
 
 
 def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
-    """Return the reply to the order `model`.
+    """Return the description of a robot: the reply of its process to the order `model`.
 
     Args:
         robot: path of a socket, or name of a process or of its robot, as for `yarclang.client.Robot`; None or
@@ -46,7 +46,7 @@ def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
 
 
 def main() -> int:
-    """Write the URDF of the robot that the command line names to standard output. Return the exit status."""
+    """Write the URDF of the robot named on the command line to standard output. Return the exit status."""
     if {"-h", "--help"} & set(sys.argv[1:]) or len(sys.argv) > 2:
         sys.stdout.write(__doc__ or "")
         return 0 if len(sys.argv) == 2 else 2

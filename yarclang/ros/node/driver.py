@@ -1,10 +1,10 @@
-"""Connection of the action to a robot that `yarc serve` owns: orders, events, and reconnection when the robot
-is served again. All threads are here.
+"""Connection between the FollowJointTrajectory action and a robot that `yarc serve` owns: orders, events, and
+reconnection when the robot is served again. The driver's threads are all in this module.
 
-There are three connections. The first gives the orders for goals, and owns the robot while there are any. The
-second receives events. The third asks for the motors' state each second, so that a hanging process is
-noticed. Stops use the connection of the goals, so that they can't overtake the start that they are meant to
-end.
+There are three connections to the process. The first gives the orders for goals, and owns the robot while
+there are any goals. The second receives events. The third asks for the motors' state each second, so that a
+hanging process is noticed. Stops use the connection of the goals, so that a stop can't overtake the start of
+the goal that it is meant to end.
 """
 
 from __future__ import annotations
@@ -60,13 +60,13 @@ _MOST_WAITING = 256
 """Most calls that wait for a shell that blocks. Further positions are dropped."""
 
 _STANDS = {"deg": 0.002, "mm": 0.0005}
-"""Speed below which a joint counts as resting [rad/s, m/s]. A position that flickers between two counts isn't
-a motion.
+"""Speed below which a joint counts as resting [rad/s, m/s], by the joint's unit. A position that alternates
+between two counts isn't a motion.
 """
 
 _COURSE, _LEAD_COURSE = 200, 2000
-"""Number of samples of the planned course for feedback, and of a course that includes a motion to the
-first point.
+"""Numbers of samples of a planned motion for feedback: without and with a motion to the goal's first
+point.
 """
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
@@ -118,7 +118,9 @@ class Status:
 
 
 class Shell(Protocol):
-    """Interface of the ROS side. One thread of the driver makes all calls, in order. They must not block."""
+    """Interface through which the driver calls the ROS node. One thread of the driver makes all calls, in
+    order. They must not block.
+    """
 
     def accepted(self, goal_id: str) -> None:
         """Handle that a goal is being planned, or will be planned when the robot rests."""
@@ -127,8 +129,8 @@ class Shell(Protocol):
         """Publish the progress of a goal."""
 
     def ended(self, goal_id: str, outcome: str, result: Result) -> None:
-        """End a goal: `outcome` is "succeeded", "aborted" or "canceled". Called exactly once for each
-        accepted goal.
+        """Report the end of a goal: `outcome` is "succeeded", "aborted" or "canceled". Called exactly once
+        for each accepted goal.
         """
 
     def joint_state(self, state: JointState) -> None:
@@ -138,8 +140,8 @@ class Shell(Protocol):
         """Publish the robot's status: at each change, and once a second."""
 
     def changed(self) -> None:
-        """Handle a change of the robot, its cell or its plan. Call `model`, `scene` and `ghost` again,
-        from another thread.
+        """Handle a change of the robot, its cell or its planned motion: call the driver's `model`, `scene`
+        and `ghost` again, from another thread.
         """
 
     def say(self, level: str, text: str) -> None:
@@ -147,7 +149,7 @@ class Shell(Protocol):
 
 
 class _Link:
-    """The connections to one process.
+    """The three connections to the process that owns the robot.
 
     Args:
         which: path of the socket, or name of the process or of the robot, as for `Driver`.
@@ -191,7 +193,7 @@ class _Seen:
     """Last known state of the robot.
 
     Attributes:
-        heard: time of `moment` by the coordinator's clock [s].
+        heard: time at which the joints were in the state `moment`, by the coordinator's clock [s].
     """
 
     state: str = "disconnected"
@@ -211,7 +213,7 @@ class Driver:
     Args:
         which: path of the socket, or name of the process or of the robot, as for `yarclang.client.Robot`;
             None for the only one.
-        shell: the ROS side.
+        shell: the ROS node.
         name: name of the driver that other clients see.
         hold_on_cancel: True to hold a cancelled goal on its path at once; False to finish a goal that moves.
 
@@ -293,18 +295,20 @@ class Driver:
             self._do(self._action.cancel(goal_id))
 
     def hold(self) -> tuple[bool, str]:
-        """Hold the robot on its path, ready to continue. Return True if the order was accepted, and the
-        text of the reply.
+        """Hold the robot on its path, ready to continue. Return two values: True if the order was accepted,
+        and the text of the reply.
         """
         return self._ordered("hold")
 
     def resume(self) -> tuple[bool, str]:
-        """Continue after a hold. Return True if the order was accepted, and the text of the reply."""
+        """Continue after a hold. Return two values: True if the order was accepted, and the text of the
+        reply.
+        """
         return self._ordered("resume")
 
     def stop(self) -> tuple[bool, str]:
-        """Bring the robot to rest on its path, and end the running program. Return True if the order was
-        accepted, and the text of the reply.
+        """Bring the robot to rest on its path, and end the running program. Return two values: True if the
+        order was accepted, and the text of the reply.
         """
         with self._lock:
             self._do(self._action.stopped("a stop was ordered"))
@@ -313,8 +317,8 @@ class Driver:
         return self._ordered("stop")
 
     def override(self, percent: float) -> tuple[bool, str]:
-        """Set the override, 1 to 100 %. Return True if the order was accepted, and the text of the reply.
-        While the robot has no owner, the override applies to the next goal.
+        """Set the override, 1 to 100 %. Return two values: True if the order was accepted, and the text of
+        the reply. While the robot has no owner, the override applies to the next goal.
         """
         if not 1.0 <= percent <= 100.0:
             return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
@@ -325,7 +329,7 @@ class Driver:
         return self._ordered("override", percent=percent)
 
     def model(self) -> dict[str, Any]:
-        """Return the reply to the order `model`.
+        """Return the description of the robot: the reply to the order `model`.
 
         Raises:
             yarclang.client.Gone: the robot isn't served.
@@ -335,12 +339,14 @@ class Driver:
         return self._asked("model")
 
     def scene(self) -> dict[str, Any]:
-        """Return the reply to the order `scene`. Raises the same errors as `model`."""
+        """Return the cell around the robot: the reply to the order `scene`. Raises the same errors as
+        `model`.
+        """
         return self._asked("scene")
 
     def ghost(self) -> list[tuple[float, Values]]:
-        """Return samples (time [s], positions [rad or m] in the order of `joint_names`) of the running plan;
-        empty without a plan.
+        """Return the planned motion that is being executed, as samples (time [s], joint positions [rad or m]
+        in the order of `joint_names`); empty if there is none.
         """
         with self._lock:
             return list(self._ghost)
@@ -413,7 +419,9 @@ class Driver:
         self._tell_status()
 
     def _send_own(self, plan: Plan) -> None:
-        """Own the robot from now on. A stop during planning then also ends the motion of the goal."""
+        """Order the ownership of the robot before a goal is planned. So a stop that comes during planning
+        also prevents the motion of the goal.
+        """
         if self._link is None:
             return
         try:
@@ -496,7 +504,7 @@ class Driver:
         self._begin(self._hear, link)
 
     def _lose(self, link: _Link | None, reason: str) -> None:
-        """Close a connection, and abort the goals that used it."""
+        """Close the connection to a process, and abort the goals that used it."""
         with self._lock:
             if link is None or self._link is not link:
                 return
@@ -639,7 +647,8 @@ class Driver:
     def _prepared(
         self, link: _Link, plan: Plan
     ) -> tuple[Ready | Result, int | None, list[tuple[float, Values]]]:
-        """Return the result of planning a goal, the number of its program, and its course.
+        """Plan a goal. Return three values: the planned goal or the reason of the failure, the number of the
+        goal's program (None if there is none), and samples of the planned motion.
 
         Raises:
             Refused: another client owns the robot, or is moving it.
@@ -704,8 +713,8 @@ class Driver:
                 link.orders.answer(stop, _PREPARES)
 
     def _send_release(self, link: _Link) -> int:
-        """Release the robot. The order is sent while the lock is held, so that the next goal's `own` comes
-        after it.
+        """Send the order to release the robot, and return the order's number. The caller holds the lock, so
+        that the next goal's order `own` is sent after it.
         """
         self._owns = False
         return link.orders.order("release")
@@ -832,7 +841,7 @@ def _why(ended: dict[str, Any]) -> str:
 
 
 def _refused(findings: Sequence[dict[str, Any]]) -> Result:
-    """Return the first error of a program as the result of an aborted goal."""
+    """Return the first error that prevents a goal's program as the result of the aborted goal."""
     for one in findings:
         if one["severity"] == "error":
             return Result(INVALID_GOAL, _worded(one["code"], one["message"], one["help"] or ""))
@@ -844,7 +853,7 @@ def _worded(code: str, what: str, help_: str) -> str:
 
 
 def _places(joints: Sequence[Joint], course: dict[str, Any]) -> list[tuple[float, Values]]:
-    """Convert a course of the coordinator to rad and m."""
+    """Convert the samples of a planned motion from the coordinator's units to rad and m."""
     return [
         (at, tuple(value / one.scale for value, one in zip(row, joints)))
         for at, row in zip(course["times"], course["joints"])

@@ -1,5 +1,5 @@
-"""ROS 1's messages of FollowJointTrajectory and ROS-Industrial, for systems without control_msgs and
-industrial_msgs.
+"""Message classes of FollowJointTrajectory and of ROS-Industrial for ROS 1, for systems without the packages
+control_msgs and industrial_msgs.
 
 ROS 1 identifies a type by its name and the md5 sum of its fields. Both depend only on field names and types,
 so nodes with these classes can talk to nodes that were built with the packages. Debian has ROS 1 without the
@@ -16,7 +16,9 @@ from typing import Any, Dict, NamedTuple
 
 _ACTION = "control_msgs/FollowJointTrajectoryAction"
 _RULE = "\n" + "=" * 80 + "\n"
-"""Separator between the texts of messages that depend on each other, in the format of genpy."""
+"""Separator between a message's text and the texts of the messages that it contains, in the format of
+genpy.
+"""
 
 _TEXTS = {
     "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id",
@@ -127,7 +129,9 @@ class Interfaces(NamedTuple):
 
 
 def interfaces() -> Interfaces:
-    """Return the classes of the installed packages, otherwise classes with the same names and md5 sums."""
+    """Return the message classes of the installed packages; without the packages, classes with the same
+    names and md5 sums.
+    """
     found = [
         _installed("control_msgs.msg"),
         _installed("industrial_msgs.msg"),
@@ -174,7 +178,7 @@ class _Made:
 
 
 def _md5_texts() -> Dict[str, str]:
-    """Return the text of each message from which its md5 sum is computed, by the name of the message."""
+    """Return for each message, by its name, the text from which its md5 sum is computed."""
     genmsg = importlib.import_module("genmsg")
     loader, tools = importlib.import_module("genmsg.msg_loader"), importlib.import_module("genmsg.gentools")
     context = genmsg.MsgContext.create_default()
@@ -185,8 +189,8 @@ def _md5_texts() -> Dict[str, str]:
 
 
 def _service(name: str, classes: Dict[str, Any], sums: Dict[str, str]) -> Any:
-    """Return the class of a service. Its md5 sum is that of the text of the request, followed by that of
-    the response.
+    """Return the class of a service. Its md5 sum is computed from the text of the request, followed by the
+    text of the response.
     """
     text = sums[f"{name}Request"] + sums[f"{name}Response"]
     content = {

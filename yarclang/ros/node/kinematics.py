@@ -1,5 +1,5 @@
-"""Poses and shapes of the links of a URDF: forward kinematics without any library, for the drawings of the
-nodes.
+"""Poses and shapes of the links of a URDF, for the drawings of the ROS nodes. The forward kinematics needs
+no library.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _TURNS, _SLIDES = ("revolute", "continuous"), ("prismatic",)
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape around the origin of its pose.
+    """A shape in a frame of its own. Boxes, spheres and cylinders are centered at the origin.
 
     Attributes:
         type: `box`, `sphere`, `cylinder` (along z) or `mesh`.
@@ -38,7 +38,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Body:
-    """A shape of a link.
+    """A shape that is fixed to a link.
 
     Attributes:
         link: name of the link.
@@ -64,7 +64,7 @@ class _Joint:
 
 
 class Kinematics:
-    """The links of a URDF.
+    """Poses and shapes of the links of a URDF.
 
     Args:
         urdf: text of the URDF, from the order `model`.
@@ -94,10 +94,10 @@ class Kinematics:
         )
 
     def poses(self, positions: Mapping[str, float]) -> Dict[str, Pose]:
-        """Return base_from_link of each link.
+        """Return the pose of each link, base_from_link, by the name of the link.
 
         Args:
-            positions: positions of joints by name [rad or m]; other joints are at zero.
+            positions: joint positions by joint name [rad or m]; other joints are at zero.
         """
         poses_by_link: Dict[str, Pose] = {}
         children = {joint.child for joint in self._joints}
@@ -189,7 +189,9 @@ def _joint(one: ET.Element) -> _Joint:
 
 
 def _moved(joint: _Joint, value: float) -> Pose:
-    """Return the pose for a joint's position: a rotation by Rodrigues' formula, or a translation."""
+    """Return the pose of a joint's child link in the joint's frame at the joint position `value`: a rotation
+    by Rodrigues' formula, or a translation.
+    """
     x, y, z = joint.axis
     if joint.kind in _SLIDES:
         return placed((x * value, y * value, z * value))
@@ -211,7 +213,9 @@ def _bodies(link: ET.Element, colours: Mapping[str, Colour | None]) -> Tuple[Bod
 
 
 def _body(link: str, one: ET.Element, colours: Mapping[str, Colour | None]) -> Body | None:
-    """Return the body of a <visual> or <collision> element; None if its shape isn't in URDF version 1.0."""
+    """Return the body that a <visual> or <collision> element describes; None if its shape isn't in URDF
+    version 1.0.
+    """
     geometry, material = one.find("geometry"), one.find("material")
     shape = None if geometry is None else _shape(geometry)
     if shape is None:

@@ -1,5 +1,5 @@
-"""Markers for RViz of a robot's surroundings and of its plan, as values that each shell converts to
-visualization_msgs/Marker.
+"""RViz markers for the cell around a robot and for the robot's planned motion, as values that each ROS node
+converts to visualization_msgs/Marker.
 
     kinematics = Kinematics(model["urdf"], model["base"])
     for marker in scene_markers(driver.scene()):
@@ -61,7 +61,7 @@ _LETTERS = 0.06
 _WIDTH = 0.008
 """Width of the tool's path [m]."""
 _SEEN = 1e-4
-"""Largest difference of poses that are drawn as equal [m, or rad]."""
+"""Largest difference between two poses of a link that are drawn as one [m, or rad]."""
 _SHAFT: Vector = (0.25, 0.015, 0.03)
 """Length and widths of the arrow that points to the allowed side of a half space [m]."""
 
@@ -113,7 +113,7 @@ def fill(message: Any, marker: Marker, point: Callable[..., Any]) -> Any:
 
 
 def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
-    """Return the markers of a robot's surroundings: bodies and parts, transparent zones, and their names.
+    """Return the markers of the cell around a robot: bodies and parts, transparent zones, and their names.
 
     Args:
         scene: the reply to the order `scene`.
@@ -130,14 +130,14 @@ def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def ghost_markers(
     kinematics: Kinematics, tool: str, joints: Sequence[str], course: Sequence[Sequence[float]]
 ) -> Tuple[Marker, ...]:
-    """Return the markers of the running plan: the path of a link's origin as a line, and the transparent
-    links in their poses at the end, if these differ.
+    """Return the markers of the planned motion: the path of a link's origin as a line, and transparent copies
+    of the links that end in another pose than they began.
 
     Args:
         kinematics: kinematics of the robot.
         tool: the link whose path is drawn.
         joints: names of the joints, in the order of positions.
-        course: joint positions [rad or m] of the plan; empty to draw nothing.
+        course: joint positions [rad or m] of the planned motion; empty to draw nothing.
 
     Raises:
         ValueError: there is no such link, or the length of a row isn't that of `joints`.
@@ -168,8 +168,8 @@ def ghost_markers(
 
 
 def _differ(one: Pose, other: Pose) -> bool:
-    """Return True if the poses of a link differ visibly. Otherwise it would be drawn twice in the same
-    place.
+    """Return True if two poses of a link differ visibly. If they don't, a second drawing of the link would
+    only cover the first.
     """
     return any(abs(a - b) > _SEEN for pair in zip(one, other) for a, b in zip(*pair))
 
@@ -216,8 +216,8 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
 
 
 def _corner(pose: Pose) -> Pose:
-    """Return a place on a half space's border away from the robot, which often stands at the plane's origin:
-    the upper corner of the drawn piece.
+    """Return the pose at which a half space's name and arrow are drawn: the upper corner of the drawn part of
+    its border plane. The robot often stands at the plane's origin.
     """
     half = 0.45 * _PLANE
     corners = [times(pose, placed((x, y, 0.0))) for x in (-half, half) for y in (-half, half)]
@@ -240,8 +240,8 @@ def _text(item: Mapping[str, Any]) -> str:
 
 
 def _told(shape: Mapping[str, Any]) -> Iterable[Tuple[Shape, Pose]]:
-    """Yield a shape of the scene as shapes that RViz knows, with their poses: a capsule becomes a cylinder
-    and two spheres.
+    """Yield a shape of the scene as one or several shapes that RViz can draw, with their poses in the frame
+    of the shape. A capsule becomes a cylinder and two spheres.
     """
     kind = shape["type"]
     if kind == "mesh":
@@ -268,8 +268,8 @@ def _shape(namespace: str, frame: str, shape: Shape, pose: Pose, colour: Colour)
 
 
 def _height(shape: Shape, pose: Pose) -> float:
-    """Return the height of a shape above the origin of its pose [m]; 0 for a mesh, because its extent
-    isn't known here.
+    """Return the height of a shape's top above the shape's origin [m], for a shape in a given pose; 0 for a
+    mesh, because its extent isn't known here.
     """
     if shape.type == "mesh":
         return 0.0

@@ -1,8 +1,8 @@
-"""The ROS 1 master: registrations of this node, which are repeated after a restart of the master.
+"""Registration of this node at the ROS 1 master, which is repeated after a restart of the master.
 
 rospy registers only once. A restarted master doesn't know the node: connected topics continue, but new
 subscribers don't find them. Therefore the master is asked regularly if it knows this node. If it doesn't, all
-registrations are sent again.
+topics and services of the node are registered again.
 
 Written for Python 3.8 and later.
 """
@@ -21,11 +21,11 @@ LOST = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 
 
 class Registered(NamedTuple):
-    """Registrations of a node at its master.
+    """Topics and services that a node has registered at its master.
 
     Attributes:
-        published: topics with their types.
-        subscribed: topics with their types.
+        published: published topics with their types.
+        subscribed: subscribed topics with their types.
         services: services with their addresses.
     """
 
@@ -35,7 +35,7 @@ class Registered(NamedTuple):
 
 
 class Master:
-    """The master for one node. Each call raises one of `LOST` if the master can't be reached.
+    """Calls of one node to the ROS 1 master. Each call raises one of `LOST` if the master can't be reached.
 
     Args:
         address: URI of the master.
@@ -54,14 +54,14 @@ class Master:
             return False
 
     def knows_node(self) -> bool:
-        """Return True if a node of this name is registered: this node, or another one that has replaced it
-        and must not be replaced in turn.
+        """Return True if the master knows a node of this name: this node, or another one that has replaced
+        it. This node must not replace the other one in turn.
         """
         return bool(_call(self.address, "lookupNode", self._node, self._node)[0] == 1)
 
     def register(self, node_address: str, registered: Registered) -> None:
-        """Register everything of a node at the master, and pass the publishers of its subscribed topics to
-        the node.
+        """Register all topics and services of a node at the master. Tell the node the publishers of its
+        subscribed topics.
         """
         for topic, kind in registered.published:
             _call(self.address, "registerPublisher", self._node, topic, kind, node_address)
@@ -73,7 +73,7 @@ class Master:
 
 
 def _call(address: str, name: str, *values: Any) -> Any:
-    """Call a method of the master. Return (code, message, value)."""
+    """Call a method of the master. Return the master's reply (code, message, value)."""
     with xmlrpc.client.ServerProxy(address, transport=_Patient()) as server:
         answer = getattr(server, name)(*values)
     if not isinstance(answer, list) or len(answer) != 3:

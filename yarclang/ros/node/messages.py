@@ -1,4 +1,4 @@
-"""Conversion between ROS 1's messages and the values of the driver. It uses only field names, and gets the
+"""Conversion between ROS 1 messages and the driver's values. It uses only field names, and gets the message
 classes as arguments, so it doesn't import ROS.
 
 Written for Python 3.8 and later.
@@ -14,7 +14,7 @@ from yarclang.ros.node.trajectory import Goal, Point, Tolerance
 
 
 def goal_of(goal: Any, now: Any) -> Goal:
-    """Convert the goal of an action from its ROS message.
+    """Convert the goal of the action from its ROS message to the driver's `Goal`.
 
     Args:
         goal: control_msgs/FollowJointTrajectoryGoal.
@@ -32,19 +32,21 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def path_of(trajectory: Any, now: Any) -> Goal:
-    """Return the goal of a trajectory_msgs/JointTrajectory without tolerances; the default tolerances apply.
+    """Convert a trajectory_msgs/JointTrajectory to a goal without tolerances; the default tolerances apply.
     `now` is the ROS time, from which the header's stamp is subtracted.
     """
     return Goal(tuple(trajectory.joint_names), _points_of(trajectory), _starts_in(trajectory, now))
 
 
 def result_message(kind: Any, result: Result) -> Any:
-    """Return a result as a message of the class `kind` (control_msgs/FollowJointTrajectoryResult)."""
+    """Return a goal's result as a message of the class `kind` (control_msgs/FollowJointTrajectoryResult)."""
     return kind(error_code=result.error_code, error_string=result.error_string)
 
 
 def feedback_message(kind: Any, feedback: Feedback, stamp: Any) -> Any:
-    """Return feedback as a message of the class `kind` (control_msgs/FollowJointTrajectoryFeedback)."""
+    """Return a goal's feedback as a message of the class `kind`
+    (control_msgs/FollowJointTrajectoryFeedback).
+    """
     message = kind(joint_names=list(feedback.joint_names))
     message.header.stamp = stamp
     _fill(message.desired, feedback.desired)

@@ -1,9 +1,9 @@
 """The rospy side of the driver: action, topics, services and parameters of the ROS 1 node.
 
 Messages of the driver go through a queue and are published by one thread. Therefore the driver never waits
-for ROS, and actionlib's lock, which is held while a goal arrives, never waits for the driver. Lines for the
-user have a thread of their own, because rospy calls the master for each line. So positions and results
-continue if the master hangs.
+for ROS, and actionlib's lock, which is held while a goal arrives, never waits for the driver. Log lines for
+the user are written by another thread, because rospy calls the master for each line. So positions and results
+are still published if the master hangs.
 
 Written for Python 3.8 and later.
 """
@@ -50,7 +50,9 @@ from yarclang.ros.node.messages import (
 from yarclang.ros.node.trajectory import Goal
 
 ACTION = "joint_trajectory_action"
-"""Name of the action in ROS-Industrial's drivers. The files of `yarc export --moveit` contain it as well."""
+"""Default name of the action, which is that of ROS-Industrial's drivers. The files of `yarc export --moveit`
+contain it as well.
+"""
 
 _BACKLOG = 500
 """Most messages that wait for ROS. Further positions and feedback are dropped; ends of goals are never
@@ -257,7 +259,7 @@ class Node:
         self._work.put(lambda: self._tell(status))
 
     def changed(self) -> None:
-        """Handle a change of the robot, its cell or its plan."""
+        """Handle a change of the robot, its cell or its planned motion."""
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
@@ -333,8 +335,8 @@ class Node:
         self._connected().cancel(handle.get_goal_id().id)
 
     def _path(self, trajectory: Any) -> None:
-        """Accept a path of joint_path_command. A path without points is a stop, as in the drivers of
-        ROS-Industrial.
+        """Accept a trajectory from the topic joint_path_command. A trajectory without points is a stop, as in
+        the drivers of ROS-Industrial.
         """
         if trajectory.points:
             self._take(path_of(trajectory, rospy.Time.now()))
@@ -350,7 +352,9 @@ class Node:
         return refused is None
 
     def _blame(self, code: int) -> None:
-        """Show in robot_status until the next goal that a path was refused, because a topic has no reply."""
+        """Show in robot_status, until the next goal, that a trajectory from a topic was refused: a topic
+        has no reply.
+        """
         self._refused = code
         self._tell(self._status)
 
@@ -394,8 +398,8 @@ class Node:
     # the master, parameters, and drawings of RViz
 
     def _attend(self) -> None:
-        """Call the master regularly, and the driver after changes. This runs in a thread of its own, because
-        both calls may be slow.
+        """Check regularly that the master knows this node, and ask the driver for new drawings after changes.
+        This runs in a thread of its own, because both calls may be slow.
         """
         while not self._closing.is_set():
             has_changed = self._changed.wait(_ASKED_EACH)
@@ -418,7 +422,7 @@ class Node:
                 self._tell_once("master", text)
 
     def _follow(self) -> None:
-        """Publish description and drawings of the robot, its surroundings and its plan again."""
+        """Publish the robot's description, and the drawings of its cell and its planned motion, again."""
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         for what, work in works.items():
             try:

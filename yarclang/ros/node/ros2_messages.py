@@ -1,4 +1,4 @@
-"""Conversion between ROS 2's messages and the values of the driver. It uses only field names, and gets the
+"""Conversion between ROS 2 messages and the driver's values. It uses only field names, and gets the message
 classes as arguments, so it doesn't import ROS.
 
 Fields that only some distributions have are read if they exist, and are never set. Written for Python 3.8 and
@@ -36,7 +36,7 @@ def fill_duration(message: Any, seconds: float) -> None:
 
 
 def goal_of(goal: Any, now: Any) -> Goal:
-    """Convert the goal of an action from its ROS message.
+    """Convert the goal of the action from its ROS message to the driver's `Goal`.
 
     Args:
         goal: control_msgs/action/FollowJointTrajectory.Goal.
@@ -54,8 +54,8 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def multi_dof_joints(goal: Any) -> Tuple[str, ...]:
-    """Return the names of the planar and floating joints of a goal, which none of these robots has. Older
-    distributions have no field for them.
+    """Return the names of the planar and floating joints of a goal. No robot of yarclang has such joints.
+    Older distributions have no field for them.
     """
     trajectory = getattr(goal, "multi_dof_trajectory", None)
     return () if trajectory is None else tuple(trajectory.joint_names)
@@ -111,14 +111,16 @@ def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: St
 
 
 def level_of(status: Status) -> bytes:
-    """Return the level of diagnostics: an error, a warning while goals can't be accepted, otherwise OK."""
+    """Return the diagnostic level of a robot's status: ERROR after a failure, WARN while goals can't be
+    accepted, otherwise OK.
+    """
     if status.in_error == 1:
         return ERROR
     return OK if status.motion_possible == 1 or status.in_motion == 1 else WARN
 
 
 def shown(status: Status) -> Dict[str, str]:
-    """Return the fields of the status in words. The keys are the field names of ROS 1's
+    """Return the fields of a robot's status as texts. The keys are the field names of ROS 1's
     industrial_msgs/RobotStatus.
     """
     words = {"mode": _MODES.get(status.mode, "unknown")}

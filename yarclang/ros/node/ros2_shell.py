@@ -1,7 +1,8 @@
 """The rclpy side of the driver: action, topics, services and parameters of the ROS 2 node.
 
 One executor with one thread runs all callbacks, and no callback blocks. A goal's coroutine awaits a future
-that the driver's thread sets. Orders to `yarc serve`, and requests after changes, have threads of their own.
+that the driver's thread sets. Orders to `yarc serve`, and the requests for new drawings after changes, run in
+threads of their own.
 
 Written for Python 3.8 and later, and for Humble, Jazzy and Kilted.
 """
@@ -36,8 +37,8 @@ from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
 from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
-"""Name of the action in ros2_control's trajectory controller. The files of `yarc export --moveit` contain
-it as well.
+"""Default name of the action, which is that of ros2_control's trajectory controller. The files of
+`yarc export --moveit` contain it as well.
 """
 
 _KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -64,8 +65,8 @@ class _UnderWay:
     """An accepted goal.
 
     Attributes:
-        handle: handle of rclpy.
-        ending: future of (outcome, result).
+        handle: rclpy's handle of the goal.
+        ending: future that gets the goal's outcome and result.
     """
 
     handle: Any
@@ -73,11 +74,11 @@ class _UnderWay:
 
 
 class Node:
-    """The node: a `Shell` of the driver.
+    """The ROS 2 node: the `Shell` through which the driver publishes.
 
     Args:
         node: node of rclpy.
-        executor: executor that runs its callbacks in one thread.
+        executor: executor that runs the node's callbacks in one thread.
 
     Raises:
         ValueError: a parameter has a value of the wrong type.
@@ -106,7 +107,7 @@ class Node:
         return self._node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True)).value
 
     def _optional(self, made: Callable[[Any], Any], package: str, what: str) -> Any:
-        """Return an object that needs a package of messages; None, with a warning, if the package isn't
+        """Return an object that needs a message package; None, with a warning, if the package isn't
         installed.
         """
         try:
@@ -118,7 +119,8 @@ class Node:
     # life
 
     def connect(self, over: threading.Event) -> bool:
-        """Connect to the robot as soon as it is served. Return False if `over` has been set before.
+        """Connect to the robot as soon as it is served. Return False if the node is ended (`over` is set)
+        before.
 
         Raises:
             yarclang.client.Refused: the connection was denied, and would be denied again.
@@ -234,7 +236,7 @@ class Node:
             self._diagnostics.publish(self._name or "robot", status, self._now())
 
     def changed(self) -> None:
-        """Handle a change of the robot, its cell or its plan."""
+        """Handle a change of the robot, its cell or its planned motion."""
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
@@ -254,8 +256,8 @@ class Node:
     # the action
 
     def _judge(self, request: Any) -> Any:
-        """Accept or reject a goal by its form. `_begin` passes the goal to the driver, because its id
-        isn't known before.
+        """Accept or reject a goal, without passing it to the driver: rclpy doesn't give the goal's id before
+        `_begin`, which passes it on.
         """
         others = messages.multi_dof_joints(request)
         if others:
@@ -383,8 +385,8 @@ class Node:
 
 
 class _Diagnostics:
-    """Publisher of diagnostics. There is no release of industrial_msgs for ROS 2, whose RobotStatus is
-    used in ROS 1.
+    """Publisher of the robot's status as diagnostics. ROS 1 has industrial_msgs/RobotStatus for this, but
+    there is no release of industrial_msgs for ROS 2.
     """
 
     def __init__(self, node: Any) -> None:
@@ -404,8 +406,8 @@ def said(error: Exception) -> str:
 
 
 class _Markers:
-    """Publisher of the drawings for RViz: the scene and the running plan. Unchanged drawings are not
-    published again.
+    """Publisher of the drawings for RViz: the cell around the robot, and the planned motion. Unchanged
+    drawings are not published again.
     """
 
     def __init__(self, node: Any) -> None:

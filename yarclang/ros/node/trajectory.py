@@ -1,4 +1,4 @@
-"""Goals of FollowJointTrajectory: their parts, checks, programs, and paths. No I/O, no clock.
+"""Goals of FollowJointTrajectory: their checks, their programs, and their paths over time. No I/O, no clock.
 
 In a `Track` the joints are in the robot's order; a `Goal` has its own order.
 """
@@ -36,8 +36,8 @@ LATE = 1.0
 """Age of a goal's stamp above which the goal is refused [s]."""
 
 START_WITHIN = 0.01
-"""Largest distance from the robot at which a first way-point at time 0 counts as the start itself [rad or m],
-as in MoveIt's check.
+"""Largest distance between the robot and a goal's first way-point at time 0 at which this way-point counts as
+the robot's own position [rad or m], as in MoveIt's check.
 """
 
 _SAME = 1e-6
@@ -59,7 +59,7 @@ class Joint:
 
     Attributes:
         name: name of the joint in robot.toml and the URDF.
-        unit: unit of its positions at the coordinator, "deg" or "mm".
+        unit: unit of the joint's positions in messages of the coordinator, "deg" or "mm".
     """
 
     name: str
@@ -73,7 +73,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Point:
-    """A way-point, in the order of the goal's joint names.
+    """A way-point of a goal, with the joints in the order of the goal's joint names.
 
     Attributes:
         positions: positions [rad or m].
@@ -131,7 +131,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Result:
-    """Result of a goal.
+    """Result that the client gets at the end of a goal.
 
     Attributes:
         error_code: one of the constants of control_msgs/FollowJointTrajectoryResult.
@@ -279,14 +279,14 @@ def _wrong_tolerances(goal: Goal) -> str | None:
 
 @dataclass(frozen=True)
 class Track:
-    """A path over time, with joints in the robot's order.
+    """A path over time, with the joints in the robot's order.
 
     Attributes:
-        times: (k,) times [s], increasing, from 0.
+        times: (k,) times of the way-points [s], increasing, from 0.
         positions: (k, n) positions [rad or m].
         velocities: (k, n) velocities [rad/s or m/s].
-        accelerations: (k, n) accelerations [rad/s² or m/s²]. If empty, the path between two points is a cubic
-            polynomial, otherwise a quintic one.
+        accelerations: (k, n) accelerations [rad/s² or m/s²]. If empty, the path between two way-points is a
+            cubic polynomial, otherwise a quintic one.
     """
 
     times: Values
@@ -300,8 +300,8 @@ class Track:
         return self.times[-1]
 
     def at(self, time: float) -> Moment:
-        """Return the state of the joints at a time [s]. Before the start and after the end the robot
-        rests.
+        """Return the state of the joints at a time on the path [s]. Before the start and after the end of the
+        path the robot rests.
         """
         last = len(self.times) - 1
         if time <= 0.0 or time >= self.times[last]:
@@ -322,8 +322,8 @@ class Track:
         )
 
     def nearest(self, positions: Values, first: float, last: float) -> Moment:
-        """Return the state of the joints at the time between `first` and `last` [s] at which the path is
-        nearest to positions (n,) [rad or m].
+        """Find the time between `first` and `last` [s] at which the path is nearest to given joint positions
+        (n,) [rad or m]. Return the state of the joints on the path at this time.
         """
         first, last = max(0.0, first), min(self.duration, last)
         best = self.at(first)
@@ -358,8 +358,8 @@ class Track:
 
 
 _ROUNDS, _TRIED = 4, 6
-"""Rounds of the search for the nearest time, and samples in each round: together they reduce an interval of
-100 ms to 0.6 ms.
+"""Rounds of the search for the time at which the path is nearest, and samples in each round: together they
+reduce an interval of 100 ms to 0.6 ms.
 """
 
 
@@ -374,13 +374,13 @@ def _values(coefficients: Values, since: float) -> tuple[float, float, float]:
 
 
 def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
-    """Return the path of a checked goal, as MOVEJ_TIMED defines it.
+    """Return the path over time of a checked goal, as MOVEJ_TIMED defines it.
 
     Args:
         goal: goal with its joints in any order.
         joints: joints of the robot.
-        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first point at time
-            0.
+        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first way-point at
+            time 0.
     """
     points = in_robots_order(goal, joints)
     if points[0].time_from_start == 0.0:
@@ -414,8 +414,8 @@ def in_robots_order(goal: Goal, joints: Sequence[Joint]) -> tuple[Point, ...]:
 
 
 def _clamped(times: Values, positions: tuple[Values, ...]) -> tuple[Values, ...]:
-    """Return the velocities (k, n) at the points of the cubic spline with continuous acceleration that begins
-    and ends at rest, by solving a tridiagonal system for each joint.
+    """Return the velocities (k, n) at the way-points for a cubic spline with continuous acceleration that
+    begins and ends at rest. A tridiagonal system is solved for each joint.
     """
     count, size = len(times), len(positions[0])
     if count <= 2:
@@ -429,11 +429,12 @@ def _solved(inverse: list[float], q: list[float]) -> list[float]:
     """Solve the tridiagonal system for the inner velocities v of a cubic spline, by the Thomas algorithm:
 
     v_{i-1} / h_{i-1} + 2 (1 / h_{i-1} + 1 / h_i) v_i + v_{i+1} / h_i = 3 (d_{i-1} / h_{i-1} + d_i / h_i),
-    where h_i is the duration of piece i and d_i the mean velocity on it. The outer velocities are 0.
+    where h_i is the duration of interval i between two way-points and d_i the mean velocity in it. The first
+    and the last velocity are 0.
 
     Args:
-        inverse: 1 / h_i of each piece [1/s].
-        q: positions at the points.
+        inverse: 1 / h_i of each interval [1/s].
+        q: positions at the way-points.
     """
     last = len(q) - 1
     pull = [3.0 * (q[at + 1] - q[at]) * inverse[at] ** 2 for at in range(last)]
@@ -453,12 +454,12 @@ def _solved(inverse: list[float], q: list[float]) -> list[float]:
 
 @dataclass(frozen=True)
 class Planned:
-    """A goal as a program.
+    """The program that carries out a goal.
 
     Attributes:
-        text: text of the program; empty if the robot is at its end and there is nothing to do.
-        track: the path, from the robot's position at time 0 of the goal.
-        has_lead: True if the first command of the program moves to the goal's first point.
+        text: text of the program; empty if the robot is at the goal's end and need not move.
+        track: planned path, from the robot's position at time 0 of the goal.
+        has_lead: True if the first command of the program moves to the goal's first way-point.
     """
 
     text: str
@@ -467,11 +468,12 @@ class Planned:
 
 
 def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
-    """Return the program of a checked goal.
+    """Return the program that carries out a checked goal.
 
-    If the first point has time 0 and the robot is within `START_WITHIN` of it, the point is the start. If the
-    robot is farther away, a MOVEJ with half of all limits moves there first. If the first point has a later
-    time, the robot reaches it at this time, beginning at its present position.
+    If the first way-point has time 0 and the robot is within `START_WITHIN` of it, the motion begins at the
+    robot's position. If the robot is farther away, a MOVEJ with half of all limits moves to this way-point
+    first. If the first way-point has a later time, the robot moves from its present position and reaches the
+    way-point at this time.
 
     Args:
         goal: goal with its joints in any order.

@@ -92,7 +92,7 @@ class Sampler:
         stored: newest measurement of the data on the disk.
         first: memory of this process at the first measurement [bytes].
         share: processor time of this process between the last two measurements, as a share of one processor.
-        lag: largest delay of the event loop in the last minute.
+        lag: largest delay of the event loop in each second of the last minute.
         history: measured values of the last hour by name, one per minute, oldest first.
     """
 

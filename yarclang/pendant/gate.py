@@ -61,7 +61,8 @@ take control [s].
 
 
 class Gate:
-    """Gate between users and the coordinator.
+    """Gate between the users of a pendant and the coordinator, which drives the robot: every order of a user
+    passes it.
 
     Args:
         accounts: accounts of the pendant.

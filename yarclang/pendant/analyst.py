@@ -55,7 +55,7 @@ class Analysts:
 
     @contextlib.asynccontextmanager
     async def one(self, say: Say) -> AsyncIterator[Analyst]:
-        """Context in which a page has an analyst of its own. The analyst is ended with the context.
+        """Give a page an analyst of its own until the context ends.
 
         Args:
             say: function that sends a message to the page.

@@ -1,9 +1,10 @@
-"""Hold-to-run: while a button is pressed in a browser, it sends requests to a live motion of the robot, that
-is, a motion whose target can change while it runs.
+"""Hold-to-run: while a button is pressed in a browser, the pendant sends requests to a live motion of the
+robot, that is, a motion whose target can change while it runs.
 
 A press moves the robot only while fresh messages arrive. The page sends 20 messages a second, each with the
-pressed button and the last heartbeat that it has received. The coordinator's own watchdog ends the motion 0.2
-s after the last message. A message ends the press if the heartbeat in it is more than `FRESH` heartbeats old.
+pressed button and the last heartbeat that it has received. If no message arrives for 0.2 s, the coordinator's
+own watchdog ends the motion. A message ends the press if the heartbeat in it is more than `FRESH` heartbeats
+old.
 """
 
 from __future__ import annotations

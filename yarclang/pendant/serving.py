@@ -57,7 +57,7 @@ async def served(
     logs: Path | None = None,
     life: Life | None = None,
 ) -> AsyncIterator[tuple[str, str]]:
-    """Context in which a pendant is served.
+    """Serve a pendant until the context ends.
 
     Args:
         robot: robot of the pendant.

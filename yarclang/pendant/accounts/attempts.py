@@ -12,10 +12,10 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 FREE = 5
-"""Wrong attempts of one place (user name and origin) that are free, that is, before the first wait."""
+"""Number of wrong attempts of one place (user name and origin) before the first wait."""
 
 FREE_FROM_ADDRESS = 30
-"""Wrong attempts from one network address before the first wait, summed over all user names."""
+"""Number of wrong attempts from one network address before the first wait, summed over all user names."""
 
 FIRST_WAIT, LONGEST_WAIT = 2.0, 300.0
 """First wait and longest wait before the next login attempt [s]. The wait doubles with each further wrong

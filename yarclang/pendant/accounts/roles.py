@@ -111,12 +111,12 @@ AUDITED: tuple[type[Order[Any]], ...] = (
     orders.Adopt,
     orders.Go,
 )
-"""Orders that are written to the audit trail. The begin of each jog is written as well."""
+"""Orders that are written to the audit trail. The start of each jog is written as well."""
 
 
 _OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
-"""Fields of the order `load` that use something else than the saved program of the project, or other settings
-of the proof than those of the project.
+"""Fields of the order `load` with which a program other than the saved one of the project is loaded, or the
+program is proved with other settings than those of the project.
 """
 
 

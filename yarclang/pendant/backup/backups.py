@@ -233,8 +233,8 @@ class Backups:
         return self._waiting is not None and self._waiting.session == session.id
 
     async def waiting(self, session: Session) -> Upload | None:
-        """Return the upload of a session that waits to be restored, with the changes that its restore
-        would make now; None if no upload waits, or another upload or restore is running.
+        """Return the session's upload that waits to be restored, with the changes that its restore would
+        make now; None if no upload waits, or another upload or restore is running.
         """
         upload = self._waiting
         if upload is None or upload.session != session.id or self._busy:
@@ -299,7 +299,7 @@ class Backups:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Context in which no other upload or restore can run.
+        """Prevent other uploads and restores until the context ends.
 
         Raises:
             Trouble: another upload or restore is running.

@@ -57,7 +57,7 @@ class Calibrations:
 
     Args:
         robot: the robot that is calibrated.
-        watched: present state of the robot.
+        watched: shared client of the coordinator, which knows the robot's state.
     """
 
     def __init__(self, robot: Robot, watched: Watched) -> None:
@@ -104,8 +104,8 @@ class Calibrations:
             request: kind of the calibration, with its parameters.
 
         Raises:
-            Trouble: the session has a calibration with touches and the request isn't to replace it, or the
-                request names an unknown joint or frame.
+            Trouble: the session already has a calibration with touches, which the request (`anew`) doesn't
+                replace; or the request names an unknown joint or frame.
         """
         requested, tool = request.calibration, ""
         match requested:

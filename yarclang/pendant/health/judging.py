@@ -32,7 +32,7 @@ LAG_WARNING, LAG_BAD = 0.05, 0.2
 """Delay of the process's event loop above which the rating is a warning, and above which it is bad [s]."""
 SILENCE_WARNING, SILENCE_BAD = 0.25, 0.6
 """Time of the controller's slowest reply above which the rating is a warning, and above which it is bad.
-Both are shares of the controller's timeout: it stops the robot after a silence of that length.
+Both are shares of the controller's timeout, the silence after which the controller stops the robot.
 """
 LOGS_WARNING, LOGS_BAD = 10e9, 50e9
 """Size of all run logs above which the rating is a warning, and above which it is bad [bytes]."""

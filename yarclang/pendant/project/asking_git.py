@@ -68,7 +68,7 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
 
     Args:
         folder: folder in the work tree of a repository.
-        *words: command and its arguments, without `git`.
+        *words: git command and its arguments.
         most: longest allowed output [bytes].
 
     Raises:

@@ -153,7 +153,7 @@ class ProjectFolder:
 
     @contextmanager
     def opened(self, name: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Context in which a file is open for reading. It yields three values: the file's descriptor, status,
+        """Open a file for reading until the context ends. Yield three values: the file's descriptor, status,
         and name with links resolved.
 
         Raises:
@@ -175,7 +175,7 @@ class ProjectFolder:
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
-        """Context in which no other thread can change the project through this object."""
+        """Prevent other threads from changing the project through this object until the context ends."""
         with self._changing:
             yield
 
@@ -217,8 +217,8 @@ class ProjectFolder:
 
     @contextmanager
     def draft(self, name: str, size: int) -> Iterator[Draft]:
-        """Context in which a file is written. `stand` completes the file; without a call of `stand`, nothing
-        is left of it.
+        """Begin to write a file. `stand` completes the file; if the context ends without a call of `stand`,
+        nothing is left of the file.
 
         Args:
             name: path in the project.

@@ -44,7 +44,7 @@ def said(error: OSError, name: str) -> Trouble:
 
 @contextmanager
 def in_words(name: str) -> Iterator[None]:
-    """Context in which errors of the operating system about a file are converted to `Trouble`."""
+    """Convert errors of the operating system about a file to `Trouble` until the context ends."""
     try:
         yield
     except OSError as error:
@@ -103,7 +103,7 @@ class Places:
 
     @contextmanager
     def top(self) -> Iterator[int]:
-        """Context in which the folder itself is open; yields its descriptor."""
+        """Open the folder itself until the context ends. Yield the folder's descriptor."""
         handle = os.open(self.root, _FOLDER)
         try:
             yield handle
@@ -112,8 +112,8 @@ class Places:
 
     @contextmanager
     def at(self, name: str, *, link: bool = False, make: bool = False) -> Iterator[At]:
-        """Context in which the folder that contains a file is open. Links in the path are followed if their
-        targets are in the project.
+        """Open the folder that contains a file until the context ends. Links in the path are followed if
+        their targets are in the project.
 
         Args:
             name: path of the file from the top of the project. The file need not exist.

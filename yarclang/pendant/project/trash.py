@@ -38,15 +38,15 @@ _CONTENT, _NOTE = "content", "deleted.json"
 
 @dataclass(frozen=True, slots=True)
 class Deleted:
-    """Record of a deleted file or folder in the trash.
+    """Record of a file or folder in the trash: a deleted one, or the old version of a file that was changed.
 
     Attributes:
         number: identifier in the trash.
-        file: path in the project at the time of the deletion.
+        file: path in the project to which the file or folder would be restored.
         size: size [bytes].
-        at: time of the deletion [s since 1970].
-        deleted: time of the deletion as text (UTC).
-        user: name of the user who deleted the file or folder.
+        at: time at which the file or folder was moved to the trash [s since 1970].
+        deleted: the same time as text (UTC).
+        user: name of the user who deleted or changed the file or folder.
         is_folder: True for a folder.
     """
 
@@ -175,8 +175,8 @@ class Trash:
 
     @contextmanager
     def keeping(self, name: str, user: str) -> Iterator[Keeping]:
-        """Context in which a file is written to the trash piece by piece. If the block fails, nothing of the
-        file is left.
+        """Write a file to the trash piece by piece until the context ends. If the block in the context fails,
+        nothing of the file is left.
 
         Args:
             name: path in the project to which the file will be restored.

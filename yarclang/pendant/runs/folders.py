@@ -95,7 +95,7 @@ class LogFolders:
 
     @contextmanager
     def opened(self, place: Place, file: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Context in which a run log is open for reading. It yields three values: the file's descriptor,
+        """Open a run log for reading until the context ends. Yield three values: the file's descriptor,
         status, and name with links resolved.
 
         Args:

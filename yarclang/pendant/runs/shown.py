@@ -37,7 +37,7 @@ _LONGEST = 500
 """Longest text of an event [characters]."""
 
 Window = tuple[float, float]
-"""Begin and end of the time range of plotted curves [s since the log was opened]."""
+"""Start and end of the time range of plotted curves [s since the log was opened]."""
 
 
 class CannotShow(Exception):  # noqa: N818 - it is an answer
@@ -231,7 +231,7 @@ def _way(run: RecordedRun) -> said.RunWay:
 
 def _clean(values: Array) -> Array:
     """Return values in which non-finite and very large numbers are replaced. A forged log may contain such
-    numbers, and JSON has no non-finite ones.
+    numbers, and JSON can't represent non-finite ones.
     """
     found: Array = np.nan_to_num(values, nan=0.0, posinf=1e12, neginf=-1e12).clip(-1e12, 1e12)
     return found
@@ -262,8 +262,8 @@ def as_json(file: str, window: Window | None = None) -> str:
 
 def main() -> None:
     """Write the content of a run log to standard output, as JSON. The first argument of the command line
-    is the path of the log. Two optional arguments are begin and end of the time range of the plotted
-    curves [s].
+    is the path of the log. Two optional arguments are the start and the end of the time range of the
+    plotted curves [s].
     """
     file, *given = sys.argv[1:]
     sys.stdout.write(as_json(file, (float(given[0]), float(given[1])) if given else None))

@@ -27,8 +27,8 @@ _UNPLANNED = (
 
 
 def stage_of_loaded(robot: Robot, loaded: Loaded) -> Stage:
-    """Return the stage of a program before it is run. Times in the stage are those of the program's `course`,
-    the coordinator's table of its motions over time.
+    """Return the stage of a program before it is run. Its times are those of the program's `course`, in which
+    the coordinator reports the motion over time.
 
     Args:
         robot: robot that runs the program.

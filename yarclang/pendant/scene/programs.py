@@ -1,5 +1,5 @@
-"""Three-dimensional scenes of loaded programs. A session sees only the programs that it has loaded itself,
-each in its own cell.
+"""Three-dimensional scenes of loaded programs. A session sees only the programs that it has loaded itself.
+Each program is shown in its own cell.
 """
 
 from __future__ import annotations

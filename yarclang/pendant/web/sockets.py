@@ -1,5 +1,5 @@
-"""The two WebSockets of a page: one for the robot's state and for orders that mustn't wait until an HTTP
-connection is open, and one for jogs.
+"""The two WebSockets of a page: one for the robot's state and for orders that mustn't wait for a new HTTP
+connection, and one for jogs.
 """
 
 from __future__ import annotations

@@ -150,7 +150,8 @@ class Workspace:
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: there is already a cell or a file of this name, or the file can't be written.
+            Trouble: the robot moves, there is already a cell or a file of this name, or the new file or
+                yarc.toml can't be written.
         """
         self._filing.check_service(session)
         self._check_rest()
@@ -265,7 +266,7 @@ class Workspace:
 
     async def _lately(self) -> Around:
         """Return the files of the workspace. They are read at most once a second, because for each reading
-        the coordinator is asked, which asks the controller.
+        the coordinator has to ask the controller.
         """
         now = asyncio.get_running_loop().time()
         if self._around_at is None or now - self._around_at[0] > _EACH:

@@ -1,4 +1,5 @@
-"""TCPad, the pendant: pages in a browser, and the documented API that they use, for the people at one robot.
+"""TCPad, the pendant: pages in a browser for the people at one robot, and the documented API that the pages
+use.
 
 The pendant is a client of the coordinator: it plans, proves and runs nothing itself. `accounts/` decides who
 may do what, `web/` serves the API, `watched.py` and `seats.py` connect to the robot, and `pages/` holds the

@@ -1,5 +1,5 @@
-"""Analysts: language servers for the editor pages. Each runs in a process of its own, so that it can't
-disturb the process that streams to the controller.
+"""Analysts: language servers for the editor pages. An analyst checks the programs that one page has open.
+Each runs in a process of its own, so that it can't disturb the process that streams to the controller.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MOST = 4
 """Largest number of analysts at once."""
 
 MOST_MEMORY = 4 << 30
-"""Largest address space of each analyst [bytes]. A compiler with its libraries takes 1 GiB."""
+"""Largest address space of each analyst [bytes]. The compiler with its libraries alone takes 1 GiB."""
 
 _LARGEST = 16 << 20
 """Longest message of an analyst [bytes]."""
@@ -40,9 +40,10 @@ class Analysts:
     """The analysts of a pendant.
 
     Args:
-        robot: robot for programs that name none.
+        robot: robot for programs that name no robot.
         folder: folder of the project.
-        inside: returns the path of a file of the project, or raises `Trouble`.
+        inside: returns the absolute path of a file of the project, or raises `Trouble` if the project has no
+            such file.
     """
 
     def __init__(self, robot: Robot, folder: Path, inside: Callable[[str], Path]) -> None:
@@ -54,10 +55,10 @@ class Analysts:
 
     @contextlib.asynccontextmanager
     async def one(self, say: Say) -> AsyncIterator[Analyst]:
-        """Serve a page with an analyst until the context ends.
+        """Give a page an analyst of its own until the context ends.
 
         Args:
-            say: sends a message to the page.
+            say: function that sends a message to the page.
 
         Raises:
             Trouble: `MOST` analysts are already running.
@@ -86,8 +87,9 @@ class Analyst:
     Args:
         command: command that starts the analyst.
         folder: folder of the project.
-        inside: returns the path of a file of the project, or raises `Trouble`.
-        say: sends a message to the page.
+        inside: returns the absolute path of a file of the project, or raises `Trouble` if the project has no
+            such file.
+        say: function that sends a message to the page.
     """
 
     def __init__(
@@ -106,8 +108,8 @@ class Analyst:
         return self._process.pid if self._process else None
 
     async def run(self) -> None:
-        """Start the analyst and pass its messages to the page. Return when the analyst can't be used any
-        more.
+        """Start the analyst and pass its messages to the page. Restart the analyst once if it ends; return
+        when it has ended twice.
         """
         for last in (False, True):
             try:
@@ -125,7 +127,8 @@ class Analyst:
         )
 
     async def take(self, text: str) -> None:
-        """Pass a message from the page to the analyst.
+        """Pass a message from the page to the analyst. A message that pages may not send is answered with an
+        error.
 
         Args:
             text: the message as received.
@@ -186,7 +189,7 @@ async def _write(process: Process, message: dict[str, Any]) -> None:
 
 
 def _size(head: bytes) -> int:
-    """Return the length of a message from its header [bytes].
+    """Return the length of a message [bytes], as stated in the message's header.
 
     Raises:
         ValueError: the header has no length, or the message is too long.

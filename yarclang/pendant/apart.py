@@ -1,5 +1,5 @@
-"""Processes for work that mustn't disturb the process that streams to the controller. Each has low priority,
-limited memory and one core.
+"""Processes for work that mustn't disturb the process that streams to the controller. Each process has low
+priority, limited memory, and libraries restricted to one thread.
 """
 
 from __future__ import annotations
@@ -21,19 +21,20 @@ resource.setrlimit(resource.RLIMIT_AS, (most, most))
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 importlib.import_module(sys.argv.pop(1)).main()
 """
-"""First statements of each process. They give the process ordinary scheduling, even if the pendant has
-real-time scheduling.
+"""First Python statements of each process. They give the process ordinary scheduling, even if the pendant
+has real-time scheduling, and limit its memory; then they call `main` of the process's module.
 """
 
 
 def command_of(module: str, arguments: Sequence[str], most_memory: int, nice: int = 10) -> tuple[str, ...]:
-    """Return the command that starts a process.
+    """Return the command line that starts a process.
 
     Args:
-        module: module with the `main` that the process calls.
-        arguments: arguments for `main`, in sys.argv.
-        most_memory: largest address space [bytes]. A compiler with its libraries takes 1 GiB.
-        nice: number by which the priority of the process is lowered.
+        module: name of the module whose function `main` the process calls.
+        arguments: command-line arguments for `main` (sys.argv).
+        most_memory: largest address space of the process [bytes]. The compiler with its libraries alone takes
+            1 GiB.
+        nice: niceness, by which the priority of the process is lowered.
     """
     return sys.executable, "-c", _BEGINS, str(nice), str(most_memory), module, *arguments
 
@@ -46,15 +47,14 @@ async def begun(
     folder: Path | None = None,
     handles: Sequence[int] = (),
 ) -> Process:
-    """Start a process. Ctrl-C in a terminal does not reach the process, because Ctrl-C is meant for the
-    pendant.
+    """Start a process. Ctrl-C in the terminal reaches only the pendant, not this process.
 
     Args:
-        command: command that starts the process (`command_of`).
-        talks: True if the process has an input.
+        command: command line that starts the process (`command_of`).
+        talks: True to give the process a standard input that the caller can write to.
         limit: longest line of the process's output [bytes].
-        folder: working folder of the process; None for the present one.
-        handles: numbers of open files that the process inherits.
+        folder: working folder of the process; None for that of the pendant.
+        handles: descriptors of open files that the process inherits.
 
     Raises:
         OSError: the process can't be started.

@@ -24,15 +24,16 @@ _RENEWED = timedelta(days=30)
 
 
 def self_signed(folder: Path, names: frozenset[str]) -> tuple[Path, Path, str]:
-    """Return a certificate and its key. New ones are created if they are missing, are for other names, or
-    expire soon.
+    """Return the files of a self-signed certificate and its key. A new certificate is created if there is
+    none in the folder, or if it is for other names or expires soon.
 
     Args:
-        folder: folder in which they are stored, readable only for the present system user.
-        names: names and addresses of this server.
+        folder: folder in which both files are stored, readable only for the system user of this process.
+        names: host names and addresses of this server.
 
     Returns:
-        Both files, and the SHA-256 fingerprint by which users recognize the certificate.
+        Three values: the certificate's file, the key's file, and the SHA-256 fingerprint by which users
+            recognize the certificate.
 
     Raises:
         Trouble: the files can't be written.

@@ -48,7 +48,7 @@ class Filing:
 
     Args:
         accounts: accounts of the pendant.
-        folder: the files.
+        folder: files of the project.
     """
 
     def __init__(self, accounts: Accounts, folder: ProjectFolder) -> None:
@@ -61,7 +61,7 @@ class Filing:
     async def save(
         self, session: Session, address: str, file: str, text: str, known_hash: str | None
     ) -> Written:
-        """Save a text.
+        """Save the text of a file that a user has edited.
 
         Args:
             session: session of the user.
@@ -93,7 +93,7 @@ class Filing:
     async def change(
         self, session: Session, address: str, file: str, text: str, known_hash: str, description: str
     ) -> Written:
-        """Change a description of the robot or of its cell. The old version is kept in the trash.
+        """Change a file that describes the robot or its cell. The old version is kept in the trash.
 
         Args:
             session: session of a service user who has entered the PIN recently.
@@ -134,8 +134,8 @@ class Filing:
             address: address from which the request came.
             file: path in the project.
             known_hash: SHA-256 of the version that is replaced; None if the file doesn't exist yet.
-            length: announced length [bytes]; None if there is none.
-            stream: the content.
+            length: length of the file that the client announces [bytes]; None if it announces none.
+            stream: the bytes of the file.
 
         Raises:
             Trouble: the upload is too large or too slow, there are too many uploads, or the file can't be
@@ -231,16 +231,17 @@ class Filing:
         do: Callable[[], T],
         objection: Callable[[], str] | None = None,
     ) -> T:
-        """Write an action to the audit trail, carry it out in a thread, and record a failure.
+        """Carry out an action that changes files, in a thread. The action is written to the audit trail
+        first, and its failure afterwards.
 
         Args:
             session: session of the user.
             address: address from which the request came.
             action: name of the action.
-            detail: details for the audit trail; `file` is the path that is changed.
-            do: carries the action out.
-            objection: returns the reason why only service users may do this (empty if others may, too); None
-                to decide by the path.
+            detail: details for the audit trail; the key `file` has the path that is changed.
+            do: function that carries out the action.
+            objection: function that returns the reason why only service users may carry out the action, or an
+                empty text if programmers may, too. None to decide by the path in `detail`.
         """
         self._accounts.check(session, Role.PROGRAMMER)
         self._accounts.used(session)
@@ -276,7 +277,7 @@ class Filing:
             raise
 
     def check_service(self, session: Session) -> None:
-        """Check that a session may change a description of the robot or its cell.
+        """Check that a session may change a file that describes the robot or its cell.
 
         Raises:
             NotAllowed: the user has no service role, or hasn't entered the PIN recently.
@@ -307,7 +308,7 @@ class Filing:
         return await asyncio.to_thread(self._detail_text, state, [deed for _, deed in deeds])
 
     async def difference(self, file: str) -> tuple[str, str]:
-        """Return a file's text in the last commit, and its present text. See `Git.difference`."""
+        """Return two texts of a file: in the last commit, and now. See `Git.difference`."""
         async with self._asking:
             return await asyncio.to_thread(self._git.difference, file)
 
@@ -332,14 +333,14 @@ class Filing:
 
 
 async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-    """Yield the data of an upload in pieces that are written at once.
+    """Yield the data of an upload, collected to pieces of a size that is efficient to write.
 
     Args:
-        file: name of the file, for messages.
+        file: name of the file, for error messages.
         stream: the received data.
 
     Raises:
-        Trouble: the data comes too slowly.
+        Trouble: the data arrives too slowly.
     """
     clock = asyncio.get_running_loop().time
     begun, received = clock(), 0

@@ -1,4 +1,6 @@
-"""Check of the orders of users to their robot: rights, allowed files, and the audit trail."""
+"""Gate for the orders that users give to their robot: rights and files are checked, and the order is
+written to the audit trail.
+"""
 
 from __future__ import annotations
 
@@ -45,24 +47,29 @@ _SHARED = (
     orders.AskHoming,
     orders.AskSettings,
 )
-"""Orders for which a session needs no seat, that is, no client of its own at the coordinator."""
+"""Orders for which a session needs no seat (a client of its own at the coordinator). The pendant's shared
+client sends them.
+"""
 
 _MOST_FILES = 10_000
 _MOST_CALLED = 1000
 _LONGEST_DETAIL = 500
 _ABSENT = 10.0
-"""Time without an open page after which an owner gives up the robot, if nothing is running [s]."""
+"""If the owner of the robot has had no open page for this time and nothing is running, another session may
+take control [s].
+"""
 
 
 class Gate:
-    """Gate between users and the coordinator.
+    """Gate between the users of a pendant and the coordinator, which drives the robot: every order of a user
+    passes it.
 
     Args:
         accounts: accounts of the pendant.
         seats: the sessions' clients of the coordinator.
-        watched: the robot.
+        watched: shared client of the coordinator, which knows the robot's state.
         files: files of the project; orders can't name other files.
-        now: a monotonic clock [s].
+        now: returns the time of a monotonic clock [s].
         loaded: called after a session has loaded a program, with the program's number and the order, whose
             paths are resolved.
     """
@@ -87,7 +94,8 @@ class Gate:
         self._called: OrderedDict[tuple[str, str, int], str] = OrderedDict()
 
     async def order(self, session: Session, order: Order[R], address: str) -> R:
-        """Carry an order out.
+        """Check an order, write it to the audit trail, and let the coordinator carry it out. Return the
+        coordinator's reply.
 
         Args:
             session: session that gives the order.
@@ -127,7 +135,8 @@ class Gate:
         return reply
 
     def check(self, session: Session, order: Order[Any], address: str) -> None:
-        """Check that a session may give an order, and that the audit trail can be written.
+        """Check that a session may give an order, and that the audit trail can be written if the order
+        requires it.
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
@@ -151,7 +160,9 @@ class Gate:
             raise self._accounts.trouble
 
     def _remember(self, session: Session, order: Order[Any], answer: Reply) -> None:
-        """Remember the meaning of the number of an offer or a program, for the audit trail."""
+        """Remember which motion or program file a number in the coordinator's reply stands for. Later
+        orders contain only the number, and the audit trail shows its meaning.
+        """
         if isinstance(answer, Offered) and answer.offer is not None:
             meant = answer.offer.text or answer.offer.title
             self._called[session.id, "go", answer.offer.number] = meant
@@ -182,7 +193,7 @@ class Gate:
         """Take control of the robot if it has no owner, otherwise ask its owner for it.
 
         Raises:
-            Trouble: the owner isn't at a pendant.
+            Trouble: another client owns the robot that isn't a session of this pendant, so it can't be asked.
         """
         self.check(session, orders.Own(), address)
         seat = await self._seats.of(session)
@@ -206,7 +217,7 @@ class Gate:
         """Give control of the robot to another session.
 
         Args:
-            session: the present owner.
+            session: the session that owns the robot now.
             to: id of the other session; empty to release the robot.
             address: address from which the request came.
 
@@ -267,8 +278,8 @@ class Gate:
 
 
 def _outcome(reply: Reply) -> str:
-    """Return the audit trail's text for the outcome of an order; empty if the order has no outcome of its
-    own.
+    """Return the outcome of an order in words, for the audit trail; empty if the reply to the order states
+    no outcome.
     """
     match reply:
         case Ended(well=well, what=what):
@@ -282,6 +293,6 @@ def _outcome(reply: Reply) -> str:
 
 
 def _detail(order: Order[Any]) -> str:
-    """Return the audit trail's text for the parameters of an order, without the texts of programs."""
+    """Return the parameters of an order as JSON, for the audit trail, without the texts of programs."""
     content = order.model_dump(mode="json", exclude={"order", "text"}, exclude_defaults=True)
     return json.dumps(content, sort_keys=True)[:_LONGEST_DETAIL] if content else ""

@@ -1,5 +1,5 @@
-"""Hold-to-run for orders that the coordinator carries out: motions to a point, planned and proved to their
-end, and home searches of motors.
+"""Hold-to-run for orders that the coordinator carries out while a button is held: offers, that is, motions
+that were planned and proved before the start, and home searches of motors.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ Wanted = orders.Go | orders.Home
 
 
 class Going:
-    """An offer or a home search that runs while a button is held, from its first press to its end.
+    """An offered motion or a home search that runs while a button is held. The object lives from the first
+    press of the button to the end of the motion.
 
     The coordinator has a watchdog for the motion: if `keep` isn't called at least every 0.2 s, the robot
     comes to rest on its path.
@@ -30,9 +31,10 @@ class Going:
         order: the order to carry out.
         seat: client of the session that gives the order.
         accounts: accounts with the audit trail.
-        deed: creates the audit trail's entry of an order.
+        deed: function that returns the audit trail's entry for an order and its outcome.
         moves: returns True if the robot is executing something.
-        ended: called with the reason of the end; empty if the robot has reached the end.
+        ended: called at the end with this object, the reason and a remedy. Both texts are empty if the robot
+            has reached the end of the motion.
 
     Attributes:
         order: the order.
@@ -72,7 +74,7 @@ class Going:
         """Continue along the same path after a release.
 
         Args:
-            is_held: returns False if the button was released again meanwhile.
+            is_held: function that returns False if the button was released again meanwhile.
 
         Raises:
             Trouble: the motion can't continue.
@@ -135,12 +137,12 @@ class Going:
 def deed_of(
     user: str, address: str, described: Callable[[Wanted | orders.Resume], str]
 ) -> Callable[[Wanted | orders.Resume, str], Deed]:
-    """Return a function that creates the audit trail's entries for orders of a held button.
+    """Return a function that creates the audit trail's entry for an order that a held button gives.
 
     Args:
         user: user who holds the button.
         address: address from which the requests come.
-        described: returns the text that describes an order.
+        described: function that returns the text that describes an order.
     """
 
     def made(order: Wanted | orders.Resume, outcome: str) -> Deed:

@@ -1,9 +1,10 @@
-"""Hold-to-run: buttons pressed in a browser become requests to a live motion.
+"""Hold-to-run: while a button is pressed in a browser, the pendant sends requests to a live motion of the
+robot, that is, a motion whose target can change while it runs.
 
 A press moves the robot only while fresh messages arrive. The page sends 20 messages a second, each with the
-pressed button and the last heartbeat that it has received. The coordinator's own watchdog ends the motion
-0.2 s after the last message. A message whose heartbeat is older than `FRESH` heartbeats is out of date and
-ends the press.
+pressed button and the last heartbeat that it has received. If no message arrives for 0.2 s, the coordinator's
+own watchdog ends the motion. A message ends the press if the heartbeat in it is more than `FRESH` heartbeats
+old.
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ BEAT = 0.05
 """Time between two heartbeats [s]."""
 
 FRESH = 5
-"""Number of heartbeats after which a message is too old."""
+"""Greatest age of the heartbeat in a message from a page, in heartbeats. An older message ends the press."""
 
 SILENCE = 0.2
-"""Time without a message after which a press ends [s]. The coordinator's watchdog ends the motion after the
-same time.
+"""Time without a message from the page after which a press ends [s]. The coordinator's watchdog ends the
+motion after the same time.
 """
 
 TURN = 30.0
@@ -51,23 +52,23 @@ _REST = 1.5
 _LOOKED_EACH = 0.01
 
 _REACHED = 2e-3
-"""A step is complete when every joint is within this distance of its end [deg or mm]."""
+"""Distance of every joint from its target position within which a step is complete [deg or mm]."""
 
 Say = Callable[[Message], Awaitable[None]]
 
 
 class JogLine:
-    """Connection of one page for jogs.
+    """Connection through which one page jogs the robot.
 
     Args:
         session: session of the page.
         address: address from which the page is connected.
         robot: robot that is jogged.
         accounts: accounts for the audit trail.
-        gate: checks the right to jog.
+        gate: checks the session's right to jog.
         seats: the sessions' clients of the coordinator.
-        under_way: returns what the robot is executing; empty if nothing.
-        say: sends a message to the page.
+        under_way: returns the name of the program or motion that the robot is executing; empty if none.
+        say: function that sends a message to the page.
     """
 
     def __init__(
@@ -182,14 +183,15 @@ class JogLine:
         await self._say(Jogging(press=press.press, state="moves", why=reply.why, lag_s=reply.lag_s))
 
     def _admit(self, press: Press, order: Order[Any]) -> None:
-        """Check that a new press may begin.
+        """Check that a new press of a button may move the robot.
 
         Args:
             press: the press.
             order: order for which the user's role must be sufficient.
 
         Raises:
-            Trouble: the press isn't allowed.
+            Trouble: the user's role isn't sufficient, the session doesn't own the robot, or another page of
+                the session jogs.
         """
         self._active, self._begun, self._goal, self._seat = press.press, False, None, None
         self._gate.check(self._session, order, self._address)
@@ -242,10 +244,10 @@ class JogLine:
             self._going.stop()
 
     async def _free(self, press: Press) -> None:
-        """Wait until no motion of this page is running.
+        """End the motion of this page's previous press, and wait until the robot is at rest.
 
         Raises:
-            Trouble: another motion is running.
+            Trouble: a motion that this page hasn't begun is running, or the wait was too long.
         """
         going, self._going = self._going, None
         if going is not None:

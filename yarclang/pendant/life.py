@@ -1,4 +1,4 @@
-"""The end of a pendant's process on request, and changed files that require a restart."""
+"""End or restart of a pendant's process on request, and detection of changed files that require a restart."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class Life:
     """Requests to end the pendant's process.
 
     Args:
-        check: raises `Trouble` if a new process couldn't start.
+        check: function that raises `Trouble` if a new process couldn't start after the end of this one.
 
     Attributes:
-        wanted: the requested kind of end; empty if none is requested.
+        wanted: the request, restart or shut-down; empty if there is none.
     """
 
     def __init__(self, check: Callable[[], None] = lambda: None) -> None:
@@ -34,10 +34,10 @@ class Life:
         self._ends = asyncio.Event()
 
     async def may(self, way: How) -> None:
-        """Check that the process may end in the given way.
+        """Check that the process may be restarted or shut down.
 
         Raises:
-            Trouble: it is ending already, or couldn't be restarted.
+            Trouble: the process is ending already, or a new process couldn't start.
         """
         if self.wanted:
             raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
@@ -47,7 +47,9 @@ class Life:
                 raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
 
     def end(self, way: How) -> None:
-        """Request the end of the process. It ends after its coordinator is closed and the robot rests."""
+        """Request the end of the process. The process ends when its coordinator is closed and the robot is
+        at rest.
+        """
         self.wanted = way
         self._ends.set()
 
@@ -57,10 +59,10 @@ class Life:
 
 
 class Descriptions:
-    """Files that the process reads only when it starts.
+    """Descriptions of robot, cell and project that the pendant's process reads only when it starts.
 
     Args:
-        robot: robot as loaded.
+        robot: robot as the process loaded it at its start.
         folder: folder of the project.
     """
 
@@ -77,8 +79,8 @@ class Descriptions:
             self._texts[Path(cell)] = _digest(Path(cell))
 
     def waiting(self) -> tuple[tuple[str, str], ...]:
-        """Return the files that have changed since they were read, each with a text about the change. This is
-        slow: call it in a thread.
+        """Return the files that have changed since the process read them, as pairs (name, text about the
+        change). This is slow: call it in a thread.
         """
         found = [] if not (told := self._of_robot()) else [(self._described.name, told)]
         for path, was in self._texts.items():

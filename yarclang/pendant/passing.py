@@ -1,7 +1,8 @@
-"""Filter for the messages between a page and its analyst, a language server. No I/O.
+"""Filter for the messages between a page and its analyst, a language server (LSP). No I/O.
 
 A page knows the files of the project as `yarc:///folder/name.yarc`. No message of a page is passed on
-unchanged: each is parsed as a type, and written anew with the URI of the file that the page has open.
+unchanged: each is parsed as one of the types of allowed messages, and written anew with the real URI of a
+file that the page has open.
 """
 
 from __future__ import annotations
@@ -179,7 +180,8 @@ class Passing:
 
     Args:
         folder: folder of the project.
-        inside: returns the path of a file of the project, or raises `Trouble`.
+        inside: returns the absolute path of a file of the project, or raises `Trouble` if the project has no
+            such file.
     """
 
     def __init__(self, folder: Path, inside: Callable[[str], Path]) -> None:
@@ -196,11 +198,13 @@ class Passing:
     # messages from the page
 
     def to_analyst(self, text: str) -> dict[str, Any]:
-        """Return the analyst's form of a page's message. Reads the folder if a file is opened.
+        """Convert a message from the page to one for the analyst. If the message opens a file, the project's
+        folder is read.
 
         Raises:
-            Malformed: pages may not send this message.
-            Trouble: the message opens a file that isn't a program of the project.
+            Malformed: pages may not send this message, it names a file that isn't open, or too many requests
+                wait.
+            Trouble: the message opens a file that isn't in the project.
         """
         name = read(text, _Method).method if text else ""  # type: ignore[type-var]  # reads any model
         if name not in _TYPES:
@@ -270,7 +274,9 @@ class Passing:
     # messages from the analyst
 
     def to_page(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return the page's form of an analyst's message; None if the message isn't meant for pages."""
+        """Convert a message from the analyst to one for the page; None if the message isn't meant for
+        pages.
+        """
         if "method" in message:
             if message["method"] == "textDocument/publishDiagnostics" and "id" not in message:
                 return self._findings(message["params"])
@@ -293,7 +299,9 @@ class Passing:
         return message_made | {"result": result}
 
     def reply(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return an error as the reply to a request of the analyst; None if the message is no request."""
+        """Return the reply to a request of the analyst, which is always an error; None if the message is
+        no request.
+        """
         if "method" not in message or "id" not in message:
             return None
         return {"jsonrpc": "2.0", "id": message["id"], "error": {"code": _NOT_FOUND, "message": "not here"}}
@@ -329,8 +337,8 @@ class Passing:
         }
 
     def _short(self, text: str) -> str:
-        """Return a text in which the paths of the project's files are replaced by the page's names for
-        them.
+        """Return a text in which absolute paths of the project's files are replaced by paths in the
+        project.
         """
         return text.replace(f"{self._folder}/", "")
 

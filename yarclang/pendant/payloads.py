@@ -1,5 +1,5 @@
-"""Change of a tool's mass in robot.toml, and its effect on joint torques. All functions read files or
-compute: call them in a thread.
+"""Change of a tool's payload (mass, center of mass and inertia) in robot.toml, and its effect on the joint
+torques. All functions read files or take long to compute: call them in a thread.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class RobotFile:
         folder: folder that contains the file.
         text: content of the file.
         sha256: SHA-256 of the file.
-        outside: reason why the file can't be changed here; empty if it can be.
-        remedy: what to do if it can't be changed here.
+        outside: reason why the pendant can't change the file; empty if it can.
+        remedy: what to do if the pendant can't change the file.
     """
 
     file: str
@@ -55,12 +55,12 @@ class RobotFile:
 
     @property
     def why_not(self) -> str:
-        """Reason why the file can't be changed here, with the remedy, in one sentence; empty if it can be."""
+        """Reason why the pendant can't change the file, with the remedy, in one sentence; empty if it can."""
         return f"{self.outside}: {self.remedy}" if self.outside else ""
 
     @property
     def source(self) -> SourceFile:
-        """Content of the file as a source with its name."""
+        """Content of the file, with the name that findings report."""
         return SourceFile(self.file, self.text)
 
     @property
@@ -82,11 +82,11 @@ class RobotFile:
 
 
 def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
-    """Read the description of a robot.
+    """Read the robot.toml of a robot.
 
     Args:
         robot: the running robot.
-        project: the project's folder, whose files can be changed.
+        project: files of the project, the only ones that the pendant can change.
 
     Raises:
         Trouble: the file can't be read.
@@ -114,14 +114,16 @@ def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def with_payload(file: RobotFile, payload: said.Payload) -> str:
-    """Return the text of robot.toml with a tool's new payload. Numbers that stay equal keep their spelling.
+    """Return the text of robot.toml with a tool's new payload. Numbers whose value doesn't change keep their
+    spelling.
 
     Args:
-        file: robot.toml.
+        file: the robot.toml to change.
         payload: new payload of the tool.
 
     Raises:
-        Trouble: the tool isn't in the file and can't be added, or its table has a form that can't be changed.
+        Trouble: the tool isn't in the file and can't be added, or its TOML table is written in a form that
+            can't be changed.
     """
     tables = tables_of(file.data)
     named = {name.upper(): name for name in tables}
@@ -166,7 +168,7 @@ def _numbers(value: object) -> Sequence[float]:
 
 
 def joints_of(robot: Robot) -> tuple[said.JointEffort, ...]:
-    """Return the joints with the largest torques of their motors."""
+    """Return the joints, each with the largest torque that its motor can provide."""
     efforts = np.full(robot.size, np.inf) if robot.dynamics is None else robot.dynamics.effort
     return tuple(
         said.JointEffort(
@@ -181,13 +183,17 @@ def joints_of(robot: Robot) -> tuple[said.JointEffort, ...]:
 def torques_of(
     robot: Robot, other: Robot, position: Array | None, plan: MotionPlan | None
 ) -> tuple[tuple[said.Torques, ...], str]:
-    """Return the joint torques without and with a payload, and the reason if they can't be computed.
+    """Compare the joint torques with the present and with the new payload.
 
     Args:
         robot: the running robot.
-        other: the robot with the payload, read from the changed file.
+        other: the robot with the new payload, read from the changed robot.toml.
         position: (n,) present joint positions [rad or m]; None if unknown.
-        plan: plan of a program; None to examine no program.
+        plan: motion plan of a program whose torques are compared as well; None for no program.
+
+    Returns:
+        Two values: comparisons of the torques (holding still at the present position, holding still anywhere
+        within the joint limits, and in the motions of the program), and the reason if they can't be computed.
     """
     now, dynamics_then = robot.dynamics, other.dynamics
     if now is None or dynamics_then is None or robot.joint_names != other.joint_names:
@@ -208,7 +214,7 @@ def torques_of(
 
 
 def _of_program(robot: Robot, loads: tuple[Dynamics, Dynamics], plan: MotionPlan) -> said.Torques:
-    """Return the largest torques over all branches of a program."""
+    """Compare the largest torques over all motions of a program, in all of its branches."""
     each = max(2, min(_EACH, _MOST_INSTANTS // len(plan.motions)))
     rows = [one.curve.sample(np.linspace(0.0, one.curve.duration, each)) for one in plan.motions]
     q, v, a = (np.concatenate([row[part] for row in rows]) for part in range(3))
@@ -242,17 +248,17 @@ def proposed(
     position: Array | None,
     plan: MotionPlan | None,
 ) -> said.PayloadShown:
-    """Return the changes that a payload would make.
+    """Return what a new payload would change: the text of robot.toml and the joint torques.
 
     Args:
         robot: the running robot.
-        project: the project's folder, whose files can be changed.
-        payload: payload as entered.
+        project: files of the project, the only ones that the pendant can change.
+        payload: new payload, as the user has entered it.
         position: (n,) present joint positions [rad or m]; None if unknown.
-        plan: plan of a program; None to examine no program.
+        plan: motion plan of a program whose torques are compared as well; None for no program.
 
     Raises:
-        Trouble: robot.toml can't be read, or can't be changed in this way.
+        Trouble: robot.toml can't be read, or can't be changed to this payload.
     """
     file = robot_file(robot, project)
     after = with_payload(file, payload)

@@ -1,5 +1,5 @@
-"""Conversion of button presses to requests to a live motion: velocities of joints or of a frame, and
-steps.
+"""Conversion of pressed jog buttons to requests to a live motion, that is, a motion whose target can
+change while it runs: velocities of joints or of a frame, and steps.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ class Pressed:
         self._robot = robot
 
     async def of(self, press: Press, seat: Attached) -> wants.Want:
-        """Return the live motion's request for a press that asks for velocities.
+        """Return the request to the live motion for a button that asks for a velocity of joints or of a
+        frame.
 
         Raises:
             Trouble: the press contains no velocity, or names an unknown joint or frame.

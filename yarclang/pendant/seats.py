@@ -1,5 +1,5 @@
-"""Seats: the sessions' clients of the coordinator. Each session that gives orders is a client of its own,
-named after its user.
+"""Seats: the clients of the coordinator that belong to the sessions of users. Each session that gives
+orders is a client of its own, named after its user.
 """
 
 from __future__ import annotations
@@ -12,18 +12,20 @@ from yarclang.pendant.accounts.sessions import Session
 from yarclang.runtime.actions import Trouble
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Function that attaches a new client to the coordinator. Its argument is the name that other clients see."""
+"""Function that attaches a new client to the coordinator. Its argument is the name of the client, which
+other clients see.
+"""
 
 
 class Seats:
-    """All seats.
+    """The seats of all sessions.
 
     Args:
         attach: attaches new clients to the coordinator.
 
     Attributes:
-        jogging: the connection that jogs, by the session's id. It excludes a second page of the same session,
-            which would otherwise change the motion of the first page.
+        jogging: connection of the page that jogs at present, by the session's id. No other page of the same
+            session may jog, because it would change the motion of the first page.
     """
 
     def __init__(self, attach: Attach) -> None:
@@ -51,16 +53,20 @@ class Seats:
         return self._seats.get(session.id)
 
     def name(self, session: Session) -> str:
-        """Return the name of a session at the coordinator; empty if the session has no seat."""
+        """Return the name by which the coordinator knows a session; empty if the session has no seat."""
         seat = self._seats.get(session.id)
         return "" if seat is None else seat.welcome.name
 
     def session_called(self, client: str | None) -> str:
-        """Return the id of the session that has a given name at the coordinator; empty if there is none."""
+        """Return the id of the session that the coordinator knows by the given client name; empty if there
+        is none.
+        """
         return next((id_ for id_, seat in self._seats.items() if seat.welcome.name == client), "")
 
     def leave(self, id_: str) -> None:
-        """Give up the seat of a session. If it owns the robot, the robot comes to rest on its path."""
+        """Give up the seat of the session with this id. If the session owns the robot, the robot comes to
+        rest on its path.
+        """
         seat = self._seats.pop(id_, None)
         if seat is not None:
             task = asyncio.ensure_future(_leave(seat))

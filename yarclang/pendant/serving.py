@@ -1,4 +1,4 @@
-"""The pendant's server: a port with TLS, in the same event loop as the coordinator."""
+"""The pendant's web server, with or without TLS. It may run in the same event loop as the coordinator."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ _QUIET = 5
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Address at which a pendant listens.
+    """Address and port at which a pendant's server listens.
 
     Attributes:
-        host: address or name.
+        host: network address or host name.
         port: number of the port; 0 for any free port.
-        names: further names of the server.
-        certificate: file for TLS; None without TLS.
-        key: file for TLS; None without TLS.
+        names: further host names under which browsers may reach the server.
+        certificate: file with the TLS certificate; None without TLS.
+        key: file with the key of the certificate; None without TLS.
     """
 
     host: str
@@ -61,16 +61,17 @@ async def served(
 
     Args:
         robot: robot of the pendant.
-        attach: attaches new clients to its coordinator.
+        attach: attaches new clients to the robot's coordinator.
         folder: folder of the project.
-        database: the file of users, sessions and audit trail.
-        place: place at which to listen.
-        logs: folder or file for logs of motions; None if unknown.
-        life: end of this process on request; None if the process can't be ended from the pendant.
+        database: file with users, sessions, audit trail and alarms.
+        place: address and port at which to listen.
+        logs: folder or file into which runs are logged; None if unknown.
+        life: object that receives users' requests to end this process; None if users can't end it at the
+            pendant.
 
     Yields:
-        The address of the pages, and the token of the one-time link for the first user; the token is empty if
-        there is a user.
+        Two values: the URL of the pages, and the token of the one-time link by which the first user is
+            created (empty if there is a user already).
 
     Raises:
         Trouble: the port is taken, a file can't be used, or the coordinator can't be reached.

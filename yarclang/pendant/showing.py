@@ -1,4 +1,6 @@
-"""State of the display that is always on the screen, built from the coordinator's messages. No I/O."""
+"""The robot's state for the display that every page shows all the time, built from the coordinator's
+messages. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,10 @@ class Showing:
 
     Attributes:
         connected: True if the coordinator is connected.
-        alarm: returns the most important alarm.
-        scene: version of the drawn scene; empty before the first.
-        touching: bodies that are too near to another one.
-        stopped_by: bodies and zones that have stopped the last live motion.
+        alarm: returns the most important alarm, for the status bar.
+        scene: version of the three-dimensional scene; empty before the first scene.
+        touching: names of bodies that are too near to another body.
+        stopped_by: names of bodies and zones that have stopped the last live motion, such as a jog.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -90,8 +92,8 @@ class Showing:
         self._file = (file.rpartition("/")[2], file)
 
     def file_of(self, program: str) -> str:
-        """Return the file in the project for a program's name; empty if this program wasn't the last to be
-        run at this pendant.
+        """Return the file in the project from which a program was loaded; empty if it isn't the last
+        program that was run at this pendant.
         """
         name, file = self._file
         return file if program and name == program else ""
@@ -148,7 +150,7 @@ class Showing:
                 pass
 
     def display(self, audit: str = "") -> Display:
-        """Return the present display.
+        """Return the message with the present state for the display.
 
         Args:
             audit: reason why the audit trail can't be written; empty if it can be.
@@ -195,8 +197,9 @@ class Showing:
         return "jog" if self._under_way == JOG else "program"
 
     def _places(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return base_from_flange (16,) and the links' placements (7 n,). They are cached for the robot's
-        position.
+        """Return two values for the robot's present position: the pose of the flange in {B} (16 numbers of
+        a matrix, row by row) and the displacements of the links (7 n numbers). Both are cached until the
+        position changes.
         """
         if self._placed is not None and self._placed[0] == self._joints:
             return self._placed[1:]

@@ -1,5 +1,5 @@
-"""Values of inputs and outputs, with the data of the cell's file and the reports of runs. They are requested
-once for all pages.
+"""Values of inputs and outputs, with their comments from the cell's file and the values that runs report.
+They are requested from the coordinator once for all pages.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from yarclang.source import SourceFile
 from yarclang.toml.places import Places, find_places
 
 _AGE, _SIMULATED_AGE = 0.4, 0.1
-"""Age of values up to which they are used again without a request [s]: for a real robot, and for a robot that
-is simulated in this process.
+"""Age of values up to which they are shown again without a new request [s]: for a real robot, and for a
+robot that is simulated in this process.
 """
 _SHARE = 4.0
-"""Requests to a real controller take at most 1 / `_SHARE` of the time, because jogs use the same
-connection.
+"""Requests for values take at most 1 / `_SHARE` of the time of a real controller's connection, because
+jogs use the same connection.
 """
 _LONGEST = 160
 """Longest comment [characters]."""
@@ -35,14 +35,14 @@ _LONGEST = 160
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _CellFile:
-    """A cell's file after reading.
+    """Content of a cell's file, as it was read last.
 
     Attributes:
-        path: path of its file; None without a cell.
-        stamp: stamp of the file's version.
-        cell: the cell; None if there is none.
-        trouble: reason why the cell can't be read.
-        comments: comments of inputs and outputs, by table and name.
+        path: path of the file; None without a cell.
+        stamp: modification time [ns] and size [bytes] of the file, by which a change is recognized.
+        cell: the cell; None if there is none, or the file can't be read.
+        trouble: reason why the file can't be read; empty if it can.
+        comments: comments on inputs and outputs in the file, by table and name.
     """
 
     path: str | None
@@ -58,8 +58,8 @@ class _Seen:
 
     Attributes:
         told: the coordinator's reply.
-        held: parts that grippers hold.
-        shown: the message for pages.
+        held: grippers with the workpieces (parts) that they hold.
+        shown: message for pages, made from the reply.
         until: time until which the reply may be used [s].
     """
 
@@ -70,11 +70,11 @@ class _Seen:
 
 
 class Signals:
-    """Requests for inputs and outputs, and the WAIT at which the robot stands.
+    """Present values of the inputs and outputs, and the WAIT command at which the running program waits.
 
     Args:
         robot: the robot.
-        now: a monotonic clock [s].
+        now: returns the time of a monotonic clock [s].
     """
 
     def __init__(self, robot: Robot, now: Callable[[], float]) -> None:
@@ -113,8 +113,8 @@ class Signals:
             self._seen = None
 
     async def cell(self, attached: Attached) -> Cell | None:
-        """Return the cell around the robot from its file; None if there is no cell, or its file can't be
-        read.
+        """Return the cell around the robot, as read from the cell's file; None if there is no cell, or the
+        file can't be read.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -123,7 +123,7 @@ class Signals:
         return self._file.cell
 
     async def shown(self, attached: Attached) -> SignalsShown:
-        """Return all inputs and outputs.
+        """Return all inputs and outputs with their values and descriptions.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -131,7 +131,7 @@ class Signals:
         return (await self._look(attached)).shown
 
     async def values(self, attached: Attached) -> SignalValues:
-        """Return the values of all inputs and outputs.
+        """Return only the values of all inputs and outputs.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -183,8 +183,9 @@ class Signals:
             return self._seen
 
     def _read(self, path: str | None) -> _CellFile:
-        """Return the content of the cell's file. If the file can't be read, the coordinator doesn't name it;
-        the error of the last known file is reported then.
+        """Return the content of the cell's file. The coordinator names no file (`path` is None) if there
+        is no cell, or if its file can't be read. In the second case the error in the last known file is
+        returned.
         """
         if path is not None or self._file.path is None:
             return read_cell_file(path, self._robot, self._file)
@@ -212,8 +213,8 @@ def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFi
 
     Args:
         path: path of the file; None without a cell.
-        robot: robot of the cell, for its joint values.
-        before: the content that was read last.
+        robot: robot of the cell, for joint positions in the file.
+        before: content of the cell's file that was read last.
     """
     if path is None:
         return _CellFile(None, (0, 0), None, "", {})
@@ -234,8 +235,8 @@ def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFi
 
 
 def comments_of(source: SourceFile) -> dict[tuple[str, str], str]:
-    """Return the comments on inputs and outputs in a cell's file, by table and name in upper case: the
-    comment at the end of the line, otherwise the comment in the line above.
+    """Return the comments on inputs and outputs in a cell's file, by table and name in upper case. The
+    comment is that at the end of the entry's line, otherwise that in the line above.
     """
     places, lines = find_places(source), source.lines
     comments = {}

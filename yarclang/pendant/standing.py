@@ -1,5 +1,5 @@
-"""Position of the robot at rest, for results that are stored. All motors must be referenced and hold the
-position.
+"""Position of the robot at rest, for data that is stored, such as taught positions. The motors must be
+referenced, and enabled so that they hold the position.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from yarclang.runtime.actions import Trouble
 
 
 async def stands(watched: Watched, motors: Collection[int] | None = None) -> Array:
-    """Return the robot's joint positions (n,) [rad or m]. Check that the robot rests.
+    """Check that the robot is at rest, and return its joint positions (n,) [rad or m].
 
     Args:
-        watched: the robot.
+        watched: shared client of the coordinator, which knows the robot's state.
         motors: numbers of the motors that must be referenced; None for all motors.
 
     Raises:

@@ -1,5 +1,5 @@
-"""The robot as shown on all pages of a pendant. One client of the coordinator listens for all pages, and each
-message is formatted only once.
+"""Passing of the robot's state to all pages of a pendant. One client of the coordinator listens for all
+pages, and each message is formatted only once.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 EACH = 0.05
-"""Time between two displays [s]."""
+"""Time between two messages with the state for the display [s]."""
 
 _HEALTH_EACH = 0.5
 _BEATS = 10
-"""Number of displays between two heartbeats. By the heartbeat a page knows that this server is running."""
+"""Number of periods `EACH` between two heartbeats. From the heartbeat a page knows that this server is
+running.
+"""
 
 _AGAIN = 1.0
 """Time between two attempts to reach the coordinator [s]."""
@@ -64,12 +66,13 @@ class Page:
 
 
 class Watched:
-    """Client of the coordinator that passes its messages to all pages.
+    """Client of the coordinator that passes the coordinator's messages to all pages.
 
     Args:
         robot: the robot.
         attach: attaches new clients to the coordinator.
-        seats: the sessions' clients of the coordinator. They end when the coordinator is disconnected.
+        seats: the sessions' clients of the coordinator. They are given up when the coordinator is
+            disconnected.
         audit: returns the reason why the audit trail can't be written; empty if it can be.
 
     Attributes:
@@ -94,12 +97,12 @@ class Watched:
         hear: Callable[[events.BaseEvent], None],
         lost: Callable[[], None] = lambda: None,
     ) -> None:
-        """Register a further listener.
+        """Register functions for the coordinator's events and for the state of its connection.
 
         Args:
             work: coroutine that runs while the coordinator is connected, and is cancelled when the connection
                 ends.
-            hear: called with each event.
+            hear: called with each event of the coordinator.
             lost: called when the coordinator can't be reached.
         """
         self._works.append(work)
@@ -118,7 +121,8 @@ class Watched:
 
     @property
     def attached(self) -> Attached:
-        """The shared client, for stops and questions.
+        """The connection of this shared client to the coordinator, for stops and for requests that move
+        nothing.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -142,7 +146,7 @@ class Watched:
         self._pages.discard(page)
 
     def notice(self, notice: Notice, session: str = "") -> None:
-        """Send a notice to the pages of a session, or to all pages if the session is empty."""
+        """Send a notice to the pages of the session with this id, or to all pages if the id is empty."""
         text = notice.model_dump_json()
         for page in self._pages:
             if not session or page.session == session:
@@ -165,7 +169,7 @@ class Watched:
             telling.cancel()
 
     async def start(self) -> None:
-        """Attach for the first time.
+        """Attach to the coordinator for the first time.
 
         Raises:
             Trouble: the coordinator can't be reached.

@@ -1,4 +1,6 @@
-"""The accounts of a pendant: logins, sessions, PINs, users, and the audit trail, with their file."""
+"""The accounts of a pendant: logins, sessions, PINs, users, and the audit trail, all stored in one SQLite
+file.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,12 @@ from yarclang.runtime.actions import Trouble
 T = TypeVar("T")
 
 _AT_ONCE, _WAITING = 1, 8
-"""Most passwords that are checked at the same time, and most that wait for their check. Each check takes a
+"""Limits on password checks: how many run at the same time, and how many more may wait. Each check takes a
 core and 64 MiB, which a moving robot may need.
 """
 
 _WRITTEN_EACH = 60.0
-"""Shortest time between two updates of a session's last use in the file [s]."""
+"""Shortest time between two updates of a session's last use in the database file [s]."""
 
 _MOST_PINS = 5
 """Number of wrong PINs that ends a session."""
@@ -37,10 +39,10 @@ class NotAllowed(Trouble):
 
 
 class TooMany(Trouble):
-    """Raised if a login comes too soon after wrong passwords.
+    """Raised if a login is attempted before the wait after wrong passwords is over.
 
     Attributes:
-        wait: time until the next attempt is allowed [s].
+        wait: time until the next login attempt is allowed [s].
     """
 
     def __init__(self, subject: str, wait: float) -> None:
@@ -54,16 +56,17 @@ class Accounts:
     Args:
         path: file in which users, sessions and audit trail are stored.
         ended: called with each session that ends.
-        now: a monotonic clock [s].
-        wall: the time of day [s].
+        now: returns the time of a monotonic clock [s].
+        wall: returns the time of day [s].
 
     Attributes:
         sessions: the open sessions.
-        first: the token of the one-time link; empty if there is a user.
+        first: token of the one-time link by which the first user is created; empty if there is a user
+            already.
         trouble: reason why the audit trail can't be written; None if it can be.
 
     Raises:
-        Trouble: the file can't be used.
+        Trouble: the file at `path` can't be used.
     """
 
     def __init__(
@@ -106,15 +109,15 @@ class Accounts:
         """Create the first user, with the role service.
 
         Args:
-            token: token of the one-time link.
+            token: token of the one-time link that was shown at the pendant's start.
             name: name of the user.
             password: password as typed.
             pin: PIN as typed.
             address: address from which the request came.
 
         Raises:
-            Trouble: the link has been used or was made before the last start, or the name, password or PIN
-                isn't allowed.
+            Trouble: the link has been used or belongs to an earlier start of the pendant, or the name,
+                password or PIN isn't allowed.
         """
         if not self.first or not secrets.compare_digest(token.encode(), self.first.encode()):
             raise NotAllowed(
@@ -134,13 +137,15 @@ class Accounts:
             password: password as typed.
             address: address from which the request came.
             agent: user agent of the browser.
-            device: token of the device, from an earlier login on it; empty if there is none.
+            device: token that the browser got at an earlier login on this device; empty if there is none.
 
         Returns:
-            The session, its token, and the device's new token.
+            The session, the session's token, and the token of the device, which is new if the user hadn't
+            logged in on the device before.
 
         Raises:
-            TooMany: five wrong passwords have come from the same device or address, and the wait isn't over.
+            TooMany: five wrong passwords have come from the same device or address, and the wait isn't over,
+                or too many passwords are being checked.
             Trouble: the name or the password is wrong.
         """
         is_known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
@@ -179,7 +184,9 @@ class Accounts:
         return session, token, device
 
     def session_of(self, token: str) -> Session | None:
-        """Return the session of a token; None if the session has ended or the token is unknown."""
+        """Return the session that a token belongs to; None if the session has ended or the token is
+        unknown.
+        """
         return self.sessions.of(token, self._now()) if token else None
 
     def is_over(self, session: Session) -> bool:
@@ -206,7 +213,7 @@ class Accounts:
     # service work
 
     async def confirm(self, session: Session, pin: str) -> float:
-        """Check the PIN and allow service work for a while. Return the length of this time [s].
+        """Check the PIN and allow service work for a limited time. Return that time [s].
 
         Raises:
             NotAllowed: the PIN is wrong; the fifth wrong one ends the session.
@@ -272,7 +279,8 @@ class Accounts:
         pin: str | None = None,
         but: Session | None = None,
     ) -> None:
-        """Change a user. A new role or password ends all sessions of the user except `but`.
+        """Change a user's role, password or PIN. A new role or password ends all sessions of the user, except
+        the session `but`.
 
         Raises:
             Trouble: there is no such user, a new value isn't allowed, or no service user would be left.
@@ -328,7 +336,8 @@ class Accounts:
     # the audit trail
 
     async def did(self, deed: Deed) -> None:
-        """Write an entry of the audit trail. Call this before the action is carried out.
+        """Write an entry of the audit trail. Call this before the action that the entry describes is carried
+        out.
 
         Raises:
             Trouble: the entry can't be written; the action must not be carried out.
@@ -341,8 +350,8 @@ class Accounts:
         self.trouble = None
 
     def note(self, deed: Deed) -> None:
-        """Queue an entry of the audit trail without waiting for the disk. For actions that mustn't wait, such
-        as a stop.
+        """Queue an entry of the audit trail without waiting for the disk. This is for actions that mustn't
+        wait, such as a stop of the robot.
         """
         self._later(people.write_deed, deed)
 

@@ -1,8 +1,8 @@
-"""Counts of wrong passwords: after five of them, each further attempt has to wait. No I/O; times are
-arguments.
+"""Counts of wrong passwords: after five of them, each further login attempt has to wait. No I/O; the
+functions get the time as an argument.
 
-An attempt is counted for a pair: the user name, and the place from which the attempt comes. The place is the
-device if that user has logged in on it before, otherwise the address. So guessing slows down only the
+A wrong attempt is counted for a pair (user name, origin), which is called a place. The origin is the device
+if that user has logged in on it before, otherwise the network address. So guessing slows down only the
 guesser, and can't lock users out of the devices that they use every day.
 """
 
@@ -12,24 +12,26 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 FREE = 5
-"""Wrong attempts before the first wait."""
+"""Number of wrong attempts of one place (user name and origin) before the first wait."""
 
 FREE_FROM_ADDRESS = 30
-"""Wrong attempts from one address before the first wait, summed over all user names."""
+"""Number of wrong attempts from one network address before the first wait, summed over all user names."""
 
 FIRST_WAIT, LONGEST_WAIT = 2.0, 300.0
-"""First wait and longest wait [s]. The wait doubles with each further wrong attempt."""
+"""First wait and longest wait before the next login attempt [s]. The wait doubles with each further wrong
+attempt.
+"""
 
 FORGOTTEN = 3600.0
 """Time after which wrong attempts are forgotten [s]."""
 
 _MOST = 4096
-"""Most places that are remembered. If there are more, the one without attempts for the longest time is
-forgotten.
+"""Most places (user name and origin) whose wrong attempts are stored. If there are more, the place without
+wrong attempts for the longest time is forgotten.
 """
 
 Place = tuple[str, str]
-"""User name of the attempt in lower case, and its device or address."""
+"""User name of a login attempt in lower case, and the device or network address from which it comes."""
 
 
 @dataclass(slots=True)
@@ -45,12 +47,13 @@ class Attempts:
         self._failures: OrderedDict[Place, _Failures] = OrderedDict()
 
     def wait(self, place: Place, now: float, free: int = FREE) -> float:
-        """Return the time until a place's next attempt is checked [s]; 0 if it is checked at once.
+        """Return the wait until the next login attempt of a place is accepted [s]; 0 if it is accepted at
+        once.
 
         Args:
-            place: user name and place of the attempt.
-            now: a monotonic clock [s].
-            free: wrong attempts before the first wait.
+            place: user name and origin of the attempt.
+            now: time of a monotonic clock [s].
+            free: number of wrong attempts before the first wait.
         """
         failures = self._failures.get(place)
         if failures is None or now - failures.last > FORGOTTEN:
@@ -72,7 +75,9 @@ class Attempts:
         return failures.count
 
     def forgive(self, place: Place) -> None:
-        """Remove the last wrong attempt of a place. Called if the password couldn't be checked."""
+        """Remove the last wrong attempt of a place. Called if the password couldn't be checked because too
+        many other checks were waiting.
+        """
         if (found := self._failures.get(place)) is not None:
             found.count -= 1
 

@@ -53,18 +53,21 @@ CREATE TABLE alarms (
 """
 
 _STEPS = (_TABLES, _ALARMS)
-"""Statements that upgrade the tables from each version to the next, beginning with an empty file."""
+"""SQL statements that upgrade the tables, one item for each version: the first creates the tables in an
+empty file, each further one upgrades from the version before it.
+"""
 
 
 class Database:
-    """Connection to the file.
+    """Connection to the SQLite file.
 
     Args:
-        path: the file. If missing, the file and its folder are created, readable only for the present system
-            user.
+        path: the file. If missing, the file and its folder are created, readable only for the system user of
+            this process.
 
     Raises:
-        Trouble: the file is damaged, is no database, is of a later version, or can't be read or written.
+        Trouble: the file is damaged, is no database, was written by a later version of yarclang, or can't be
+            read or written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -104,10 +107,11 @@ class Database:
     async def call(
         self, do: Callable[Concatenate[sqlite3.Connection, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T:
-        """Call a function with the connection, as one transaction in the writing thread.
+        """Call a function with the database connection, as one transaction in the writing thread. Return what
+        the function returns.
 
         Raises:
-            Trouble: the file can't be read or written now; nothing has changed.
+            Trouble: the file can't be read or written now; the transaction has changed nothing.
         """
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._thread, lambda: self.now(do, *arguments, **named))
@@ -115,7 +119,7 @@ class Database:
     def now(
         self, do: Callable[Concatenate[sqlite3.Connection, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T:
-        """Call a function with the connection, as one transaction in the calling thread."""
+        """Call a function with the database connection, as one transaction in the calling thread."""
         connection = self._connection
         try:
             connection.execute("BEGIN IMMEDIATE")

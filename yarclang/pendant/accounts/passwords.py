@@ -64,8 +64,8 @@ def hashed(secret: str) -> str:
 
 
 def is_secret(secret_hash: str | None, secret: str) -> bool:
-    """Return True if a password or PIN matches a hash. Without a hash (None), the check takes as long as for
-    a wrong password, so that the time doesn't show which users exist.
+    """Return True if a password or PIN matches a hash. Without a hash (None, as for an unknown user) the
+    check takes as long as for a wrong password, so that the response time doesn't tell which users exist.
     """
     try:
         return (

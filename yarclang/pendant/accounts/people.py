@@ -1,5 +1,5 @@
-"""Tables of users, sessions and the audit trail. Each function takes a connection and is called as one
-transaction (`Database.call`).
+"""Database tables of users, sessions and the audit trail. Each function takes a database connection; call
+it through `Database.call`, as one transaction.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from yarclang.runtime.actions import Trouble
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """A user.
+    """A user, as stored in the database.
 
     Attributes:
         name: name of the user.
@@ -32,7 +32,7 @@ class User:
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """A session in the database.
+    """A session as stored in the database, from which it continues after a restart.
 
     Attributes:
         id: id of the session.
@@ -87,7 +87,7 @@ def add_user(connection: sqlite3.Connection, user: User, *, first: bool = False)
     Args:
         connection: connection to the database.
         user: user to add.
-        first: True if no user may exist yet.
+        first: True to add the first user, which requires that there is no user yet.
 
     Raises:
         Trouble: the name is taken, or `first` is true and there is a user.
@@ -110,7 +110,7 @@ def change_user(
     password: str | None = None,
     pin: str | None = None,
 ) -> None:
-    """Change a user. Fields stay as they are if their argument is None.
+    """Change a user. An argument that is None leaves its field unchanged.
 
     Raises:
         Trouble: there is no such user, or no service user would be left.
@@ -140,8 +140,8 @@ def remove_user(connection: sqlite3.Connection, name: str) -> None:
 
 
 def keep_session(connection: sqlite3.Connection, session: Kept) -> None:
-    """Write a session, so that it continues after a restart. Do nothing if its user has been removed
-    meanwhile.
+    """Write a session to the database, so that it continues after a restart. Do nothing if the session's
+    user has been removed meanwhile.
     """
     connection.execute(
         "INSERT OR REPLACE INTO sessions SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE EXISTS (SELECT 1 FROM "
@@ -205,8 +205,8 @@ def deeds(
 
     Args:
         connection: connection to the database.
-        before: return only entries with smaller numbers; None for all.
-        count: largest number of entries.
+        before: return only entries with numbers below this one; None for all entries.
+        count: largest number of returned entries.
     """
     rows = connection.execute(
         "SELECT number, time, user, address, action, detail, outcome FROM audit WHERE number < ? ORDER "
@@ -223,9 +223,9 @@ def deeds_since(
 
     Args:
         connection: connection to the database.
-        action: prefix of the actions of the wanted entries.
-        since: earliest time, in the format of the audit trail.
-        most: largest number of entries that are searched, with any action.
+        action: return only entries whose action begins with this text.
+        since: return only entries from this time on, in the time format of the audit trail.
+        most: number of newest entries that are searched, whatever their action.
     """
     rows = connection.execute(
         "SELECT time, user, address, action, detail, outcome FROM audit ORDER BY number DESC LIMIT ?", (most,)

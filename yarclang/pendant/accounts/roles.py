@@ -79,8 +79,8 @@ NEEDS: dict[type[Order[Any]], Role] = {
     orders.Steer: Role.PROGRAMMER,
     orders.Leave: Role.PROGRAMMER,
 }
-"""Role that each order of the API requires. All other orders are refused: `hello` and `listen` are sent only
-by the server itself.
+"""Role that each order of the API requires. All other orders are refused: `hello` and `listen` among them
+are sent to the coordinator only by the pendant's server itself.
 """
 
 WITH_PIN: tuple[type[Order[Any]], ...] = (orders.Home, orders.SendSettings, orders.SaveSettings)
@@ -111,11 +111,13 @@ AUDITED: tuple[type[Order[Any]], ...] = (
     orders.Adopt,
     orders.Go,
 )
-"""Orders that are written to the audit trail. Each jog is also written, when it begins."""
+"""Orders that are written to the audit trail. The start of each jog is written as well."""
 
 
 _OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
-"""Fields of `load` that replace the project's program, or the project's settings of the proof."""
+"""Fields of the order `load` with which a program other than the saved one of the project is loaded, or the
+program is proved with other settings than those of the project.
+"""
 
 
 def needed_for(order: Order[Any]) -> Role | None:

@@ -1,5 +1,5 @@
-"""Open sessions of users. Times are of a monotonic clock. Sessions from before a restart are checked by the
-wall clock, and end if the wall clock was set back.
+"""Open sessions of users. Their times are of a monotonic clock. After a restart, the age of earlier
+sessions is computed from the wall clock; they end if the wall clock was set back.
 """
 
 from __future__ import annotations
@@ -21,15 +21,17 @@ PIN_LASTS = 300.0
 """Time for which service work is allowed after the PIN was entered [s]."""
 
 MOST = 200
-"""Most sessions. If there are more, the one that has been inactive for the longest time ends."""
+"""Most open sessions. If there are more, the session that has been inactive for the longest time ends."""
 
 _CLOCKS_DIFFER = 60.0
-"""Longest time by which a stored session may begin in the future of the wall clock [s]."""
+"""Tolerance when the stored times of a session are compared with the wall clock [s]: they may be this far in
+the future before the wall clock counts as set back.
+"""
 
 
 @dataclass(slots=True, eq=False)
 class Session:
-    """A login of a user in one browser.
+    """A login of a user in one browser. All times are of a monotonic clock.
 
     Attributes:
         id: public identifier; the token is secret.
@@ -37,11 +39,11 @@ class Session:
         role: role of the user.
         address: address from which the login came.
         agent: the browser's user agent.
-        token: digest of the token.
+        token: digest of the secret token.
         opened: time of the login [s].
         seen: time of the user's last action [s].
         pin_until: time until which service work is allowed [s].
-        wrong_pins: number of wrong PINs in a row.
+        wrong_pins: number of wrong PINs since the last correct one.
     """
 
     id: str
@@ -92,7 +94,9 @@ class Sessions:
         return tuple(self._by_token.values())
 
     def end_if_over(self, session: Session, now: float) -> bool:
-        """End a session if its time is over. Return True if the session has ended, now or before."""
+        """End a session if it has been open or inactive for too long. Return True if the session has
+        ended, now or before.
+        """
         if session.token not in self._by_token:
             return True
         if now - session.seen > IDLE or now - session.opened > LONGEST:
@@ -112,8 +116,8 @@ class Sessions:
                 self.end(one)
 
     def take_up(self, stored: Kept, role: Role, now: float, wall: float) -> bool:
-        """Continue a session from before a restart. Return False if the session is over, or if the clock has
-        been set back meanwhile.
+        """Continue a session from before a restart. Return False if the session has been open or inactive
+        for too long, or if the wall clock has been set back meanwhile.
         """
         age, quiet = wall - stored.created, wall - stored.seen
         if min(age, quiet) < -_CLOCKS_DIFFER or age > LONGEST or quiet > IDLE:

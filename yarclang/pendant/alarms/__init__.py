@@ -1,1 +1,3 @@
-"""Alarms: the fault, the state of the robot at that time, and the user who acknowledged it."""
+"""Alarms: each records a fault, the state of the robot at that time, and the user who acknowledged the
+alarm.
+"""

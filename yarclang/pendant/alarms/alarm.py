@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 Source = Literal["state", "run", "message", "motors", "guard", "coordinator", "audit", "disk", "alarms"]
-"""Origin of an alarm. `run` and `message` report events; each other source reports all of its alarms that
-hold at the time.
+"""Origin of an alarm. The sources `run` and `message` report single events. Each other source reports the
+list of its faults that are present at the time.
 """
 
 MOST_WHAT, MOST_REMEDY, MOST_NAME = 2000, 1000, 300
@@ -19,10 +19,10 @@ class Raised:
     """The cause of an alarm.
 
     Attributes:
-        source: its origin.
-        what: what is wrong and why, in words.
+        source: origin of the alarm.
+        what: the fault and its reason, in words.
         code: code of the finding; empty if there is none.
-        remedy: what to do; empty if unknown.
+        remedy: what the user should do; empty if unknown.
     """
 
     source: Source
@@ -45,8 +45,8 @@ class Raised:
         )
 
     def with_more(self, other: Raised) -> Raised:
-        """Return the cause with details from a second report: the longer text, and the code or remedy if it
-        was missing.
+        """Return the cause completed by a second report of the same fault: with the longer of the two
+        texts, and with the code or remedy if it was missing.
         """
         longer = other.what if len(other.what) > len(self.what) else self.what
         return replace(self, what=longer, code=self.code or other.code, remedy=self.remedy or other.remedy)
@@ -54,16 +54,16 @@ class Raised:
 
 @dataclass(frozen=True, slots=True)
 class Stood:
-    """State of the robot at an alarm.
+    """State of the robot when an alarm occurred.
 
     Attributes:
         program: the running program; empty if none was running.
-        file: its file in the project; empty if unknown.
-        line: line of the command, from 1; 0 if unknown.
-        command: the command that was executed.
+        file: file of the program in the project; empty if unknown.
+        line: line of the command in the program, from 1; 0 if unknown.
+        command: the command that was being executed.
         joints: name, position and unit of each joint [deg or mm]; empty if unknown.
-        flange: (16,) base_from_flange, row by row [m]; None if unknown.
-        owner: the owner of the robot; empty if nobody.
+        flange: pose of the flange in {B} as the 16 entries of a 4x4 matrix, row by row [m]; None if unknown.
+        owner: name of the client that owned the robot; empty if nobody.
     """
 
     program: str = ""
@@ -75,26 +75,26 @@ class Stood:
     owner: str = ""
 
     def with_more(self, other: Stood) -> Stood:
-        """Return the state, with a missing command and line taken from another state. The event at the end of
-        a program names the command at which a fault occurred.
+        """Return the state with the command and line of another state, where that names them. The event at
+        the end of a program names the command at which a fault occurred.
         """
         return replace(self, command=other.command or self.command, line=other.line or self.line)
 
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """An alarm with its history. Times are of day [s since 1970].
+    """An alarm with its history. All times are wall-clock times [s since 1970].
 
     Attributes:
-        number: number of the alarm, from 1, in the order of the alarms.
-        raised: its cause.
-        stood: the state of the robot.
+        number: number of the alarm, counted from 1 in the order in which alarms occur.
+        raised: cause of the alarm.
+        stood: state of the robot when the alarm occurred.
         time: time of the first occurrence.
         last: time of the last occurrence.
         count: number of occurrences.
-        ended: time at which the cause went away; None while it holds.
-        acknowledged: time of the acknowledgement; None if there is none.
-        by: the user who has acknowledged it.
+        ended: time at which the fault went away; None while it is present.
+        acknowledged: time at which a user acknowledged the alarm; None if nobody has.
+        by: name of the user who has acknowledged the alarm; empty if nobody has.
     """
 
     number: int
@@ -109,18 +109,18 @@ class Alarm:
 
     @property
     def holds(self) -> bool:
-        """True while the cause of the alarm holds."""
+        """True while the fault of the alarm is present."""
         return self.ended is None
 
     @property
     def is_open(self) -> bool:
-        """True if the alarm holds or hasn't been acknowledged."""
+        """True if the fault is still present, or the alarm hasn't been acknowledged."""
         return self.holds or self.acknowledged is None
 
 
 def printable(text: str, most: int) -> str:
     """Return a text as one line of at most `most` characters, without invisible characters and without
-    control characters for the writing direction.
+    control characters, such as those that change the writing direction.
     """
     cut = text[: most + 1]
     shown = "".join(one if one.isprintable() else " " for one in cut).strip()

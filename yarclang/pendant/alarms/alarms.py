@@ -1,5 +1,5 @@
-"""The alarms of a pendant, raised by the coordinator's events and stored in the pendant's file. Nothing here
-waits for a disk.
+"""The alarms of a pendant, raised by the coordinator's events and stored in the pendant's database file.
+Nothing here waits for a disk.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _LOOKED_EACH = 0.5
 """Time between two checks of motors, guard and audit trail [s]."""
 
 _TOGETHER, _AGAIN = 0.1, 20.0
-"""Time within which alarms are written in one transaction, and time after which a failed write is repeated
-[s].
+"""Time within which changed alarms are collected and written in one transaction, and time after which a
+failed write is repeated [s].
 """
 
 _MOST_AT_ONCE = 1000
@@ -35,19 +35,20 @@ class Alarms:
     """The alarms of a pendant.
 
     Args:
-        database: the file that keeps the alarms.
-        showing: the robot's last known state.
+        database: database in which the alarms are stored.
+        showing: last known state of the robot.
         audit: returns the reason why the audit trail can't be written; empty if it can be.
-        wall: the time of day [s].
+        wall: returns the time of day [s].
 
     Attributes:
         book: all alarms.
-        trouble: reason why alarms can't be written and exist only in memory; empty if they are written.
-        low: returns a text about the little room left on the disk; empty if there is enough. Called twice a
-            second, so it must not wait for a disk.
+        trouble: reason why the alarms exist only in memory, because the database can't be written; empty if
+            it can be.
+        low: function that returns a warning if little space is left on the disk; empty if there is enough.
+            Called twice a second, so it must not wait for a disk.
 
     Raises:
-        Trouble: the file can't be used.
+        Trouble: the database can't be used.
     """
 
     def __init__(
@@ -78,8 +79,8 @@ class Alarms:
     # events and checks
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Handle an event of the coordinator. The shown state of the robot must already include this
-        event.
+        """Handle an event of the coordinator. Call this after `showing`, the robot's last known state, has
+        been updated by the same event.
         """
         if isinstance(event, events.StateChanged):
             found = told.of_state(event.state, event.why, event.code, event.help)

@@ -9,30 +9,32 @@ from heapq import merge
 from yarclang.pendant.alarms.alarm import Alarm, Raised, Source, Stood
 
 MOST = 10_000
-"""Most alarms that are stored. The oldest are removed, except those that still hold."""
+"""Most alarms that are stored. The oldest are removed, except those whose fault is still present."""
 
 AGAIN = 60.0
 """Time within which a repeated alarm is counted instead of listed again [s]."""
 
 _INCIDENT = 2.0
-"""Time after a fault within which the end of a program is attributed to the fault [s]."""
+"""If a program ends within this time after a fault, the end is attributed to the fault [s]; it raises no
+alarm of its own.
+"""
 
 _NOWHERE = Stood()
 
 _MOST_OF_SOURCE = 100
-"""Most alarms of one source that can hold at the same time; further ones are ignored."""
+"""Most alarms of one source whose faults are present at the same time; further ones are ignored."""
 
 
 class Book:
     """All alarms of a pendant.
 
     Args:
-        kept: earlier alarms, in any order.
-        most: largest number of alarms to keep.
+        stored: earlier alarms from the database, in any order.
+        most: largest number of alarms that are stored.
 
     Attributes:
         version: number that changes whenever an alarm changes.
-        changed: numbers of alarms that were changed or removed but not yet written to the file.
+        changed: numbers of alarms that were changed or removed since they were last written to the database.
     """
 
     def __init__(self, stored: Iterable[Alarm] = (), most: int = MOST) -> None:
@@ -51,12 +53,12 @@ class Book:
     # causes
 
     def happened(self, raised: Raised, stood: Stood, now: float) -> None:
-        """Record a fault that is an event.
+        """Record a fault that an event reports, such as the end of a program with an error.
 
         Args:
-            raised: the cause.
+            raised: cause of the alarm.
             stood: the state of the robot.
-            now: the time of day [s].
+            now: time of day [s].
         """
         raised = raised.cleaned()
         if not self._tells_of_known(raised, stood, now):
@@ -65,13 +67,14 @@ class Book:
     def holding(
         self, source: Source, causes: Iterable[Raised], stood: Callable[[], Stood], now: float
     ) -> None:
-        """Update the alarms of a source to those that hold now. Alarms that are no longer found end.
+        """Replace the present faults of a source. New faults raise alarms; alarms of the source whose fault
+        is no longer present end.
 
         Args:
-            source: the origin of the alarms.
-            causes: causes that hold now.
-            stood: returns the state of the robot.
-            now: the time of day [s].
+            source: origin of the alarms.
+            causes: causes of all faults that are present now.
+            stood: function that returns the state of the robot.
+            now: time of day [s].
         """
         holding = {
             self._alarms[one].raised.key: one
@@ -92,8 +95,8 @@ class Book:
             self._put(replace(self._alarms[number], ended=now))
 
     def _tells_of_known(self, raised: Raised, stood: Stood, now: float) -> bool:
-        """Return True if a cause is the fault that the robot's state has just reported. In this case its
-        details are added to that alarm.
+        """Return True if a cause repeats the fault that the robot's state has just reported. Then the
+        details of the cause are added to the alarm of that fault.
         """
         alarm_before = self._alarms.get(self._state)
         if alarm_before is None or not (alarm_before.holds or alarm_before.last >= now - _INCIDENT):
@@ -162,7 +165,7 @@ class Book:
         Args:
             numbers: numbers of the alarms.
             by: name of the user.
-            now: the time of day [s].
+            now: time of day [s].
         """
         found = self.unacknowledged(numbers)
         for number in found:
@@ -179,7 +182,7 @@ class Book:
         return self._alarms.get(number)
 
     def open(self) -> Iterator[Alarm]:
-        """Yield the alarms that hold or aren't acknowledged, newest first."""
+        """Yield the alarms whose fault is present or that aren't acknowledged, newest first."""
         read = sorted((one for one in self._holding if one not in self._unread), reverse=True)
         for number in merge(reversed(self._unread), read, reverse=True):
             yield self._alarms[number]
@@ -190,8 +193,8 @@ class Book:
         return len(self._unread) + sum(one not in self._unread for one in self._holding)
 
     def past(self, before: int | None = None) -> Iterator[Alarm]:
-        """Yield the alarms that are no longer open, newest first; with `before`, only those with smaller
-        numbers.
+        """Yield the alarms that are no longer open, newest first. With `before`, yield only alarms with
+        smaller numbers.
         """
         for number in reversed(self._alarms):
             if not self._alarms[number].is_open and (before is None or number < before):
@@ -202,8 +205,8 @@ class Book:
         return tuple(reversed(self._alarms.values()))
 
     def foremost(self) -> Alarm | None:
-        """Return the most important alarm: the newest one that isn't acknowledged, otherwise the newest that
-        holds.
+        """Return the most important alarm: the newest one that isn't acknowledged, otherwise the newest
+        one whose fault is still present; None if there is neither.
         """
         newest = next(reversed(self._unread), None) or max(self._holding, default=None)
         return None if newest is None else self._alarms[newest]

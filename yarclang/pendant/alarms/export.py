@@ -14,13 +14,15 @@ _HEAD = (
     *("what", "remedy", "source", "program", "line", "command", "joints", "owner"),
 )
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "|", "%")
-"""Characters with which formulas begin in spreadsheets. A quotation mark is put before them, so that the cell
-is a text.
+"""Characters with which formulas begin in spreadsheet programs. An apostrophe is put before a cell that
+begins with one, so that the cell is read as text.
 """
 
 
 def as_csv(alarms: Iterable[Alarm]) -> str:
-    """Return alarms as CSV, one row each, with times in UTC. No cell can be read as a formula."""
+    """Return alarms as CSV, one row each, with times in UTC. Cells that a spreadsheet program would read
+    as formulas are marked as text.
+    """
     csv_text = io.StringIO()
     writer = csv.writer(csv_text, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
     writer.writerow(_HEAD)

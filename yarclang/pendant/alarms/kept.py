@@ -1,4 +1,6 @@
-"""Table of alarms. Each function takes a connection and is called as one transaction (`Database.call`)."""
+"""Database table of alarms. Each function takes a database connection; call it through `Database.call`, as
+one transaction.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ _COLUMNS = "number, time, last, count, ended, acknowledged, by, source, code, wh
 
 
 def kept_alarms(connection: sqlite3.Connection, most: int) -> tuple[Alarm, ...]:
-    """Return at most `most` alarms, the newest ones. Rows that can't be read are left out."""
+    """Return the newest alarms in the database, at most `most`. Table rows that can't be read are left
+    out.
+    """
     rows = connection.execute(
         f"SELECT {_COLUMNS} FROM alarms ORDER BY number DESC LIMIT ?",
         (most,),
@@ -50,7 +54,7 @@ def _alarm(row: tuple[Any, ...]) -> Alarm:
 
 
 def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], removed: Iterable[int]) -> None:
-    """Write alarms and delete removed ones.
+    """Write alarms to the database, and delete those that were removed.
 
     Args:
         connection: connection to the database.

@@ -1,6 +1,7 @@
-"""Conversion of the coordinator's reports to alarms. No I/O.
+"""Conversion of reports from the coordinator, the process that drives the robot, to alarms. No I/O.
 
-Stops, holds and releases of a jog button that a user has ordered raise no alarm: they are in the audit trail.
+Stops, holds and releases of a jog button raise no alarm if a user has ordered them; they are in the audit
+trail.
 """
 
 from __future__ import annotations
@@ -21,13 +22,13 @@ _FAILED = {"amplifier fault", "fatal following error", "stopped on limit"}
 def of_state(
     state: State, reason: str, code: str | None = None, help_: str | None = None
 ) -> tuple[Raised, ...]:
-    """Return the causes of alarms that a state reports.
+    """Return the causes of the alarms that follow from the robot's state; empty if nothing is wrong.
 
     Args:
         state: state of the robot.
-        reason: reason for the state.
-        code: code of the finding.
-        help_: the remedy.
+        reason: reason for the state, in words.
+        code: code of the finding that led to the state; None if there is none.
+        help_: what the user should do; None if unknown.
     """
     if state in (State.FAULT, State.DISCONNECTED):
         missing = LOST if state is State.DISCONNECTED else ""
@@ -49,12 +50,12 @@ def of_event(event: events.BaseEvent) -> Raised | None:
 
 
 def of_motors(motors: Sequence[replies.MotorHealth], reason: str) -> tuple[Raised, ...]:
-    """Return alarms for motors that have failed, except those that the state names already. Motors that are
-    open-loop because another motor failed are left out.
+    """Return the causes of alarms for motors that have failed, except motors that the reason for the robot's
+    state names already. Motors that are open-loop because another motor failed are left out.
 
     Args:
         motors: last known state of the motors.
-        reason: reason for the robot's state.
+        reason: reason for the robot's state, in words.
     """
     failed = (one for one in motors if one.trouble and _FAILED & set(one.flags))
     found = (f"motor {one.number}: {one.trouble}" for one in failed)
@@ -63,7 +64,7 @@ def of_motors(motors: Sequence[replies.MotorHealth], reason: str) -> tuple[Raise
 
 
 def of_guard(health: replies.Health | None, state: State) -> tuple[Raised, ...]:
-    """Return an alarm if the robot may move although the guard PLC isn't known to work."""
+    """Return the cause of an alarm if the robot may move although it isn't known that the guard PLC works."""
     if health is None or health.guard or state in (State.FAULT, State.DISCONNECTED):
         return ()
     what = "the guard PLC isn't known to work: a robot whose computer falls silent may run on"
@@ -78,8 +79,8 @@ def of_trail(trouble: str) -> tuple[Raised, ...]:
 
 
 def of_disk(low: str) -> tuple[Raised, ...]:
-    """Return an alarm if the disk is nearly full; `low` is a text about the little room left, empty if there
-    is enough.
+    """Return the cause of an alarm if the disk is nearly full. `low` is the warning about the disk, empty
+    if it has enough space.
     """
     return (
         (Raised("disk", low, "", "make room on the disk: logs of runs can be deleted on the page Files"),)

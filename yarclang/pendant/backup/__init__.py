@@ -1,3 +1,3 @@
-"""Backups of the project: writing a zip, checking a zip before it is unpacked, and listing the changes that a
-restore would make.
+"""Backups of the project: writing a backup as a zip, checking an uploaded zip before it is unpacked, and
+listing the changes that its restore would make.
 """

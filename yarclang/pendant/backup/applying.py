@@ -1,5 +1,5 @@
-"""Restore of a backup. Files that will be replaced or removed are saved first; then each file is replaced as
-a whole.
+"""Restore of a backup. The project's files that will be replaced or removed are saved first. Then each
+file is replaced as a whole.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ class Applied:
     """Result of a restore.
 
     Attributes:
-        written: files that were written.
-        removed: files that were removed.
-        undo: number of the backup that undoes the restore; empty if nothing was replaced or created.
+        written: files of the project that were created or replaced.
+        removed: files of the project that were removed.
+        undo: number in the trash of the backup that undoes the restore; empty if the restore has changed
+            nothing.
     """
 
     written: tuple[str, ...]
@@ -41,16 +42,16 @@ def apply(
 
     Args:
         folder: folder of the project.
-        handle: handle of the open zip.
-        backup: the backup, after its check.
-        digest: digest of the plan that the user has seen.
+        handle: file descriptor of the open zip.
+        backup: content of the zip, which has been checked.
+        digest: digest of the list of changes that the user has seen.
         user: user who restores the backup.
-        about: head of the list of saved files.
-        remove: True to remove files that the backup doesn't have.
+        about: data about yarclang and the robot for the backup of the saved files.
+        remove: True to remove files of the project that were created after the backup.
 
     Raises:
-        Trouble: the project has changed since, there is no room, or a file can't be written. The message
-            names the changes made so far, and how to undo them.
+        Trouble: the project has changed since the user saw the list, the disk has too little space, or a file
+            can't be written. If files were changed already, the message tells how many, and how to undo this.
     """
     with folder.unchanged():
         plan = plan_of(folder, backup)
@@ -90,8 +91,8 @@ def _check_room(folder: ProjectFolder, plan: Plan, backup: Judged, removed: tupl
 
 
 def _keep_old(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
-    """Save the files that will be replaced or removed in the trash, as a backup of their own. Return its
-    number.
+    """Save the files that will be replaced or removed as a backup in the trash. Return the number of this
+    backup in the trash; empty if the restore changes nothing.
     """
     if not plan.new and not plan.changed and not removed:
         return ""

@@ -1,4 +1,6 @@
-"""Backups and restores by users: rights, audit trail, and the one upload that can wait to be restored."""
+"""Backups and restores by users: rights, audit trail, and the single uploaded backup that can wait to be
+restored.
+"""
 
 from __future__ import annotations
 
@@ -48,9 +50,10 @@ class Upload:
     Attributes:
         number: number of the upload.
         session: id of the session that has uploaded it.
-        handle: handle of a file without a name; closed when the upload isn't needed any more.
-        backup: its content, after the check.
-        plan: changes that its restore would make.
+        handle: descriptor of the uploaded file, which has no name; closed when the upload isn't needed any
+            more.
+        backup: content of the zip, which has been checked.
+        plan: changes that a restore of this backup would make.
         size: size of the zip [bytes].
     """
 
@@ -69,8 +72,9 @@ class Backups:
         accounts: accounts of the pendant.
         folder: folder of the project.
         robot: robot of the project.
-        data: folder of the pendant, for uploads.
-        doing: returns what the robot is executing; empty if it rests.
+        data: the pendant's own folder, in which uploads are stored.
+        doing: returns the name of the program or motion that the robot is executing; empty if the robot
+            rests.
     """
 
     def __init__(
@@ -99,8 +103,9 @@ class Backups:
             logs: True to include logs of runs.
 
         Returns:
-            The pieces of the backup (compute each in a thread), a function that must be called with the
-            outcome at the end, and the name of the backup.
+            Three values: a generator of the zip's bytes (compute each piece in a thread), a function that
+                must be called at the end with a text about the outcome (empty after success), and the file
+                name of the backup.
 
         Raises:
             Trouble: the project is too large, or too many backups are being made.
@@ -132,12 +137,12 @@ class Backups:
         return zipped(self.folder, selection, about), ended, f"{self.robot.name} {stamp}.zip"
 
     def about(self) -> About:
-        """Return the head of the list for a backup that is made now."""
+        """Return the data about yarclang and the robot for a backup that is made now."""
         now = datetime.now(UTC).isoformat(timespec="seconds")
         return About(__version__, self.robot.name, self.robot.fingerprint, now)
 
     def selection(self) -> Selection:
-        """Return the content of a backup without logs. Slow: call it in a thread.
+        """Return the files that a backup without run logs would contain. This is slow: call it in a thread.
 
         Raises:
             Trouble: the project is too large.
@@ -160,11 +165,12 @@ class Backups:
         Args:
             session: session of the user.
             address: address from which the request came.
-            length: announced length [bytes]; None if there is none.
-            stream: the zip.
+            length: length of the zip that the client announces [bytes]; None if it announces none.
+            stream: the bytes of the zip.
 
         Raises:
-            Trouble: the upload is too large, too slow, or refused, or another one is being received.
+            Trouble: the upload is too large, too slow, or no safe backup, or another upload or restore is
+                running.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -190,10 +196,11 @@ class Backups:
                     os.close(handle)
 
     async def undo(self, session: Session, address: str, number: str) -> Upload:
-        """Load the files that a restore has replaced, as if they had been uploaded.
+        """Prepare to undo a restore: load the backup of the files that it has replaced from the trash, as if
+        this backup had been uploaded.
 
         Raises:
-            Trouble: the files are no longer kept, or a backup is being received.
+            Trouble: the files are no longer in the trash, or an upload or restore is running.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -226,8 +233,8 @@ class Backups:
         return self._waiting is not None and self._waiting.session == session.id
 
     async def waiting(self, session: Session) -> Upload | None:
-        """Return the waiting upload of a session, with the changes that its restore would make now; None if
-        there is none.
+        """Return the session's upload that waits to be restored, with the changes that its restore would
+        make now; None if no upload waits, or another upload or restore is running.
         """
         upload = self._waiting
         if upload is None or upload.session != session.id or self._busy:
@@ -245,16 +252,16 @@ class Backups:
             session: session of a service user who has entered the PIN recently.
             address: address from which the request came.
             number: number of the upload.
-            digest: digest of the plan that the user has seen.
-            remove: True to remove files that the backup doesn't have.
+            digest: digest of the list of changes that the user has seen.
+            remove: True to remove files of the project that were created after the backup.
 
         Returns:
-            The changes, and the files that take effect only after a restart.
+            The changes that were made, and the changed files that the pendant reads only when it starts.
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: the robot is executing something, the project has changed, there is no room, or the disk
-                fails.
+            Trouble: the robot is executing something, the project has changed since the user saw the list,
+                the disk has too little space, or a file can't be written.
         """
         self._accounts.check(session, Role.SERVICE, pin=True)
         self._accounts.used(session)
@@ -292,10 +299,10 @@ class Backups:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Exclude other uploads and restores until the context ends.
+        """Prevent other uploads and restores until the context ends.
 
         Raises:
-            Trouble: another one is running.
+            Trouble: another upload or restore is running.
         """
         if self._busy:
             raise Trouble("another backup is uploaded or restored just now", "wait for its end", "busy")
@@ -326,7 +333,9 @@ class Backups:
                 self.forget()
 
     def _unnamed_file(self, size: int) -> int:
-        """Return the handle of a new file without a name. It disappears when its process ends."""
+        """Return the descriptor of a new file without a name. The file disappears when it is closed or
+        this process ends.
+        """
         try:
             check_room(os.statvfs(self._data), size, "the backup has")
             with tempfile.TemporaryFile(dir=self._data, prefix="restore-") as file:

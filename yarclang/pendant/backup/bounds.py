@@ -1,4 +1,6 @@
-"""Limits on a backup's size. Backups are made within these limits, so that they can be restored."""
+"""Limits on a backup's size. They are respected when a backup is made, so that every backup can be
+restored.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +14,22 @@ MOST_BYTES = 2_000_000_000
 """Largest sum of the sizes of all files [bytes]."""
 
 MOST_ZIP = MOST_BYTES + 64_000_000
-"""Largest zip [bytes]. It is slightly larger than a zip of files that can't be compressed."""
+"""Largest zip [bytes]. This is slightly more than `MOST_BYTES`, because a zip of files that can't be
+compressed is larger than the files.
+"""
 
 RATIO, RATIO_FREE = 200, 200_000_000
-"""All files together may have `RATIO` times the size of the zip plus `RATIO_FREE` [bytes]."""
+"""Limit on compression: all unpacked files together may have at most `RATIO` times the size of the zip,
+plus `RATIO_FREE` [bytes].
+"""
 
 DEEPEST = 50
 """Deepest nesting of folders."""
 
 MANIFEST = ".yarc-backup.jsonl"
-"""Name of the list in a backup. It is a hidden file, so no file of a project can have this name."""
+"""Name of the manifest in a backup, the list of its files. The name is that of a hidden file, so no file
+of a project can have it.
+"""
 
 MOST_MANIFEST = 32_000_000
-"""Longest list [bytes]."""
+"""Longest manifest of a backup [bytes]."""

@@ -22,14 +22,14 @@ from yarclang.runtime.actions import Trouble
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A backup whose check allows it to be unpacked.
+    """A backup that has been checked and is safe to unpack.
 
     Attributes:
-        files: its files, without the list.
-        folders: its folders.
+        files: files of the backup by their paths, without the manifest.
+        folders: folders of the backup.
         hashes: SHA-256 of each unpacked file.
-        manifest: its list; None if it has none.
-        edited: files that differ from the list.
+        manifest: list of the backup's files, from the zip; None if the zip has none.
+        edited: files that differ from their entries in the manifest.
     """
 
     files: dict[str, Entry]
@@ -40,13 +40,13 @@ class Judged:
 
 
 def judged(handle: int) -> Judged:
-    """Check an untrusted zip. All of it is unpacked once, without writing anything to the disk.
+    """Check an untrusted zip. All of its content is unpacked once, without writing anything to the disk.
 
     Args:
-        handle: handle of the open file.
+        handle: descriptor of the open file.
 
     Raises:
-        Trouble: the zip is refused; the message names the entry and the reason.
+        Trouble: the zip is refused; the message names the file in the zip and the reason.
     """
     files: dict[str, Entry] = {}
     folders: list[str] = []
@@ -73,18 +73,20 @@ def judged(handle: int) -> Judged:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Changes that a restore makes.
+    """Changes that the restore of a backup makes in the project.
 
     Attributes:
         new: files that are created.
         changed: files that are replaced.
         same: number of files that are equal in the backup and the project.
-        extra: files of the project that were created after the backup: it would contain them otherwise.
-        folders: folders that are created, except those of files.
+        extra: files of the project that were created after the backup; they are removed only on request.
+        folders: empty folders that are created.
         conflicts: files that prevent the restore, with reasons.
-        known: SHA-256 of the readable files that are replaced or removed.
-        sizes: sizes of all these files [bytes].
-        digest: digest of the whole plan. It changes when the project changes.
+        known: SHA-256 of the project's present files that the backup also contains, by path.
+        sizes: sizes of the new, changed and extra files [bytes], by path: of changed files the larger of old
+            and new size.
+        digest: digest of the changes. It differs if the project has changed in a way that matters to the
+            restore.
     """
 
     new: tuple[str, ...]
@@ -99,8 +101,8 @@ class Plan:
 
 
 def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
-    """Compute the changes that a restore of a backup would make. Every file of the project that may change is
-    read.
+    """Compute the changes that a restore of a backup would make. For this, every file that is both in the
+    project and in the backup is read.
 
     Args:
         folder: folder of the project.
@@ -176,8 +178,8 @@ def _digest(new: list[str], changed: dict[str, str], extra: list[Here], backup: 
 
 
 def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
-    """Return the files that were created after the backup: it would contain them otherwise. Files that can't
-    be backed up are not returned, so a restore doesn't remove them.
+    """Return the files of the project that were created after the backup, which would contain them
+    otherwise. Files that a backup can't contain are not returned, so a restore doesn't remove them.
     """
     names = Names()
     for name in backup.files:
@@ -210,12 +212,12 @@ def _ways(name: str) -> Iterator[str]:
 
 
 class _Project:
-    """The project at the time of a restore. Each folder is read only once, because it may contain thousands
-    of files.
+    """The project at the time of a restore. The result for each folder is remembered, because a folder may
+    contain thousands of files.
 
     Args:
         folder: folder of the project.
-        present: its listed files and folders.
+        present: files and folders of the project, by path.
     """
 
     def __init__(self, folder: ProjectFolder, present: dict[str, Here]) -> None:
@@ -225,12 +227,16 @@ class _Project:
         self._known = {"": ("", True)}
 
     def conflict(self, name: str, *, is_folder: bool = False) -> str:
-        """Return the reason why a file or folder of a backup can't be written; empty if it can be."""
+        """Return the reason why a file or folder of a backup can't be written to the project; empty if it
+        can be.
+        """
         reason, there = self._way(name.rpartition("/")[0])
         return reason or self._step(name, is_folder=is_folder, there=there)
 
     def _way(self, name: str) -> tuple[str, bool]:
-        """Return the reason why nothing can be written in a folder, and True if the folder exists."""
+        """Return two values: the reason why nothing can be written to a folder (empty if files can be
+        written), and True if the folder exists.
+        """
         if name not in self._known:
             reason = self.conflict(name, is_folder=True)
             self._known[name] = reason, name in self._present

@@ -1,8 +1,8 @@
-"""The list in a backup: its files, the robot, the time, and the version of yarclang.
+"""The manifest of a backup: a list of its files, with the robot, the time, and the version of yarclang.
 
 Each line is a JSON value: first the head, then the files, the files that were left out, and the files that
-were absent. A single JSON value of 20,000 files would block the interpreter while it is parsed, and with it
-the loop that streams to the controller.
+didn't exist before a restore. If the manifest of 20,000 files were a single JSON value, parsing it would
+block the Python interpreter, and with it the loop that streams to the controller.
 """
 
 from __future__ import annotations
@@ -24,22 +24,23 @@ FORMAT = 1
 _LONGEST = 16_000
 """Longest line [bytes]."""
 _BREATH = 100
-"""Number of lines after which the thread pauses briefly."""
+"""Number of lines after which the parsing thread pauses briefly, so that it doesn't block other threads."""
 
 _Short = Annotated[str, Field(max_length=1000)]
 
 
 class Head(Message):
-    """The first line of a list.
+    """The first line of a manifest.
 
     Attributes:
-        format: version of the list.
+        format: version of the manifest's format.
         yarclang: version of yarclang.
         robot: name of the robot.
         fingerprint: fingerprint of the robot.
         made: time of the backup, ISO 8601 in UTC.
         logs: True if logs of runs are included.
-        part: True for a backup of what a restore has changed, False for one of the whole project.
+        part: True for a backup of the files that a restore has changed, False for a backup of the whole
+            project.
     """
 
     format: int
@@ -52,7 +53,7 @@ class Head(Message):
 
 
 class ListedFile(Message):
-    """A file of a backup. `changing` is True if the file was being written to while it was read."""
+    """A file of a backup. `changing` is True if the file was changed while it was read for the backup."""
 
     file: _Short
     size: int
@@ -75,13 +76,13 @@ class Absent(Message):
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """The list of a backup.
+    """The list of a backup's files.
 
     Attributes:
-        head: its first line.
+        head: first line, with data about the robot and yarclang.
         files: files in the backup.
         left_out: files that couldn't be included.
-        absent: files that didn't exist before, for a backup of what a restore has changed.
+        absent: files that a restore has created. Only the backup that undoes the restore names them.
     """
 
     head: Head
@@ -90,7 +91,7 @@ class Manifest:
     absent: tuple[str, ...]
 
     def lines(self) -> Iterator[bytes]:
-        """Yield the lines of the list."""
+        """Yield the lines of the manifest."""
         rows = (self.head, *self.files, *self.left_out, *(Absent(absent=one) for one in self.absent))
         for count, one in enumerate(rows):
             if count % _BREATH == _BREATH - 1:
@@ -99,10 +100,10 @@ class Manifest:
 
 
 def manifest_of(text: bytes) -> Manifest:
-    """Parse a list.
+    """Parse a manifest.
 
     Raises:
-        Trouble: the text is no list, or one of another version.
+        Trouble: the text is no manifest, or its format has another version.
     """
     lines = text.split(b"\n")
     if lines and not lines[-1]:

@@ -1,4 +1,6 @@
-"""Names in a backup. Each must be allowed for a new file of the project, and no two names may look alike."""
+"""Check of the file names in a backup. Each name must be allowed for a new file of the project, and no two
+names may look alike.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,15 @@ class Names:
         self._listed: set[str] = set()
 
     def add(self, name: str, *, folder: bool) -> None:
-        """Add a name.
+        """Add the name of a file or folder, and check it.
 
         Args:
-            name: path, without a slash at its end.
-            folder: True if the name is that of a folder.
+            name: path in the backup, without a slash at its end.
+            folder: True for the name of a folder.
 
         Raises:
-            Trouble: a project can't have a file of this name, or it conflicts with an earlier name.
+            Trouble: a project can't have a file of this name, or the name conflicts with one that was added
+                before.
         """
         if _DRIVE.match(name):
             raise Trouble(f"{quoted(name)} begins with the letter of a drive", "", "")

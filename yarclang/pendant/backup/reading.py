@@ -1,9 +1,9 @@
-"""Reader for untrusted zips. Their structure is checked before anything is unpacked, and their contents are
-compared with the directory's claims.
+"""Reader for untrusted zips. The structure of a zip is checked before anything is unpacked, and the unpacked
+files are compared with the sizes and checksums in the zip's directory.
 
 Only the layout that `writing` and common programs produce is accepted: files one after the other without
-gaps, then one directory, then the record at its end. So no two entries can share bytes, no bytes are hidden,
-and the directory agrees with the header of each file.
+gaps, then one directory (the zip's table of contents), then the end record. So no two files can share bytes,
+no bytes are hidden, and the directory agrees with the header of each file.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ _DESCRIBED, _UTF8 = 0x0008, 0x0800
 _ZIP64, _OTHER_NAME = 0x0001, 0x7075
 _PIECE = 1 << 16
 _BREATH = 100
-"""Number of entries after which the thread pauses briefly, so that it doesn't block the loop that streams to
-the controller.
+"""Number of directory entries after which the reading thread pauses briefly, so that it doesn't block the
+loop that streams to the controller.
 """
 _REMEDY = "restore a zip that System > Backup has made, or one made of its files by a common program"
 
@@ -55,13 +55,13 @@ class Entry:
     """A file or folder in a zip.
 
     Attributes:
-        name: path, without a slash at its end.
+        name: path in the zip, without a slash at its end.
         is_folder: True for a folder.
         method: `STORED` or `DEFLATED`.
-        crc: checksum of the content.
+        crc: CRC-32 of the unpacked content.
         packed: size of the content in the zip [bytes].
         size: size of the unpacked content [bytes].
-        begins: offset of the content [bytes].
+        begins: offset of the content in the zip [bytes].
     """
 
     name: str
@@ -75,13 +75,13 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class _Listed:
-    """A row of the directory.
+    """An entry of the zip's directory.
 
     Attributes:
         entry: the file or folder.
-        raw: its name in bytes.
-        flags: general purpose bits of the entry.
-        at: claimed offset of its local header [bytes].
+        raw: name of the file or folder, as the bytes in the zip.
+        flags: general purpose bit flags of the entry.
+        at: offset of the file's local header in the zip, as the directory states it [bytes].
     """
 
     entry: Entry
@@ -96,11 +96,11 @@ def refused(problem: str) -> Trouble:
 
 
 def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
-    """Return the entries of a zip, including the list of a backup.
+    """Check the structure of a zip and return its entries, including the manifest.
 
     Args:
-        handle: handle of the open file.
-        size: size of the file [bytes].
+        handle: descriptor of the open zip.
+        size: size of the zip [bytes].
 
     Raises:
         Trouble: the structure of the zip is wrong; the message names the entry and the reason.
@@ -136,7 +136,7 @@ def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """The directory's bytes, and the number of entries that it claims."""
+    """The bytes of the zip's directory, and the number of entries that the zip's end record states."""
 
     data: bytes
     count: int
@@ -229,8 +229,8 @@ def _check_extra(extra: bytes, raw: bytes) -> None:
 
 
 def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
-    """Return the entries with the offsets of their contents. Check that they fill the zip without gaps from
-    its beginning to the directory.
+    """Return the zip's entries with the offsets of their contents. Check that the entries fill the zip
+    without gaps from the zip's beginning to its directory.
     """
     placed, at = [], 0
     for row in sorted(listed, key=lambda one: one.at):
@@ -279,7 +279,9 @@ def _begins(handle: int, row: _Listed) -> int:
 
 
 def _described(handle: int, row: _Listed, at: int) -> int:
-    """Return the length of the data descriptor after a content. The descriptor repeats checksum and sizes."""
+    """Return the length [bytes] of the data descriptor after the content of a file. The descriptor repeats
+    the checksum and sizes; it is checked.
+    """
     entry = row.entry
     told = struct.pack("<3L", entry.crc, entry.packed, entry.size)
     after = os.pread(handle, 16, at)
@@ -290,14 +292,15 @@ def _described(handle: int, row: _Listed, at: int) -> int:
 
 
 def content(handle: int, entry: Entry) -> Iterator[bytes]:
-    """Yield the content of a file in pieces, never more than its claimed size.
+    """Yield the unpacked content of a file as pieces of bytes. Together they are never more than the size in
+    the zip's directory.
 
     Args:
-        handle: handle of the zip.
-        entry: entry of the zip.
+        handle: descriptor of the open zip.
+        entry: the file in the zip.
 
     Raises:
-        Trouble: the content differs from what the entry claims.
+        Trouble: the content doesn't have the size or checksum that the entry states.
     """
     unpacking = None if entry.method == STORED else zlib.decompressobj(-15)
     at, bytes_left, size, crc = entry.begins, entry.packed, 0, 0

@@ -1,4 +1,6 @@
-"""Writer of backups. It works in pieces: neither a whole file nor the whole zip is ever in memory."""
+"""Writer of backups. It produces the zip as pieces of bytes: neither a whole file nor the whole zip is
+ever in memory.
+"""
 
 from __future__ import annotations
 
@@ -23,17 +25,18 @@ LOGS = ".mcap"
 
 _PIECE = 1 << 18
 _LARGEST_DEFLATED = 32_000_000
-"""Size above which files are stored uncompressed [bytes]; such files are logs and meshes."""
+"""Size above which files are stored uncompressed [bytes]; files of this size are logs and meshes."""
 _MUCH, _RATIO = 50_000_000, 50
-"""Files are compressed only while the sum of their sizes is at most `_MUCH` [bytes] plus `_RATIO` times the
-size of the zip so far. So every backup is within the limits of a restore.
+"""Limit on compression: a file is compressed only if the files before it have together at most `_MUCH`
+[bytes] plus `_RATIO` times the size of the zip so far. So every backup is within the limits that a restore
+checks.
 """
 _EARLIEST = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """Head of a backup's list.
+    """Data about yarclang and the robot for the head of a backup's manifest.
 
     Attributes:
         yarclang: version of yarclang.
@@ -50,16 +53,16 @@ class About:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Content of a backup.
+    """Files that a backup will contain.
 
     Attributes:
         files: files of the project.
         folders: empty folders.
-        left_out: files that can't be included, and why.
+        left_out: files that can't be included, with the reasons.
         logs: True if logs of runs are included.
-        skipped: logs that are left out on request.
-        absent: files that didn't exist before, for a backup of what a restore has changed; None for the whole
-            project.
+        skipped: run logs that are left out on request.
+        absent: files that a restore will create, if this is the backup that undoes it; None for a backup of
+            the whole project.
     """
 
     files: tuple[Entry, ...]
@@ -81,14 +84,14 @@ def is_log(name: str) -> bool:
 
 
 def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
-    """Return the content of a project's backup.
+    """Return the files that a backup of a project will contain.
 
     Args:
         folder: folder of the project.
         logs: True to include logs of runs.
 
     Raises:
-        Trouble: the project exceeds the bounds of a backup.
+        Trouble: the project exceeds the limits on a backup's size.
     """
     entries, cut = folder.entries(MOST_FILES)
     if cut:
@@ -158,17 +161,18 @@ class _Sink:
 def zipped(
     folder: ProjectFolder, selection: Selection, about: About, *, strict: bool = False
 ) -> Generator[bytes]:
-    """Yield the pieces of a backup. This waits for the disk: compute each piece in a thread.
+    """Yield the bytes of a backup's zip, piece by piece. This waits for the disk: compute each piece in a
+    thread.
 
     Args:
         folder: folder of the project.
-        selection: content of the backup. A file that is gone or can't be read is left out and named in the
-            list.
-        about: head of the list.
-        strict: True to refuse a backup in which a file was left out or changed meanwhile.
+        selection: files for the backup. A file that is gone or can't be read is left out, and the manifest
+            says so.
+        about: data about yarclang and the robot for the manifest.
+        strict: True to fail if a file can't be read, or changes while it is read.
 
     Raises:
-        Trouble: `strict` is true, and a file was left out or changed.
+        Trouble: `strict` is true, and a file can't be read or has changed.
     """
     sink = _Sink()
     listed: list[ListedFile] = []
@@ -207,14 +211,15 @@ def zipped(
 def _added(
     folder: ProjectFolder, name: str, archive: zipfile.ZipFile, sink: _Sink, most: int
 ) -> Generator[bytes, None, ListedFile]:
-    """Add a file to a zip. Yield the new bytes of the zip, and return the file's row of the list.
+    """Add a file to a zip. Yield the new bytes of the zip. The generator returns the file's entry for the
+    manifest.
 
     Args:
         folder: folder of the project.
         name: path of the file in the project.
         archive: the zip.
         sink: output to which the zip is written.
-        most: size up to which the file is read [bytes].
+        most: number of bytes at which reading of the file stops.
     """
     with folder.opened(name) as (handle, status, _):
         info = _info(name, stat.S_IFREG | 0o644, moment(status.st_mtime))

@@ -1,1 +1,3 @@
-"""Calibration at the pendant: the touches of a session, their results, and writing results to files."""
+"""Calibration at the pendant: the robot's positions that a user records at touched points or at joint
+marks, the result that follows from them, and writing the result to a file.
+"""

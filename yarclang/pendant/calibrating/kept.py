@@ -1,4 +1,4 @@
-"""Running calibrations: one for each session, with its touches."""
+"""Running calibrations: at most one for each session, with the robot's recorded positions (touches)."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 @dataclass(slots=True, eq=False)
 class Calibration:
-    """A calibration of a session.
+    """A running calibration of one session.
 
     Attributes:
         user: name of the user.
-        touching: the touches and their result.
-        tool: the frame that touches, in braces; empty if there is none.
+        touching: recorded positions of the robot, and the result that follows from them.
+        tool: name of the tool frame that touches, in braces; empty for a calibration without one.
         version: number that changes whenever the calibration changes.
     """
 
@@ -53,11 +53,11 @@ KINDS: dict[type[Touching], str] = {TipTouching: "tip", FrameTouching: "frame", 
 
 
 class Calibrations:
-    """The calibrations of all sessions.
+    """The running calibrations of all sessions.
 
     Args:
-        robot: the robot that touches.
-        watched: present state of the robot.
+        robot: the robot that is calibrated.
+        watched: shared client of the coordinator, which knows the robot's state.
     """
 
     def __init__(self, robot: Robot, watched: Watched) -> None:
@@ -75,7 +75,7 @@ class Calibrations:
         return max(self._kept.values(), key=lambda one: one.version, default=None)
 
     def forget(self, session: str) -> None:
-        """Forget the calibration of a session, by its id."""
+        """Forget the calibration of the session with this id."""
         self._kept.pop(session, None)
 
     def going_on(self, session: Session, version: int) -> Calibration:
@@ -86,7 +86,7 @@ class Calibrations:
             version: version that the page shows.
 
         Raises:
-            Trouble: there is no calibration, or it has changed.
+            Trouble: the session has no calibration, or it has changed since the page showed it.
         """
         calibration = self._kept.get(session.id)
         if calibration is None:
@@ -101,10 +101,11 @@ class Calibrations:
 
         Args:
             session: session of the user.
-            request: kind and parameters.
+            request: kind of the calibration, with its parameters.
 
         Raises:
-            Trouble: a calibration is running already, or a name is unknown.
+            Trouble: the session already has a calibration with touches, which the request (`anew`) doesn't
+                replace; or the request names an unknown joint or frame.
         """
         requested, tool = request.calibration, ""
         match requested:
@@ -129,8 +130,8 @@ class Calibrations:
         """Record the robot's present position as a touch.
 
         Raises:
-            Trouble: the robot moves or isn't referenced, there are too many touches, or the calibration was
-                changed meanwhile.
+            Trouble: the robot moves or isn't referenced, its position equals that of another touch, there are
+                too many touches, or the calibration was changed meanwhile.
         """
         calibration = self.going_on(session, request.version)
         count_before = len(calibration.touching.joints)
@@ -152,7 +153,8 @@ class Calibrations:
         """Remove a touch.
 
         Raises:
-            Trouble: there is no such touch, it has to stay, or the calibration was changed meanwhile.
+            Trouble: there is no such touch, a later touch would take its role, or the calibration was changed
+                meanwhile.
         """
         calibration = self.going_on(session, request.version)
         _check_there(request.at, len(calibration.touching.joints))
@@ -164,11 +166,12 @@ class Calibrations:
         return calibration
 
     def _motors(self, touching: Touching) -> Collection[int] | None:
-        """Return the motors that must be referenced; None for all. For a calibration of motor offsets, these
-        are the motors on which the calibrated joints depend.
+        """Return the motors that must be referenced for a touch; None for all motors. For a calibration of
+        motor offsets, these are the motors that move the calibrated joints, directly or through coupled
+        joints.
 
-        The offset of a motor follows from its own count and from the positions of all joints that it moves.
-        So an unreferenced motor of another joint doesn't matter.
+        The offset of a motor follows from the motor's encoder count and from the positions of all joints that
+        the motor moves. So an unreferenced motor of another joint doesn't matter.
         """
         if not isinstance(touching, HomeTouching):
             return None
@@ -183,8 +186,8 @@ class Calibrations:
             joints = more
 
     def _check_new(self, touching: Touching, joints: Array, at: int | None) -> None:
-        """Check that the robot's position differs from those of the other touches. Only marks may be visited
-        repeatedly.
+        """Check that the robot's position differs from those of the other touches. In a calibration of
+        motor offsets it needn't, because the joints go to their marks repeatedly.
         """
         if isinstance(touching, HomeTouching):
             return
@@ -238,7 +241,7 @@ _SAME = 1e-6
 
 
 def plain_name(any_name: str) -> str:
-    """Return a frame's name in upper case, without braces.
+    """Return the name of a frame, as typed by a user, in upper case and without braces.
 
     Raises:
         Trouble: the name isn't allowed for a frame.
@@ -251,7 +254,7 @@ def plain_name(any_name: str) -> str:
 
 
 def tip_name(wanted: str) -> str:
-    """Return the name of a tool's frame.
+    """Return the name of a tool frame, as typed by a user, in upper case and without braces.
 
     Raises:
         Trouble: the name isn't allowed for a tool.

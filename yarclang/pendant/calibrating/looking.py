@@ -1,5 +1,5 @@
-"""Offers of motions to inspect a result before it is written. They are planned and proved like other
-motions.
+"""Motions with which the user inspects the result of a calibration before it is written to a file. They
+are planned and proved like other motions.
 """
 
 from __future__ import annotations
@@ -17,24 +17,27 @@ from yarclang.transforms import turn_about
 from yarclang.units import DEG, MM
 
 _NAME = "CALIBRATION_LOOK"
-"""Name of the result's frame. It is declared only in the block of the offer, so the session doesn't have it
-afterwards.
+"""Name of the frame with the result. It is declared inside the block with the motion, so it doesn't exist
+in the session after the block.
 """
 _SHARE = "10%"
-"""Share of the robot's limits for these motions: as slow as the approach to a program's start."""
+"""Speed of these motions as a share of the robot's limits: as slow as the approach to a program's start."""
 _SHORT = 5.0 * MM
-"""Distance of a tip from the flange below which the tool's side of the touched point isn't known."""
+"""Distance [m] between tip and flange below which the direction from one to the other is too uncertain to
+tell on which side of a touched point or plane the tool is.
+"""
 
 
 def look(calibration: Calibration, request: LookCalibration) -> LookText:
-    """Return the program text of a motion to a place at which the user can check the result.
+    """Return the program text of a motion that brings the tip near a touched point, where the user can check
+    the result.
 
     Args:
         calibration: a calibration that has a result.
-        request: the requested place.
+        request: number of the touched point, and the distance from it.
 
     Raises:
-        Trouble: there is no result, or no such place.
+        Trouble: there is no result or no such touch, or the result can't be checked by a motion.
     """
     touching = calibration.touching
     if request.at is not None and request.at >= len(touching.joints):

@@ -1,5 +1,5 @@
-"""Conversion of a calibration to a message for pages: its touches, their residuals, and the uncertainty of
-the result.
+"""Conversion of a calibration to a message for pages: its recorded positions (touches), their residuals,
+and the uncertainty of the result.
 """
 
 from __future__ import annotations
@@ -27,9 +27,13 @@ from yarclang.units import DEG, MM
 
 _FEWEST_VISITS = 3
 _BELOW = 0.975
-"""Quantile of the reported bound: 95 of 100 errors are within it, since it is used on both sides."""
+"""Quantile of Student's t distribution for the reported error bound. It is used on both sides, so 95 of 100
+errors are within the bound.
+"""
 _EXACT = 1e-3
-"""Residuals below this are treated as exact; none of them is marked as the worst [mm or deg]."""
+"""Largest residual that counts as exact [mm or deg]. No touch with a smaller residual is marked as the
+worst one.
+"""
 
 
 def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
@@ -37,7 +41,7 @@ def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
 
     Args:
         calibration: calibration to show; None if none is running.
-        mine: True if it belongs to the session that asks.
+        mine: True if the calibration belongs to the session that asks.
     """
     if calibration is None:
         return CalibrationShown(
@@ -215,7 +219,9 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
 
 
 def _flange_moves(touching: HomeTouching, joint: int, by: float) -> float:
-    """Return the displacement of the flange [m] at the marks for an error of a joint [rad or m]."""
+    """Return how far the flange moves [m] if a joint has an error [rad or m] while the joints are at their
+    marks.
+    """
     there = np.mean(touching.joints, axis=0)
     off = there.copy()
     off[joint] += by
@@ -231,7 +237,9 @@ def _direction(direction: Array) -> str:
 
 
 _ALONG = 0.985
-"""Cosine to an axis above which a direction is named after it: within 10 deg."""
+"""Cosine of the angle between a direction and a coordinate axis, above which the direction is named after
+the axis: within 10 deg.
+"""
 
 
 def _length(value: float) -> str:

@@ -1,5 +1,5 @@
-"""Changed texts of files with the result of a calibration: robot.toml, cell.toml or a program. Each text is
-checked with the ordinary reader of its file.
+"""Texts of robot.toml, cell.toml or a program into which the result of a calibration has been put. Each
+text is checked by reading it with the ordinary reader of its file.
 """
 
 from __future__ import annotations
@@ -37,21 +37,22 @@ CELL = "the coordinator reads the cell again by itself; programs that are loaded
 PROGRAM = "load the program again"
 
 _NEAR = 5e-6
-"""Largest rounding error that is accepted when the text is read back [m, and entries of rotation matrices].
+"""Largest rounding error of a pose that is accepted when the changed text is read back [m, and entries of
+rotation matrices].
 """
 _OFFSET = 0.006
-"""Largest rounding error of offsets that is accepted [counts]."""
+"""Largest rounding error of motor offsets that is accepted when the changed text is read back [counts]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """A text with the result.
+    """The text of a file into which the result of a calibration has been put.
 
     Attributes:
-        text: the whole file.
+        text: text of the whole file.
         what: description of the change.
-        then: action that makes the change effective, in words.
-        findings: findings of the file's reader.
+        then: what the user must do so that the change takes effect, in words.
+        findings: findings of the reader of the file in the changed text.
     """
 
     text: str
@@ -61,17 +62,17 @@ class Made:
 
 
 def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, *, replace: bool) -> Made:
-    """Return a robot.toml with a tool's tip or the motors' offsets.
+    """Return the text of robot.toml with the calibrated tip of a tool or offsets of motors.
 
     Args:
-        source: the present text.
-        place: path of the file.
-        robot: robot as the pendant has loaded it.
-        touching: touches that have a result.
-        replace: True if an existing frame of this name may be replaced.
+        source: present text of robot.toml.
+        place: path of robot.toml.
+        robot: robot as the pendant loaded it at its start.
+        touching: recorded positions, and the result that follows from them.
+        replace: True if an existing frame of the same name may be replaced.
 
     Raises:
-        Trouble: the text can't hold the result.
+        Trouble: the result can't be put into this text.
     """
     before = read_robot(source, place.parent)
     if before.value is None:
@@ -135,18 +136,18 @@ def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touch
 def in_cell(
     source: SourceFile, place: Path, robot: Robot, touching: Touching, parent: str, *, replace: bool
 ) -> Made:
-    """Return a cell.toml with a frame. An existing frame keeps its parent.
+    """Return the text of cell.toml with the calibrated frame. A frame that exists already keeps its parent.
 
     Args:
-        source: the present text.
-        place: path of the file.
+        source: present text of cell.toml.
+        place: path of cell.toml.
         robot: robot of the cell.
-        touching: touches that have a result.
-        parent: parent of a new frame: one of the cell's stationary frames, or B.
-        replace: True if an existing frame of this name may be replaced.
+        touching: recorded positions, and the result that follows from them.
+        parent: frame in which a new frame is declared: one of the cell's stationary frames, or B.
+        replace: True if an existing frame of the same name may be replaced.
 
     Raises:
-        Trouble: the text can't hold the result.
+        Trouble: the result can't be put into this text.
     """
     if not isinstance(touching, FrameTouching) or touching.value is None:
         raise Trouble(
@@ -166,17 +167,17 @@ def in_cell(
 
 
 def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching, *, replace: bool) -> Made:
-    """Return a program with a FRAME line among its declarations.
+    """Return the text of a program with a FRAME line for the calibrated frame among its declarations.
 
     Args:
-        source: the present text.
-        place: path of the file.
+        source: present text of the program.
+        place: path of the program.
         robot: robot of the program.
-        touching: touches that have a result.
-        replace: True if an existing FRAME line of this name may be replaced.
+        touching: recorded positions, and the result that follows from them.
+        replace: True if an existing FRAME line for the same name may be replaced.
 
     Raises:
-        Trouble: the text can't hold the result.
+        Trouble: the result can't be put into this text.
     """
     pose, parent = np.eye(4), "FLANGE"
     if isinstance(touching, TipTouching) and touching.value is not None:

@@ -1,5 +1,5 @@
-"""Writing of a calibration's result to a file: the new text is proposed first, then written; the old file is
-saved.
+"""Writing of a calibration's result to a file. The new text is first proposed to the user, then written;
+the old version of the file is saved.
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ from yarclang.runtime.actions import Trouble
 from yarclang.source import SourceFile
 
 ROLES = {"robot": Role.SERVICE, "cell": Role.SERVICE, "program": Role.PROGRAMMER}
-"""Role that is required for writing to each kind of file. Robot and cell files require the PIN as well."""
+"""Role that a user needs to write a result to each kind of file. For robot and cell files the user needs
+the PIN as well.
+"""
 
 _MOST = 2_000_000
 """Longest robot or cell file that is changed [bytes]."""
@@ -37,13 +39,13 @@ _SUFFIX = ".yarc"
 
 
 class Writing:
-    """Writer of results.
+    """Writer of calibration results.
 
     Args:
         robot: robot that was calibrated.
-        watched: knows the session's cell and its frames.
+        watched: client of the coordinator, which knows the session's cell and its frames.
         files: files of the project.
-        kept: the calibrations.
+        calibrations: running calibrations of all sessions.
     """
 
     def __init__(self, robot: Robot, watched: Watched, files: Filing, calibrations: Calibrations) -> None:
@@ -53,10 +55,10 @@ class Writing:
         self._kept = calibrations
 
     async def propose(self, session: Session, request: ProposeCalibration) -> CalibrationProposal:
-        """Return the text that would be written, without writing it.
+        """Return the text of a file with the result, without writing it.
 
         Raises:
-            Trouble: there is no result, or it can't be written to that file.
+            Trouble: there is no result, or it can't be put into that file.
         """
         calibration = self._result(session, request)
         place, file = await self._place(request)
@@ -91,7 +93,7 @@ class Writing:
         Args:
             session: session of the user.
             address: address from which the request came.
-            request: the proposal, and the hash of the text that was shown.
+            request: file for the result, and the hash of the proposed text that the user has seen.
 
         Raises:
             Trouble: the file has changed meanwhile, or the result can't be written to it.
@@ -121,8 +123,8 @@ class Writing:
         return found
 
     async def _place(self, request: ProposeCalibration) -> tuple[Path, str | None]:
-        """Return the file for the result, and its path in the project; None for the path if it is outside of
-        the project.
+        """Return two values: the absolute path of the file for the result, and the file's path in the
+        project (None if the file is outside of the project).
         """
         folder = self._files.folder
         if request.to == "program":
@@ -143,7 +145,7 @@ class Writing:
         return place, inside
 
     async def _check_free(self, calibration: Calibration, request: ProposeCalibration) -> None:
-        """Check that no other frame of the cell or the robot has this name."""
+        """Check that no frame of the cell or the session already has the name of a new tool in robot.toml."""
         name = calibration.touching.name
         if request.to == "robot" and calibration.kind == "tip" and name not in self._robot.flange_from_frame:
             frames = (await self._watched.attached.ask(orders.AskFrames())).frames
@@ -170,7 +172,7 @@ def _text(folder: ProjectFolder, file: str) -> tuple[str, str]:
 
 
 def _read(place: Path) -> str:
-    """Return the text of a file outside of the project that describes the pendant's own robot."""
+    """Return the text of a robot.toml or cell.toml outside of the project."""
     try:
         with place.open("rb") as file:
             return file.read(_MOST).decode("utf-8")

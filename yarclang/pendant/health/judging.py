@@ -1,5 +1,5 @@
-"""Rating of measured numbers as good, a warning, or bad, with the threshold, its reason, and a remedy. No
-I/O.
+"""Rating of measured numbers about the pendant's computer as good, warning or bad. Each rating names its
+thresholds, their reason, and a remedy. No I/O.
 """
 
 from __future__ import annotations
@@ -15,43 +15,47 @@ Level = Literal["good", "warning", "bad", "unknown", "plain"]
 
 _GIGA, _MEGA = 1e9, 1e6
 FREE_WARNING, FREE_BAD = 2e9, 0.5e9
-"""Free space of a disk below which there is a warning, and below which it is rated bad [bytes]."""
+"""Free space of a disk below which its rating is a warning, and below which it is bad [bytes]."""
 DAYS_WARNING, DAYS_BAD = 14.0, 2.0
-"""Time until a disk is full below which there is a warning, and below which it is rated bad [days]."""
+"""Time until a disk is full, at the present growth of the run logs, below which the rating is a warning,
+and below which it is bad [days].
+"""
 MEMORY_WARNING, MEMORY_BAD = 0.15, 0.05
-"""Available share of the computer's memory below which there is a warning, and below which it is rated bad.
+"""Available memory of the computer, as a share of all its memory, below which the rating is a warning, and
+below which it is bad.
 """
 OWN_WARNING, OWN_BAD = 1.5e9, 3e9
-"""Memory of this process above which there is a warning, and above which it is rated bad [bytes]."""
+"""Memory of the pendant's process above which the rating is a warning, and above which it is bad [bytes]."""
 LOAD_WARNING, LOAD_BAD = 0.8, 1.5
-"""Load per processor above which there is a warning, and above which it is rated bad."""
+"""Load of the computer per processor above which the rating is a warning, and above which it is bad."""
 LAG_WARNING, LAG_BAD = 0.05, 0.2
-"""Delay of the event loop above which there is a warning, and above which it is rated bad [s]."""
+"""Delay of the process's event loop above which the rating is a warning, and above which it is bad [s]."""
 SILENCE_WARNING, SILENCE_BAD = 0.25, 0.6
-"""Time of the controller's slowest reply above which there is a warning, and above which it is rated bad, as
-a share of the silence after which the controller holds.
+"""Time of the controller's slowest reply above which the rating is a warning, and above which it is bad.
+Both are shares of the controller's timeout, the silence after which the controller stops the robot.
 """
 LOGS_WARNING, LOGS_BAD = 10e9, 50e9
-"""Size of all run logs above which there is a warning, and above which it is rated bad [bytes]."""
+"""Size of all run logs above which the rating is a warning, and above which it is bad [bytes]."""
 TRAIL_WARNING, TRAIL_BAD = 0.5e9, 2e9
-"""Size of the file of users, audit trail and alarms above which there is a warning, and above which it is
-rated bad [bytes].
+"""Size of the database with users, audit trail and alarms above which the rating is a warning, and above
+which it is bad [bytes].
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Rating of one number.
+    """Rating of one measured number.
 
     Attributes:
-        key: name of its history.
-        group: its heading, in words.
-        name: its name, in words.
-        value: its value, in words, with the unit.
-        level: `plain` if the number isn't rated; `unknown` if this system doesn't provide it.
+        key: name of the number in the history of the last hour.
+        group: heading under which pages show the number.
+        name: name of the number, in words.
+        value: measured value with its unit, as text.
+        level: the rating; `plain` if the number isn't rated, `unknown` if the operating system doesn't
+            provide it.
         limits: the thresholds, in words.
         why: reason for the thresholds.
-        remedy: what to do.
+        remedy: what to do if the rating isn't good.
     """
 
     key: str
@@ -81,7 +85,9 @@ def lasting(seconds: float) -> str:
 
 
 def low_of(disks: Iterable[Disk]) -> str:
-    """Return a text about the disks with little room; empty if all have enough."""
+    """Return a sentence about the disk with the least free space; empty if every disk has at least
+    `FREE_BAD`.
+    """
     worst = min(disks, key=lambda one: one.free, default=None)
     if worst is None or worst.free >= FREE_BAD:
         return ""
@@ -89,7 +95,7 @@ def low_of(disks: Iterable[Disk]) -> str:
 
 
 def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
-    """Rate the disks.
+    """Rate the free space of the disks, and the time until they are full.
 
     Args:
         disks: disks that hold files of the pendant.
@@ -120,7 +126,7 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
     """Rate the memory of this process and of the computer.
 
     Args:
-        machine: the newest measurement.
+        machine: newest measurement of the computer and the process.
         first: memory of this process at the first measurement [bytes]; None if unknown.
     """
     own_level: Level = "unknown" if machine.own is None else _above(machine.own, OWN_WARNING, OWN_BAD)
@@ -156,8 +162,8 @@ def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...
     """Rate the response times of this computer.
 
     Args:
-        machine: the newest measurement.
-        share: share of one processor that this process uses.
+        machine: newest measurement of the computer and the process.
+        share: processor time of this process as a share of one processor.
         lag: longest delay of the event loop in the last minute [s].
     """
     load: Level = "unknown" if machine.load is None else _above(machine.load, LOAD_WARNING, LOAD_BAD)
@@ -180,7 +186,7 @@ def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...
 
 
 def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
-    """Rate the link to the controller."""
+    """Rate the response time of the connection to the controller."""
     if health is None or not connected:
         return (Judgement("reply", "Link", "Link to the controller", "not connected", "unknown"),)
     share = health.slowest_s / health.silence_s if health.silence_s > 0.0 else 0.0
@@ -201,14 +207,14 @@ def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
 def of_stored(
     logs: int, size: int, growth: float, project: int | None, data: int | None, database: int, deeds: int
 ) -> tuple[Judgement, ...]:
-    """Rate the data on the disk.
+    """Rate the sizes of the pendant's data on the disk.
 
     Args:
         logs: number of run logs.
         size: size of the run logs [bytes].
         growth: growth of the run logs [bytes/day].
         project: size of the project [bytes]; None if unknown.
-        data: size of the pendant's own folder [bytes]; None if unknown.
+        data: size of the pendant's own folder, which contains the database [bytes]; None if unknown.
         database: size of the database [bytes].
         deeds: number of entries of the audit trail.
     """

@@ -1,5 +1,5 @@
-"""Measurements of disks, memory and load. Values that the operating system doesn't provide are None. They
-wait for the disk: call them in a thread.
+"""Measurements of disks, memory and load. Values that the operating system doesn't provide are None. The
+functions wait for the disk: call them in a thread.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _PROC = Path("/proc")
 
 @dataclass(frozen=True, slots=True)
 class Disk:
-    """A disk.
+    """A disk that contains files of the pendant.
 
     Attributes:
         holds: kinds of the pendant's files that are on the disk, in words.
@@ -33,16 +33,17 @@ class Disk:
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """State of the computer and of this process at one moment.
+    """Measured state of the computer and of this process at one moment. A value that the operating system
+    doesn't provide is None.
 
     Attributes:
         disks: disks that hold files of the pendant.
-        own: memory of this process [bytes].
-        peak: largest memory that this process had [bytes].
+        own: memory that this process uses [bytes].
+        peak: largest memory that this process has used since its start [bytes].
         available: available memory of the computer [bytes].
         memory: all memory of the computer [bytes].
         load: average number of processes that wanted a processor in the last minute, per processor.
-        cpu: processor time of this process [s].
+        cpu: processor time that this process has used since its start [s].
     """
 
     disks: tuple[Disk, ...]
@@ -58,7 +59,8 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
     """Measure the computer and this process.
 
     Args:
-        places: pairs (description, path) of the pendant's files; missing files are ignored.
+        places: folders with files of the pendant, whose disks are measured, as pairs (description, path).
+            Missing folders are ignored.
     """
     own_table = _table(_PROC / "self" / "status")
     whole = _table(_PROC / "meminfo")
@@ -74,7 +76,9 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
 
 
 def disks_of(places: Iterable[tuple[str, Path]]) -> tuple[Disk, ...]:
-    """Return the disks that contain the given places. Places on the same disk are named together."""
+    """Return the disks that contain the given folders (description, path). One disk with several of them
+    is returned once, with all their descriptions.
+    """
     by_device: dict[int, list[str]] = {}
     rooms: dict[int, tuple[int, int]] = {}
     for name, place in places:
@@ -92,8 +96,8 @@ def _joined(names: list[str]) -> str:
 
 
 def size_of(folder: Path) -> int | None:
-    """Return the size of all files in a folder [bytes], without following links; None if there are too many
-    files.
+    """Return the size of all files in a folder [bytes], without following links; None if the folder
+    contains more than `_MOST_SEEN` files.
     """
     total, entries_seen = 0, 0
     for top, _, files in os.walk(folder):
@@ -129,7 +133,9 @@ def _load() -> float | None:
 
 
 def _table(path: Path) -> dict[str, int]:
-    """Return the sizes that a file of /proc lists [bytes]; empty if there is no such file."""
+    """Return the memory sizes [bytes] that a file of /proc lists, by their names; empty if there is no
+    such file.
+    """
     sizes = {}
     try:
         for line in path.read_text("ascii", "replace").splitlines():

@@ -1,5 +1,5 @@
-"""Regular measurements of the computer, the process and the data, shared by all pages, with a history of the
-last hour.
+"""Regular measurements of the computer, of the pendant's process and of its data. All pages share them,
+and the values of the last hour are stored.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from yarclang.pendant.watched import Watched
 from yarclang.runtime.actions import Trouble
 
 EACH, EACH_UNWATCHED = 1.0, 5.0
-"""Time between two measurements while a page is connected, and while none is [s]."""
+"""Time between two measurements of the computer: while a page is connected, and while none is [s]."""
 _TURN = 0.1
 """Time between two measurements of the event loop's delay [s]."""
 _SLOW_EACH = 60.0
@@ -33,15 +33,17 @@ _MINUTE = 60
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """Data on the disk.
+    """Measured sizes of the pendant's data on the disk.
 
     Attributes:
         logs: number of run logs.
         logs_size: size of the run logs [bytes].
-        growth: growth of the run logs [bytes/day]: in the last day, or the average of the last seven days.
-        project: size of the project [bytes]; None if there are too many files.
-        data: size of the pendant's own folder [bytes].
-        database: size of the file of users, audit trail and alarms [bytes].
+        growth: growth of the run logs [bytes/day]: of the last day, or the average of the last seven days if
+            that is larger.
+        project: size of the project [bytes]; None if it has too many files.
+        data: size of the pendant's own folder, which contains the database [bytes]; None if it has too many
+            files.
+        database: size of the database with users, audit trail and alarms [bytes].
         deeds: number of entries of the audit trail.
     """
 
@@ -75,22 +77,23 @@ class Worst:
 
 
 class Sampler:
-    """Regular measurements.
+    """Regular measurements of the computer, of the pendant's process and of its data.
 
     Args:
         accounts: accounts of the pendant.
-        watched: the robot.
+        watched: shared client of the coordinator, which knows the state of the robot and the connected pages.
         project: folder of the project.
-        database: file of users, sessions and audit trail.
+        database: database file with users, sessions and audit trail.
         logs: folders of run logs.
-        now: a monotonic clock [s].
+        now: returns the time of a monotonic clock [s].
 
     Attributes:
-        machine: the newest measurement of the computer; None before the first.
-        stored: the newest measurement of the data on the disk.
+        machine: newest measurement of the computer and the process; None before the first one.
+        stored: newest measurement of the data on the disk.
         first: memory of this process at the first measurement [bytes].
-        share: share of one processor that this process used between the last two measurements.
-        history: numbers of the last hour by name, one per minute, oldest first.
+        share: processor time of this process between the last two measurements, as a share of one processor.
+        lag: largest delay of the event loop in each second of the last minute.
+        history: measured values of the last hour by name, one per minute, oldest first.
     """
 
     def __init__(
@@ -130,8 +133,8 @@ class Sampler:
         return self._watched.pages
 
     def low(self) -> str:
-        """Return a text about the disks that had little room at the last measurement; empty if all had
-        enough.
+        """Return a warning about the disk with the least free space at the last measurement; empty if
+        every disk had enough.
         """
         return self._low
 
@@ -158,7 +161,7 @@ class Sampler:
             await asyncio.sleep(EACH if self._watched.is_watched else EACH_UNWATCHED)
 
     async def look(self) -> None:
-        """Measure now, unless the last measurement is recent.
+        """Measure now, unless the last measurement is less than `EACH` / 2 old.
 
         Raises:
             Trouble: the audit trail can't be read.

@@ -1,4 +1,6 @@
-"""Versions of software for bug reports, without names of people, machines or folders."""
+"""Versions of yarclang, its libraries and the operating system, for bug reports. They contain no names of
+people, machines or folders.
+"""
 
 from __future__ import annotations
 

@@ -1,1 +1,3 @@
-"""The project's folder on the pendant: its files, the trash, and the changes since the last commit."""
+"""Access to the folder of the user's project: its files, the trash for deleted files, and the changes
+since the last git commit.
+"""

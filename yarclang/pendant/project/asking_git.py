@@ -1,5 +1,5 @@
-"""Calls of git that can't execute code from the repository: no hook, filter, monitor, pager, converter or
-transport.
+"""Calls of the program git that can't execute code from the repository: hooks, filters, file system
+monitors, pagers, converters and transports are switched off.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ _ENVIRONMENT = {
     "LC_ALL": "C.UTF-8",
 }
 _KEPT = ("PATH", "HOME", "XDG_CONFIG_HOME", "LD_LIBRARY_PATH")
-"""Environment variables that git inherits. Git needs the user's settings because they list folders of other
-users that git may read.
+"""Environment variables that git inherits. Git needs the user's settings, because they list the folders of
+other users that git may read.
 """
 
 
@@ -63,17 +63,17 @@ class Missing(Exception):  # noqa: N818 - it is an answer
 
 
 def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
-    """Call git. Only commands that don't read the content of files in the folder are allowed, because filters
-    would be applied to it.
+    """Call git and return its output. Use only commands that don't read the content of files in the work
+    tree, because git would apply the repository's filters to the content.
 
     Args:
-        folder: folder in the work tree.
-        words: arguments of the command.
-        most: longest output [bytes].
+        folder: folder in the work tree of a repository.
+        *words: git command and its arguments.
+        most: longest allowed output [bytes].
 
     Raises:
         Missing: there is no repository or no commit.
-        Trouble: git isn't installed, refuses the folder, or takes too long.
+        Trouble: git isn't installed, refuses the folder, takes too long, or its output is too long.
     """
     program = shutil.which("git")
     if program is None:
@@ -115,7 +115,9 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
 
 
 def _read(process: subprocess.Popen[bytes], most: int) -> tuple[bytes, bytes]:
-    """Return at most `most` bytes of a process's output, and the beginning of its error output."""
+    """Return two values: the output of a process, up to about `most` bytes, and the beginning of the
+    process's error output.
+    """
     assert process.stdout is not None
     assert process.stderr is not None
     complaints: list[bytes] = []

@@ -15,11 +15,12 @@ PREFIX = "file "
 
 @dataclass(slots=True)
 class Authors:
-    """Authors of a file.
+    """Users who changed a file at the pendant.
 
     Attributes:
         users: names of the users who changed the file, the most recent one first.
-        sha256: hash after the last change; empty if the file was deleted, None if nobody changed it.
+        sha256: SHA-256 of the file after the last of these changes; empty if the file was deleted, None if
+            nobody changed the file.
     """
 
     users: dict[str, None] = field(default_factory=dict)
@@ -27,11 +28,11 @@ class Authors:
 
 
 def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
-    """Return the authors of each file.
+    """Return the authors of each file, by the file's path in the project.
 
     Args:
-        deeds: entries of the audit trail, newest first. A refused action has two entries: the action, which
-            is ignored, and the refusal.
+        deeds: entries of the audit trail, newest first. A refused action has two entries, the action and the
+            refusal; both are ignored.
     """
     by_file: dict[str, Authors] = {}
     refused: Counter[tuple[str, str, str]] = Counter()
@@ -51,7 +52,9 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
 
 
 def _changed(deed: Deed) -> Iterable[tuple[str, str]]:
-    """Yield the paths that an action has changed, each with the hash of its new content; "?" if unknown."""
+    """Yield the paths that an action has changed, each with the SHA-256 of the new content: empty if the
+    file is gone, "?" if the hash is unknown.
+    """
     try:
         detail = json.loads(deed.detail)
         file = str(detail["file"])

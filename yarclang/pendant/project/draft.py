@@ -1,5 +1,5 @@
-"""Files that are written as a whole or not at all. They have no name until they are complete, so that an
-interrupted write leaves nothing.
+"""Files that are written as a whole or not at all. A file has no name until it is complete, so that an
+interrupted write leaves nothing on the disk.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ _NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
 
 
 class Draft:
-    """A file that is being written, in its final folder.
+    """A file that is being written, in the folder of the finished file.
 
     Args:
-        place: place of the finished file; its folder stays open as long as the draft.
+        place: folder and name of the finished file. The folder stays open as long as the draft.
 
     Attributes:
         size: number of bytes written so far.
@@ -86,11 +86,11 @@ class Draft:
         os.fchmod(self._file, stat.S_IMODE(before.st_mode))
 
     def stand_new(self) -> None:
-        """Give the file its name, as a new file.
+        """Complete the draft as a new file: give it its name.
 
         Raises:
             FileExistsError: the name is taken.
-            OSError: the name can't be given; the file is discarded.
+            OSError: the file can't get its name; its content is discarded.
         """
         try:
             self._link(self._name)
@@ -107,7 +107,7 @@ class Draft:
         self._sync_folder()
 
     def stand_in_place(self) -> None:
-        """Replace the existing file of this name.
+        """Complete the draft as a replacement of the existing file of this name.
 
         Raises:
             OSError: the existing file can't be replaced; it is unchanged.

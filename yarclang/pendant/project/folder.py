@@ -36,7 +36,7 @@ _OWN = ("", "-wal", "-shm", "-journal")
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A file on the disk.
+    """A file on the disk, after it was read or written.
 
     Attributes:
         file: path in the project.
@@ -56,9 +56,9 @@ class ProjectFolder:
 
     Args:
         folder: folder of the project.
-        database: database of the pendant. It and the files beside it are inaccessible, and the trash is
-            beside it.
-        robots: folders of robots.
+        database: file of the pendant's database. The database and the pendant's other files in the same
+            folder, among them the trash, are inaccessible as files of the project.
+        robots: folders that describe robots; only service users may change their files.
 
     Attributes:
         guarded: decides which files describe the robot or its cell.
@@ -79,11 +79,11 @@ class ProjectFolder:
     # reading
 
     def path(self, name: str) -> Path:
-        """Return the absolute path of a file or folder of the project, for code that opens files by path. The
-        file need not exist.
+        """Return the absolute path of a file or folder of the project, for code that opens files by their
+        path. The file or folder need not exist.
 
         Raises:
-            Trouble: the path is outside of the project, hidden or private.
+            Trouble: the path is outside of the project, hidden, or that of the pendant's own files.
         """
         with in_words(name):
             inside = name
@@ -95,15 +95,17 @@ class ProjectFolder:
             return self.root.joinpath(*self._places.resolved(inside))
 
     def entries(self, most: int) -> tuple[tuple[Entry, ...], bool]:
-        """Return at most `most` files and folders, and True if there are more."""
+        """Return two values: at most `most` files and folders of the project, and True if there are more."""
         return self._listed(Walk(self._places), most)
 
     def programs(self, most: int) -> tuple[tuple[Entry, ...], bool]:
-        """Return at most `most` programs, and True if there may be more."""
+        """Return two values: at most `most` programs of the project, and True if there may be more."""
         return self.with_suffix((".yarc", *suffixes()), most)
 
     def with_suffix(self, suffixes: tuple[str, ...], most: int) -> tuple[tuple[Entry, ...], bool]:
-        """Return at most `most` files with one of the suffixes, and True if there may be more."""
+        """Return two values: at most `most` files whose names have one of the suffixes, and True if there
+        may be more.
+        """
         return self._listed(Walk(self._places, suffixes), most)
 
     def _listed(self, walk: Walk, most: int) -> tuple[tuple[Entry, ...], bool]:
@@ -116,14 +118,14 @@ class ProjectFolder:
         return tuple(entries), walk.cut
 
     def read(self, name: str, most: int = MOST_TEXT) -> tuple[bytes, Written]:
-        """Return the content of a file.
+        """Return the content of a file, and its size, hash and time.
 
         Args:
             name: path in the project.
-            most: size up to which the file is read [bytes].
+            most: largest allowed size of the file [bytes].
 
         Raises:
-            Trouble: the file can't be read, or is larger.
+            Trouble: the file can't be read, or is larger than `most`.
         """
         with self.opened(name) as (handle, status, _):
             if status.st_size > most:
@@ -139,10 +141,10 @@ class ProjectFolder:
             return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(status.st_mtime))
 
     def sha256(self, name: str) -> str:
-        """Return the hash of a file that isn't larger than `MOST_COPIED`.
+        """Return the SHA-256 of a file that isn't larger than `MOST_COPIED`.
 
         Raises:
-            Trouble: the file can't be read, or is larger.
+            Trouble: the file can't be read, or is larger than `MOST_COPIED`.
         """
         with self.opened(name) as (handle, told, _):
             if told.st_size > MOST_COPIED:
@@ -151,7 +153,8 @@ class ProjectFolder:
 
     @contextmanager
     def opened(self, name: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Open a file for reading. Return its descriptor, its status, and its name with links resolved.
+        """Open a file for reading until the context ends. Yield three values: the file's descriptor, status,
+        and name with links resolved.
 
         Raises:
             Trouble: the file can't be opened.
@@ -172,7 +175,7 @@ class ProjectFolder:
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
-        """Exclude other changes made through this object until the context ends."""
+        """Prevent other threads from changing the project through this object until the context ends."""
         with self._changing:
             yield
 
@@ -185,8 +188,8 @@ class ProjectFolder:
             known_hash: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written.
-                The file is unchanged.
+            Trouble: the present version of the file doesn't have the hash `known_hash` (code "changed"), or
+                the file can't be written. The file is unchanged.
         """
         with self.draft(name, len(data)) as draft, in_words(name):
             draft.write(data)
@@ -202,8 +205,9 @@ class ProjectFolder:
             user: user who changes the file.
 
         Raises:
-            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written or
-                its old version can't be kept. The file is unchanged.
+            Trouble: the present version of the file doesn't have the hash `known_hash` (code "changed"), or
+                the file can't be written or its old version can't be moved to the trash. The file is
+                unchanged.
         """
         with self._changing, in_words(name):
             before, told = self.read(name)
@@ -213,14 +217,15 @@ class ProjectFolder:
 
     @contextmanager
     def draft(self, name: str, size: int) -> Iterator[Draft]:
-        """Begin a file that `stand` completes. If `stand` isn't called, nothing is left of the file.
+        """Begin to write a file. `stand` completes the file; if the context ends without a call of `stand`,
+        nothing is left of the file.
 
         Args:
             name: path in the project.
             size: expected size [bytes].
 
         Raises:
-            Trouble: the file isn't allowed, or there is no room for it.
+            Trouble: a file of this name isn't allowed, or the disk has too little space.
         """
         with self._places.at(name) as place:
             if place.look() is None:
@@ -231,7 +236,8 @@ class ProjectFolder:
             yield made
 
     def stand(self, draft: Draft, name: str, known_hash: str | None) -> Written:
-        """Complete a drafted file: as a new file, or as a replacement of a known version.
+        """Complete a file that was written as a draft, either as a new file or as a replacement of a known
+        version.
 
         Args:
             draft: the file.
@@ -239,7 +245,8 @@ class ProjectFolder:
             known_hash: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: the present version isn't `known_hash` (code "changed"), or the file can't be written.
+            Trouble: the present version of the file doesn't have the hash `known_hash` (code "changed"), or
+                the file can't be written.
         """
         with in_words(name):
             draft.settle()
@@ -271,7 +278,8 @@ class ProjectFolder:
         Args:
             name: path of the file.
             to: path of the copy.
-            check: called with the copy before it gets its name.
+            check: called with the draft of the copy before the copy gets its name; may raise to prevent the
+                copy.
 
         Raises:
             Trouble: the path is taken, or the file can't be copied.
@@ -328,7 +336,8 @@ class ProjectFolder:
                     os.mkdir(place.name, 0o777, dir_fd=place.folder)
 
     def remove_kept(self, name: str) -> None:
-        """Remove a file, or a link to a file, of which a copy has been kept elsewhere.
+        """Remove a file, or a link to a file, without moving it to the trash, because a copy has been saved
+        elsewhere.
 
         Raises:
             Trouble: the file can't be removed.
@@ -361,8 +370,8 @@ class ProjectFolder:
             return self.trash.take(place, name, user)
 
     def restore(self, number: str) -> str:
-        """Restore a file or folder from the trash. Return its path, which differs from the old path if that
-        is taken.
+        """Restore a file or folder from the trash. Return its path, which differs from the old path if the
+        old path is taken.
 
         Raises:
             Trouble: the file or folder is no longer in the trash, or can't be restored.
@@ -384,7 +393,9 @@ class ProjectFolder:
         return status
 
     def _check_new(self, place: At, name: str, but: os.stat_result | None = None) -> None:
-        """Check that a name is allowed and that no similar name exists, except the name `but`."""
+        """Check that a name is allowed for a new file, and that the folder has no file with a similar
+        name, other than the file with the status `but`.
+        """
         check_new(place.parts)
         wanted = folded(place.name)
         with os.scandir(place.folder) as listed:
@@ -415,10 +426,10 @@ class ProjectFolder:
 
 
 class Changed(Trouble):
-    """Raised if a file differs from the version that the caller knows.
+    """Raised if a file isn't the version that the caller has read before.
 
     Attributes:
-        sha256: SHA-256 of the present version; empty if there is no file.
+        sha256: SHA-256 of the file's present version; empty if the file doesn't exist.
     """
 
     def __init__(self, name: str, sha256: str) -> None:
@@ -439,7 +450,9 @@ def _as_taken(name: str) -> Iterator[None]:
 
 
 def _moved(old: At, new: At, status: os.stat_result, *, same: bool) -> None:
-    """Move a file or folder to another place. The new place must be unused, unless it is `same`."""
+    """Move a file or folder to another path, which must be unused. With `same`, both paths name the same
+    file, for example in another case of letters.
+    """
     if not same and stat.S_ISREG(status.st_mode):
         try:
             os.link(old.name, new.name, src_dir_fd=old.folder, dst_dir_fd=new.folder, follow_symlinks=False)

@@ -1,7 +1,7 @@
-"""Changes in the project's folder since the last commit.
+"""Changes in the project's folder since the last git commit.
 
-The files are compared here with the hashes that git stores, because `git status` would run the filters that a
-repository defines.
+The files' contents are hashed here and compared with the hashes that git stores. `git status` isn't used,
+because it would run the filters that a repository defines.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class Commit:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """State of a work tree.
+    """State of the work tree of a git repository.
 
     Attributes:
         commit: the last commit; None if there is none yet.
-        changes: changed files by their paths.
+        changes: kind of change of each changed file, by the file's path.
         cut: True if not all files were compared.
     """
 
@@ -80,7 +80,7 @@ class Git:
         self._known: OrderedDict[_Key, str] = OrderedDict()
 
     def state(self) -> State | None:
-        """Return the changes since the last commit; None if the folder isn't in a work tree.
+        """Return the changes since the last commit; None if the project's folder isn't in a git repository.
 
         Raises:
             Trouble: git isn't installed, refuses the folder, or takes too long.
@@ -106,7 +106,8 @@ class Git:
         return State(commit or None, changes, cut)
 
     def difference(self, file: str) -> tuple[str, str]:
-        """Return a file's text in the last commit, and its present text; empty if there is none.
+        """Return two texts of a file: in the last commit, and now. A text is empty if the file doesn't exist
+        in that version.
 
         Raises:
             Trouble: the file isn't text or is too large, or there is no commit.
@@ -128,7 +129,9 @@ class Git:
         return text_of(file, base), text_of(file, present)
 
     def _head(self) -> Commit | Literal[""] | None:
-        """Return the last commit; empty if there is none yet, None if there is no repository."""
+        """Return the last commit; an empty text if there is none yet, None if the folder isn't in a git
+        repository.
+        """
         root = self._folder.root
         try:
             inside = ask(root, "rev-parse", "--is-inside-work-tree").strip()
@@ -183,7 +186,7 @@ class Git:
 
 
 def text_of(file: str, content: bytes) -> str:
-    """Return the text of a file's content.
+    """Decode the content of a file as text.
 
     Raises:
         Trouble: the content isn't UTF-8.

@@ -1,5 +1,5 @@
-"""Check for files that describe the robot or its cell. Only service users who have entered their PIN may
-change these files.
+"""Check whether a file describes the robot or its cell, that is, whether it is guarded: only service users
+who have entered their PIN may change it.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from yarclang.toml.bodies import MESHES
 
 _DESCRIBES = (".toml", ".urdf", ".xacro", ".srdf", *MESHES)
 _SCRIPT = ".inputs.toml"
-"""Ending of the names of scripts for a simulated robot's inputs, which aren't guarded."""
+"""Ending of the names of scripts that set the inputs of a simulated robot. These files aren't guarded."""
 _MOST_SEEN = 20_000
-"""Most names that are read of a folder. A larger folder counts as guarded."""
+"""Most names that are read of a folder. A folder with more names counts as guarded."""
 
 
 def describes(name: str) -> bool:
@@ -30,13 +30,13 @@ def describes(name: str) -> bool:
 
 
 class Guarded:
-    """Check whether paths of a project lead to descriptions of the robot or the cell, by whatever name. Its
-    functions wait for the disk.
+    """Check whether paths of a project are guarded: whether they lead to files that describe the robot or the
+    cell, be it through links or under other names. The functions wait for the disk.
 
     Args:
-        places: places of the project.
-        folders: folders of robots. All of their files are guarded, unless the project's own folder is one of
-            them.
+        places: access to the files of the project.
+        folders: folders that describe robots. All files in them are guarded; the project's own folder is
+            ignored here.
     """
 
     def __init__(self, places: Places, folders: Iterable[Path] = ()) -> None:
@@ -44,21 +44,21 @@ class Guarded:
         self._folders = tuple(one.resolve() for one in folders)
 
     def objection(self, *names: str) -> str:
-        """Return the reason why one of the paths is guarded; empty if none is.
+        """Return the reason why one of the paths is guarded; empty if none of them is.
 
         Args:
-            names: paths, relative to the project's folder, of files, links or folders. They need not exist.
+            *names: paths of files, links or folders, relative to the project's folder. They need not exist.
         """
         look = _Look(self._places, self._folders)
         return next((reason for name in names if (reason := look.reason(name))), "")
 
     def objection_to_kept(self, content: Path, name: str) -> str:
-        """Return the reason why a file or folder in the trash may not be restored to a path; empty if it may
-        be.
+        """Return the reason why only service users may restore a file or folder from the trash to a path;
+        empty if others may, too.
 
         Args:
             content: path of the file or folder in the trash.
-            name: path to which it would be restored.
+            name: path in the project to which the file or folder would be restored.
         """
         look = _Look(self._places, self._folders)
         if reason := look.reason(name):
@@ -68,8 +68,8 @@ class Guarded:
 
 
 class _Look:
-    """Examination of a project for one request. The files that yarc.toml names, and files with several names,
-    are searched only once.
+    """Check of a project's paths for one request. What yarc.toml names, and which files have several names
+    (hard links), is found out only once per request.
     """
 
     def __init__(self, places: Places, folders: tuple[Path, ...]) -> None:
@@ -124,8 +124,8 @@ class _Look:
 
     @cached_property
     def _identities(self) -> frozenset[tuple[int, int]]:
-        """Devices and inodes of the files that are guarded by name. A file may have further names (hard
-        links).
+        """Device and inode numbers of all guarded files. They identify a guarded file that has further
+        names (hard links).
         """
         identities = set()
         named = [self._places.root / one.file for one in Walk(self._places, _DESCRIBES).entries()]

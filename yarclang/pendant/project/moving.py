@@ -1,5 +1,5 @@
-"""Moves of files and folders from one disk to another. Links are moved as links, so that nothing outside of
-the folder is read or removed.
+"""Moves of files and folders from one disk to another. Symbolic links are moved as links, so that nothing
+outside of the folder is read or removed.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def carried(folder: int, name: str, to: int, new: str) -> None:
         folder: an open folder.
         name: name of the original in `folder`.
         to: another open folder.
-        new: unused name for the copy in `to`.
+        new: name of the copy in `to`, which must be unused.
 
     Raises:
         OSError: the original can't be copied; a partial copy remains.
@@ -121,7 +121,7 @@ def removed(folder: int, name: str) -> None:
     """Remove a file, a link or a folder with its content.
 
     Raises:
-        OSError: a part of it can't be removed.
+        OSError: the file, or a part of the folder, can't be removed.
     """
     told = os.stat(name, dir_fd=folder, follow_symlinks=False)
     if not stat.S_ISDIR(told.st_mode):

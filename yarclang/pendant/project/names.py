@@ -1,4 +1,4 @@
-"""Rules for names of files: names that may be read, names that may be created, and names that look alike."""
+"""Rules for names of files: which names may be read, which may be created, and which look alike."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ MOST_PATH = 1000
 """Longest path from the project's folder [bytes in UTF-8]."""
 
 _DIRECTIONS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Characters that change the direction of a text, by which one name could look like another."""
+"""Characters that change the writing direction of a text, so that one name could look like another."""
 
 
 def quoted(name: str) -> str:
-    """Return a name for a message: short, and without control characters for terminals."""
+    """Return a name as it is shown in messages: shortened, and without control characters for terminals."""
     return repr(name if len(name) <= 80 else f"{name[:77]}...")
 
 
 def parts_of(name: str) -> tuple[str, ...]:
-    """Return the parts of a path: its folders and its last name.
+    """Split a path into the names of its folders and the name of the file.
 
     Raises:
         Trouble: the path isn't allowed: it is empty, absolute, hidden or too long, or contains `..`.
@@ -53,7 +53,7 @@ def parts_of(name: str) -> tuple[str, ...]:
 
 
 def check_new(parts: tuple[str, ...]) -> None:
-    """Check that names are allowed for a new file or folder.
+    """Check that the names in a path are allowed for a new file or folder.
 
     Raises:
         Trouble: a name can't be typed or read safely, or isn't allowed on other systems.
@@ -65,8 +65,8 @@ def check_new(parts: tuple[str, ...]) -> None:
 
 
 def folded(name: str) -> str:
-    """Return a form of a name that is equal for all names that some systems or most people can't
-    distinguish.
+    """Return a normal form of a name. Names that some operating systems or most people can't distinguish
+    have the same normal form.
     """
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 

@@ -1,4 +1,6 @@
-"""Access to the files of a folder. It never leaves the folder, even if others change the folder meanwhile."""
+"""Access to the files of a folder by their paths. A path never leads out of the folder, even if other
+processes change the folder meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -35,14 +37,14 @@ _REASONS = {
 
 
 def said(error: OSError, name: str) -> Trouble:
-    """Return a description of an operating system's error about a file."""
+    """Return the exception `Trouble` that describes an operating system's error about a file in words."""
     why, remedy = _REASONS.get(error.errno or 0, (reason_of(error), "look at the file"))
     return Trouble(f"{quoted(name)}: {why}", remedy, "missing" if error.errno == errno.ENOENT else "")
 
 
 @contextmanager
 def in_words(name: str) -> Iterator[None]:
-    """Convert errors of the operating system about a file to `Trouble`."""
+    """Convert errors of the operating system about a file to `Trouble` until the context ends."""
     try:
         yield
     except OSError as error:
@@ -53,12 +55,12 @@ def in_words(name: str) -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True)
 class At:
-    """Place of a file in a folder.
+    """Place of a file: the open folder that contains it, and its name in that folder.
 
     Attributes:
-        folder: descriptor of the open folder.
-        name: name in the folder. The file need not exist.
-        parts: path from the top of the project, with links resolved.
+        folder: descriptor of the folder.
+        name: name of the file in the folder. The file need not exist.
+        parts: names in the file's path from the top of the project, with links resolved.
     """
 
     folder: int
@@ -76,7 +78,7 @@ class At:
         """Open an existing file. Pipes and devices are refused, because they have no end.
 
         Raises:
-            OSError: the name isn't that of a file, or the file doesn't exist any more.
+            OSError: there is no file of this name, or it isn't a regular file.
         """
         handle = os.open(
             self.name, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY, dir_fd=self.folder
@@ -88,11 +90,11 @@ class At:
 
 
 class Places:
-    """The places of a folder, except private ones.
+    """Access to the files and folders in a folder, except private ones.
 
     Args:
         root: the folder.
-        private: files and folders in `root` that must not be accessed.
+        private: files and folders that must not be accessed, even if they are in `root`.
     """
 
     def __init__(self, root: Path, private: tuple[Path, ...] = ()) -> None:
@@ -101,7 +103,7 @@ class Places:
 
     @contextmanager
     def top(self) -> Iterator[int]:
-        """Open the folder itself."""
+        """Open the folder itself until the context ends. Yield the folder's descriptor."""
         handle = os.open(self.root, _FOLDER)
         try:
             yield handle
@@ -110,16 +112,16 @@ class Places:
 
     @contextmanager
     def at(self, name: str, *, link: bool = False, make: bool = False) -> Iterator[At]:
-        """Open the folder that contains a place. Links on the way are followed if their targets are in the
-        project.
+        """Open the folder that contains a file until the context ends. Links in the path are followed if
+        their targets are in the project.
 
         Args:
-            name: path from the top of the project.
-            link: True to address a link itself if the last name is one, not its target.
-            make: True to create missing folders on the way.
+            name: path of the file from the top of the project. The file need not exist.
+            link: True to address the link itself, not its target, if the last name in the path is a link.
+            make: True to create missing folders of the path.
 
         Raises:
-            Trouble: the place is outside of the project, private or hidden, or can't be reached.
+            Trouble: the file is outside of the project, private or hidden, or its folder can't be opened.
         """
         with in_words(name):
             parts = self.resolved(name, link=link)
@@ -136,10 +138,10 @@ class Places:
                 os.close(handle)
 
     def resolved(self, name: str, *, link: bool = False) -> tuple[str, ...]:
-        """Return the path of a place with links resolved.
+        """Return the names in a path from the top of the project, with links resolved.
 
         Raises:
-            Trouble: the place is outside of the project, private or hidden.
+            Trouble: the path leads out of the project, or to a private or hidden file.
             OSError: links form a loop.
         """
         parts = parts_of(name)
@@ -169,7 +171,9 @@ class Places:
         return inner
 
     def is_private(self, status: os.stat_result) -> bool:
-        """Return True if a file's status is that of a private file or folder, whatever its name."""
+        """Return True if a status from the operating system is that of a private file or folder, whatever
+        the name in the path.
+        """
         return (status.st_dev, status.st_ino) in self.private_now()
 
     def private_now(self) -> frozenset[tuple[int, int]]:
@@ -177,7 +181,7 @@ class Places:
         return _identities(self._private)
 
     def holds_private(self, status: os.stat_result) -> bool:
-        """Return True if a folder contains a private file or folder at any depth."""
+        """Return True if the folder with this status contains a private file or folder at any depth."""
         above = {up for one in self._private for up in one.parents}
         return (status.st_dev, status.st_ino) in _identities(above)
 

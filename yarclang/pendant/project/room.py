@@ -11,15 +11,15 @@ KEPT = 64 << 20
 
 
 def check_room(disk: os.statvfs_result, size: int, subject: str) -> None:
-    """Check that a disk has room.
+    """Check that a disk has enough free space.
 
     Args:
-        disk: state of the disk, from the operating system.
+        disk: state of the disk, as returned by `os.statvfs`.
         size: required space [bytes].
-        subject: subject and verb for the message: "the backup has".
+        subject: subject and verb of the error message before the size, such as "the backup has".
 
     Raises:
-        Trouble: there is too little room.
+        Trouble: the disk has too little free space.
     """
     free = disk.f_bavail * disk.f_frsize
     if size + KEPT > free:

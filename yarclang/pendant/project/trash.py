@@ -1,4 +1,6 @@
-"""The trash: deleted files, stored beside the pendant's data. Their number, age and size are limited."""
+"""The trash: deleted files and old versions of changed files, stored in the pendant's own folder. Their
+number, age and total size are limited.
+"""
 
 from __future__ import annotations
 
@@ -27,22 +29,24 @@ MOST_AGE = 30 * 86400.0
 MOST_SIZE = 2_000_000_000
 """Largest size of the trash [bytes]."""
 LARGEST = 500_000_000
-"""Largest file or folder that can be moved to the trash [bytes]; a larger one can't be deleted."""
+"""Largest file or folder that can be moved to the trash [bytes]. A larger one can't be deleted at the
+pendant.
+"""
 
 _CONTENT, _NOTE = "content", "deleted.json"
 
 
 @dataclass(frozen=True, slots=True)
 class Deleted:
-    """A deleted file or folder.
+    """Record of a file or folder in the trash: a deleted one, or the old version of a file that was changed.
 
     Attributes:
-        number: number in the trash.
-        file: its path in the project.
+        number: identifier in the trash.
+        file: path in the project to which the file or folder would be restored.
         size: size [bytes].
-        at: time of the deletion [s since 1970].
-        deleted: time of the deletion as text (UTC).
-        user: user who deleted it.
+        at: time at which the file or folder was moved to the trash [s since 1970].
+        deleted: the same time as text (UTC).
+        user: name of the user who deleted or changed the file or folder.
         is_folder: True for a folder.
     """
 
@@ -60,12 +64,12 @@ class Keeping:
     """A file that is being written to the trash.
 
     Attributes:
-        name: its path in the project.
-        user: user who keeps it.
-        number: number in the trash.
-        at: time of its creation [s since 1970].
+        name: path in the project to which the file will be restored.
+        user: name of the user whose action saves the file.
+        number: identifier in the trash.
+        at: time at which writing began [s since 1970].
         file: the open file.
-        size: number of bytes so far.
+        size: number of bytes written so far.
     """
 
     name: str
@@ -98,11 +102,11 @@ class Keeping:
 
 
 class Trash:
-    """The trash. Only one thread at a time may change it.
+    """The trash of a project. Only one thread at a time may change it.
 
     Args:
         folder: folder of the trash; created with the first file.
-        places: places of the project.
+        places: access to the files of the project.
     """
 
     def __init__(self, folder: Path, places: Places) -> None:
@@ -114,12 +118,12 @@ class Trash:
         """Move a file or folder to the trash.
 
         Args:
-            place: an open place of the project.
+            place: open folder that contains the file or folder, and its name there.
             name: path of the file or folder in the project.
-            user: user who deletes it.
+            user: name of the user who deletes the file or folder.
 
         Raises:
-            Trouble: the file or folder is too large, or contains something that can't be kept.
+            Trouble: the file or folder is too large, or contains a pipe, a device, or too many files.
             OSError: the file or folder can't be moved; it is unchanged.
         """
         status = os.stat(place.name, dir_fd=place.folder, follow_symlinks=False)
@@ -155,15 +159,15 @@ class Trash:
         return deleted
 
     def keep(self, name: str, content: bytes, user: str) -> Deleted:
-        """Keep the old version of a text before it is changed.
+        """Save the old version of a text file in the trash before the file is changed.
 
         Args:
-            name: path in the project.
+            name: path of the file in the project.
             content: the old text.
-            user: user who changes it.
+            user: name of the user who changes the file.
 
         Raises:
-            OSError: the text can't be kept.
+            OSError: the text can't be written to the trash.
         """
         with self.keeping(name, user) as keeping:
             keeping.write(content)
@@ -171,15 +175,16 @@ class Trash:
 
     @contextmanager
     def keeping(self, name: str, user: str) -> Iterator[Keeping]:
-        """Keep a file that is written piece by piece. Nothing is kept if the block fails.
+        """Write a file to the trash piece by piece until the context ends. If the block in the context fails,
+        nothing of the file is left.
 
         Args:
-            name: path to which it will be restored.
-            user: user who keeps it.
+            name: path in the project to which the file will be restored.
+            user: name of the user whose action saves the file.
 
         Raises:
             Trouble: the file is too large.
-            OSError: the file can't be kept.
+            OSError: the file can't be written.
         """
         now = time.time()
         number = f"{int(now * 1000):014d}-{secrets.token_hex(4)}"
@@ -203,10 +208,11 @@ class Trash:
         self._bound()
 
     def open_kept(self, number: str) -> tuple[Deleted, int]:
-        """Open a file of the trash. Return its record and its descriptor.
+        """Open a file in the trash. Return two values: the record of the file, and its descriptor, which the
+        caller closes.
 
         Raises:
-            Trouble: it is no longer in the trash, or is not a file.
+            Trouble: the trash has no file with this number any more.
         """
         deleted = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
         if deleted is None:
@@ -233,11 +239,13 @@ class Trash:
             os.close(target)
 
     def give_back(self, number: str) -> str:
-        """Restore a file or folder. Return its path, to which a number is added if the old path is taken.
+        """Restore a file or folder from the trash. Return its path in the project: the old one, or with a
+        number added if that is taken.
 
         Raises:
-            Trouble: the file or folder is no longer in the trash.
-            OSError: it can't be moved, and stays in the trash.
+            Trouble: the file or folder is no longer in the trash, or can't be moved to its path; then it
+                stays in the trash.
+            OSError: the disk fails; the file or folder stays in the trash.
         """
         deleted = next((one for one in self.kept() if one.number == number), None)
         if deleted is None:
@@ -300,7 +308,9 @@ class Trash:
                 shutil.rmtree(self._folder / one.number, ignore_errors=True)
 
     def _recover(self) -> None:
-        """Rename back the files that were hidden when the computer was switched off during a deletion."""
+        """Repair deletions that were interrupted, for example because the computer was switched off: files
+        and folders that were hidden for their deletion get their old names again.
+        """
         with suppress(OSError):
             for entry in list(self._folder.iterdir()):
                 note = _read(entry / _NOTE)
@@ -311,8 +321,8 @@ class Trash:
         self._bound()
 
     def _shows_again(self, note: Deleted) -> bool:
-        """Rename a hidden file to its old name if that is free. Return True if no hidden file of this name
-        is left.
+        """Rename the hidden file of an interrupted deletion to its old name, if that is unused. Return
+        True if the hidden file no longer exists.
         """
         hidden = f".yarc-deleted-{note.number}"
         with suppress(Trouble, OSError), self._places.at(note.file, link=True) as place:

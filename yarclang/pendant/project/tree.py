@@ -17,11 +17,11 @@ MOST_SEEN = 300_000
 """Most names that are read of a folder and all of its subfolders."""
 
 MOST_IN_FOLDER = 20_000
-"""Most names that are listed of one folder, because sorting more would take too long."""
+"""Most names of one folder that are listed. Sorting more names would take too long."""
 
 _BREATH = 100
-"""Number of names after which the thread pauses briefly, so that it doesn't block the loop that streams to
-the controller.
+"""Number of names after which the listing thread pauses briefly, so that it doesn't block the loop that
+streams to the controller.
 """
 
 DEEPEST = 60
@@ -30,10 +30,10 @@ DEEPEST = 60
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A file or folder.
+    """A file or folder of the project.
 
     Attributes:
-        file: its path in the project.
+        file: path in the project.
         size: size [bytes].
         changed: time of the last change (UTC).
         is_folder: True for a folder.
@@ -47,12 +47,12 @@ class Entry:
 
 @dataclass(slots=True)
 class Walk:
-    """A walk through a folder.
+    """A walk through the project's folder and its subfolders.
 
     Attributes:
-        places: places of the project.
+        places: access to the files of the project.
         suffixes: suffixes of the wanted files, in lower case; empty for all files and folders.
-        cut: True if there are more files than were read.
+        cut: True if files were left out because a limit on their number or depth was reached.
     """
 
     places: Places
@@ -63,8 +63,8 @@ class Walk:
     _private: frozenset[tuple[int, int]] = frozenset()
 
     def entries(self) -> Iterator[Entry]:
-        """Yield files and folders, sorted by name. Hidden and private files, pipes, devices and links to the
-        outside are left out.
+        """Yield files and folders, in each folder sorted by name. Hidden and private files, pipes, devices
+        and links that lead out of the project are left out.
         """
         self._private = self.places.private_now()
         with self.places.top() as top:
@@ -129,7 +129,7 @@ class Walk:
         return (_as_entry(path + name, target_status) if stat.S_ISREG(target_status.st_mode) else None), False
 
     def _behind(self, path: str) -> os.stat_result:
-        """Return the status of a link's target.
+        """Return the status of the target of a link.
 
         Raises:
             OSError: the target isn't in the project.

@@ -1,4 +1,4 @@
-"""Folders that contain logs: the project's folder, and the folder in which this robot's motions are
+"""Folders that contain run logs: the project's folder, and the folder into which this robot's runs are
 logged.
 """
 
@@ -21,11 +21,11 @@ _MOST = 10_000
 
 @dataclass(frozen=True, slots=True)
 class LogFile:
-    """A file with the name of a log.
+    """A file whose name is that of a run log.
 
     Attributes:
-        place: folder that contains it.
-        file: path in this folder.
+        place: which of the two folders contains the file, `project` or `logs`.
+        file: path in that folder.
         size: size [bytes].
         changed: time of the last change (UTC).
     """
@@ -37,12 +37,12 @@ class LogFile:
 
 
 class LogFolders:
-    """The two folders with logs. All functions wait for the disk: call them in a thread.
+    """The two folders with run logs. All functions wait for the disk: call them in a thread.
 
     Args:
-        project: the project's folder.
-        logs: folder or file for logs of motions; None if unknown.
-        database: database of the pendant, which is inaccessible.
+        project: files of the project.
+        logs: folder or file into which runs are logged; None if unknown.
+        database: file of the pendant's database, which must not be read as a log.
     """
 
     def __init__(self, project: ProjectFolder, logs: Path | None, database: Path) -> None:
@@ -53,12 +53,12 @@ class LogFolders:
 
     @property
     def folder(self) -> str:
-        """Folder for logs of motions; empty if unknown."""
+        """Folder into which runs are logged; empty if unknown."""
         return "" if self._logs is None else str(self._folder())
 
     @property
     def is_elsewhere(self) -> bool:
-        """True if motions are logged outside of the project."""
+        """True if runs are logged into a folder outside of the project."""
         return self._elsewhere() is not None
 
     def _folder(self) -> Path:
@@ -67,7 +67,9 @@ class LogFolders:
         return self._logs.parent if is_file else self._logs
 
     def files(self) -> tuple[tuple[LogFile, ...], bool]:
-        """Return the logs, last changed first, and True if there may be more."""
+        """Return two values: the run logs of both folders, last changed first, and True if there may be
+        more.
+        """
         found, cut = self._project.with_suffix(_LOGS, _MOST)
         listed = [LogFile("project", one.file, one.size, one.changed) for one in found]
         if (other := self._elsewhere()) is not None:
@@ -79,7 +81,9 @@ class LogFolders:
         return tuple(sorted(listed, key=lambda one: one.changed, reverse=True)), cut
 
     def _elsewhere(self) -> ProjectFolder | None:
-        """Return the folder in which motions are logged, if it exists and is outside of the project."""
+        """Return the folder into which runs are logged, if it exists and is outside of the project;
+        otherwise None.
+        """
         if self._logs is None:
             return None
         folder = self._folder()
@@ -91,10 +95,11 @@ class LogFolders:
 
     @contextmanager
     def opened(self, place: Place, file: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Open a log for reading. Return its descriptor, its status, and its name with links resolved.
+        """Open a run log for reading until the context ends. Yield three values: the file's descriptor,
+        status, and name with links resolved.
 
         Args:
-            place: folder that contains it.
+            place: which of the two folders contains the log, `project` or `logs`.
             file: path in that folder.
 
         Raises:

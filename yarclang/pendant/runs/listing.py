@@ -1,4 +1,6 @@
-"""List of logs with their summaries. A summary is read again only after its file has changed."""
+"""List of run logs with their summaries. The summary of a finished log is read again only after its file
+has changed.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +19,19 @@ MOST = 1000
 
 _REMEMBERED = 4 * MOST
 _FRESH = 5.0
-"""Time after the last change within which a log without an end counts as being written [s]."""
+"""If a log without an end was changed within this time, it counts as being written; otherwise as cut off
+[s].
+"""
 
 _UNREADABLE = Brief("", "", "", "", "", "", is_known=False, is_whole=False)
 
 
 class Listing:
-    """The list of logs. `listed` waits for the disk: call it in a thread.
+    """The list of run logs. `listed` waits for the disk: call it in a thread.
 
     Args:
-        folders: folders of the logs.
-        wall: the time of day [s].
+        folders: folders with run logs.
+        wall: returns the time of day [s].
     """
 
     def __init__(self, folders: LogFolders, wall: Callable[[], float] = time.time) -> None:
@@ -36,10 +40,10 @@ class Listing:
         self._known: OrderedDict[LogFile, Brief] = OrderedDict()
 
     def listed(self, written: str) -> RunList:
-        """Return the summaries of the logs.
+        """Return the summaries of the run logs, last changed first.
 
         Args:
-            written: name of the log that is being written; empty if there is none.
+            written: file name of the log that is being written now; empty if there is none.
         """
         files, cut = self._folders.files()
         shown = tuple(self._shown(one, written) for one in files[:MOST])
@@ -76,7 +80,7 @@ class Listing:
         )
 
     def _read(self, file: LogFile) -> tuple[Brief, float]:
-        """Return a log's summary, and the time since its last change [s]."""
+        """Return two values: the summary of a log, and the time since the log's last change [s]."""
         try:
             with self._folders.opened(file.place, file.file) as (handle, told, _):
                 summary = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)

@@ -1,5 +1,5 @@
-"""Reading of logs. Each log is read in a process of its own, with limited memory and time, so that it can't
-disturb the process that streams to the controller.
+"""Reading of run logs for pages. Each log is read in a process of its own, with limited memory and time,
+so that it can't disturb the process that streams to the controller.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ LARGEST = 256 << 20
 """Largest log that is read [bytes]. A run of one hour takes about 10 MB."""
 
 AT_ONCE, WAITING = 2, 8
-"""Most processes at the same time, and most requests that may wait."""
+"""Most logs that are read at the same time, and most further requests that may wait for that."""
 
 _MOST_MEMORY = 3 << 30
 """Largest address space of a process [bytes]; its libraries take 1 GiB."""
@@ -33,7 +33,7 @@ _Key = tuple[int, int, int, int, Window | None]
 
 
 class Readings:
-    """Reader of logs."""
+    """Reader of run logs. The results for the last few logs are cached."""
 
     def __init__(self) -> None:
         self._reading = asyncio.Semaphore(AT_ONCE)
@@ -41,15 +41,15 @@ class Readings:
         self._known: OrderedDict[_Key, bytes] = OrderedDict()
 
     async def shown(self, handle: int, status: os.stat_result, window: Window | None) -> bytes:
-        """Return the content of a log as the JSON of `RunShown`.
+        """Return the content of a run log as the JSON of the message `RunShown`.
 
         Args:
-            handle: the open file.
-            status: status of the file from the operating system.
-            window: time range of the lines [s]; None for all.
+            handle: descriptor of the open log.
+            status: status of the log from the operating system, by which a cached result is recognized.
+            window: time range of the plotted curves [s since the log was opened]; None for the whole run.
 
         Raises:
-            Trouble: the log can't be shown, or too many are being read.
+            Trouble: the log can't be shown, or too many logs are being read.
         """
         if status.st_size > LARGEST:
             what = f"the log has {status.st_size:,} bytes; up to {LARGEST:,} are shown here"

@@ -1,4 +1,6 @@
-"""Conversion of a log to a message. It runs in a process of its own, because a log may be large or forged."""
+"""Conversion of a run log to a message for pages. It runs in a process of its own, because a log may be
+large or forged.
+"""
 
 from __future__ import annotations
 
@@ -23,17 +25,19 @@ from yarclang.runtime.notices import Remark
 from yarclang.runtime.state import State
 
 _INTERVALS = 1000
-"""Most intervals of a line, summed over all passes. Two points are drawn for each interval."""
+"""Most time intervals into which a plotted curve is divided, summed over all passes of a repeated program.
+Two points are drawn for each interval.
+"""
 _FEWEST = 20
-"""Fewest intervals of a pass if there are many passes."""
+"""Fewest time intervals of one pass if there are many passes."""
 _MOST_ROWS = 1500
-"""Most positions of the robot's path."""
+"""Most positions of the robot that are shown of its path."""
 _MOST_EVENTS, _MOST_SPANS, _MOST_SIGNALS, _MOST_STRETCHES = 1000, 1000, 32, 1000
 _LONGEST = 500
 """Longest text of an event [characters]."""
 
 Window = tuple[float, float]
-"""Time range of lines [s since the log was opened]."""
+"""Start and end of the time range of plotted curves [s since the log was opened]."""
 
 
 class CannotShow(Exception):  # noqa: N818 - it is an answer
@@ -41,11 +45,11 @@ class CannotShow(Exception):  # noqa: N818 - it is an answer
 
 
 def shown(file: str, window: Window | None = None) -> said.RunShown:
-    """Return the content of a log.
+    """Return the content of a run log.
 
     Args:
         file: path of the log.
-        window: time range of the lines; None for all.
+        window: time range of the plotted curves [s since the log was opened]; None for the whole run.
 
     Raises:
         CannotShow: the file is no log of a run, or can't be read.
@@ -142,7 +146,9 @@ def _line(
     breaks: list[int],
     window: Window | None,
 ) -> said.RunLines:
-    """Return a message with lines, thinned separately for each pass."""
+    """Return the curves of one plot. The points are thinned separately for each pass of a repeated
+    program.
+    """
     ends = [0, *(one for one in breaks if 0 < one < len(times)), len(times)]
     inside = np.ones(len(times), dtype=bool)
     if window is not None:
@@ -211,7 +217,7 @@ def _events(run: RecordedRun) -> Iterator[said.RunEvent]:
 
 
 def _way(run: RecordedRun) -> said.RunWay:
-    """Return the robot's path, thinned evenly."""
+    """Return the recorded joint positions, thinned to at most `_MOST_ROWS` times."""
     count = len(run.times)
     if not count:
         return said.RunWay(times=(), joints=())
@@ -224,7 +230,9 @@ def _way(run: RecordedRun) -> said.RunWay:
 
 
 def _clean(values: Array) -> Array:
-    """Return values in which non-finite numbers are replaced, because a forged log may contain them."""
+    """Return values in which non-finite and very large numbers are replaced. A forged log may contain such
+    numbers, and JSON can't represent non-finite ones.
+    """
     found: Array = np.nan_to_num(values, nan=0.0, posinf=1e12, neginf=-1e12).clip(-1e12, 1e12)
     return found
 
@@ -234,12 +242,12 @@ def _finite(value: float) -> float:
 
 
 def as_json(file: str, window: Window | None = None) -> str:
-    """Return the content of a log as JSON. If the log can't be shown, the object has only the key `refused`,
-    with the reason.
+    """Return the content of a run log as JSON. If the log can't be shown, the JSON object has only the key
+    `refused`, with the reason.
 
     Args:
         file: path of the log.
-        window: time range of the lines [s]; None for all.
+        window: time range of the plotted curves [s since the log was opened]; None for the whole run.
     """
     try:
         return shown(file, window).model_dump_json()
@@ -253,8 +261,9 @@ def as_json(file: str, window: Window | None = None) -> str:
 
 
 def main() -> None:
-    """Write the content of a log to standard output, as JSON. The first argument is the path of the log; two
-    more arguments give the time range of the lines [s].
+    """Write the content of a run log to standard output, as JSON. The first argument of the command line
+    is the path of the log. Two optional arguments are the start and the end of the time range of the
+    plotted curves [s].
     """
     file, *given = sys.argv[1:]
     sys.stdout.write(as_json(file, (float(given[0]), float(given[1])) if given else None))

@@ -1,4 +1,4 @@
-"""Description of a stage for pages, with the meshes that it uses."""
+"""Description of a stage (all that the 3D viewer draws) for pages, with the meshes of its bodies."""
 
 from __future__ import annotations
 
@@ -19,22 +19,23 @@ from yarclang.view.camera import first_view, shown_box
 from yarclang.view.stage import Item, Stage
 
 MOST_TRIANGLES = 600_000
-"""Most triangles of all meshes together, so that tablets can draw them. Further bodies are left out, with
-a note.
+"""Most triangles of all meshes together, so that tablets can draw them. Further bodies aren't drawn, and a
+note on the page says so.
 """
 MOST_ITEMS = 2000
-"""Most bodies. Further ones are left out, with a note."""
+"""Most bodies in a scene. Further bodies aren't drawn, and a note on the page says so."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawn:
-    """A scene for pages.
+    """A scene that pages draw.
 
     Attributes:
-        shown: its description.
-        meshes: meshes by their ids.
-        near: bodies for the distance check; None if distances aren't checked.
-        made: meshes by their source, for reuse in the next scene.
+        shown: message that describes the scene.
+        meshes: meshes of the scene by their ids.
+        near: bodies and margins for the check of which bodies are too near to each other; None if this isn't
+            checked.
+        made: meshes by the bodies from which they were made, for reuse in the next scene.
     """
 
     shown: SceneShown
@@ -44,10 +45,11 @@ class Drawn:
 
 
 def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
-    """Convert a stage to a scene for pages.
+    """Convert a stage to a scene that pages draw.
 
     Args:
-        stage: stage of the robot at rest, or of a program, with the times at which it has its parts.
+        stage: all that the 3D viewer draws of the robot at rest or of a program. For a program, this includes
+            the times at which workpieces (parts) are placed or moved.
         before: the previous scene, whose meshes are reused.
     """
     drawn_items, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))
@@ -102,7 +104,7 @@ def _key(solid: Solid) -> bytes:
 
 
 def _bounded(items: Iterable[Item]) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Return the items that are drawn, and a note about those that are left out."""
+    """Return two values: the items of a stage that are drawn, and notes about those that are left out."""
     drawn_items: list[Item] = []
     omitted: list[str] = []
     sizes: dict[int, int] = {}
@@ -144,7 +146,7 @@ def _time(value: float) -> float | None:
 
 
 def _box(items: Iterable[Item]) -> tuple[Array, Array]:
-    """Return the corners of a box around all bodies that no joint moves."""
+    """Return the lower and the upper corner of a box around all bodies that no joint moves."""
     points = [np.zeros((1, 3))]
     for item in items:
         if item.joint == 0:
@@ -155,7 +157,9 @@ def _box(items: Iterable[Item]) -> tuple[Array, Array]:
 
 
 def _tool_axis(stage: Stage) -> Array:
-    """Return the axis (3,) of the last joint with all joints at zero, directed towards the tool."""
+    """Return the axis of the last joint with all joints at zero, as a unit vector (3,) in {B} that points
+    towards the tool.
+    """
     chain = stage.robot.chain
     axis = chain.screws[-1, 3:] if chain.screws[-1, 3:].any() else chain.screws[-1, :3]
     tool = (chain.base_from_flange @ stage.flange_from_frame)[:3, 3]

@@ -1,5 +1,5 @@
-"""Binary meshes: corners, triangles, and normals that are not smoothed across sharp edges. Ids are hashes of
-the content.
+"""Binary meshes for browsers: corners, triangles, and normals that are not smoothed across sharp edges.
+The id of a mesh is a hash of its content.
 """
 
 from __future__ import annotations
@@ -15,9 +15,11 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Rows
 
 _EDGE = np.cos(np.deg2rad(35.0))
-"""Cosine of the angle between the normals of two faces beyond which their common edge is drawn sharp."""
+"""Cosine of 35 deg: the common edge of two faces is drawn sharp if the angle between their normals is
+larger.
+"""
 _MOST_AROUND = 64
-"""Most faces around one corner that are compared."""
+"""Most faces around one corner that are compared when normals are averaged."""
 _LARGE = 4096
 """Size from which a mesh is also stored compressed [bytes]."""
 
@@ -26,13 +28,13 @@ _LARGE = 4096
 class Blob:
     """A mesh in its binary format.
 
-    Little endian: the numbers V and F (uint32), V corners x y z (float32) [m], F triangles (3 x uint32), V
-    normals x y z (int8, scaled by 127).
+    The format, little endian: number V of corners and number F of triangles (uint32), V corners x y z
+    (float32) [m], F triangles (3 x uint32), V normals x y z (int8, scaled by 127).
 
     Attributes:
         id: hash of the content.
-        content: the bytes.
-        packed: the bytes compressed with gzip; empty for a small mesh.
+        content: the mesh in this format.
+        packed: the content compressed with gzip; empty for a small mesh.
     """
 
     id: str
@@ -41,8 +43,8 @@ class Blob:
 
 
 def blob_of(solid: Solid) -> Blob:
-    """Return a body's mesh. Its id is a hash of the content, so that a browser's cache never shows another
-    body.
+    """Return the mesh of a body. The mesh's id is a hash of its content, so that a browser's cache never
+    shows another body.
     """
     vertices, normals, faces = creased(solid)
     content = b"".join(
@@ -58,11 +60,12 @@ def blob_of(solid: Solid) -> Blob:
 
 
 def creased(solid: Solid) -> tuple[Array, Array, Rows]:
-    """Compute a normal for each corner of each face: the mean over those faces around the corner that meet
-    this face at a small angle.
+    """Compute a normal for each corner of each face of a body. It is the mean of the normals of those faces
+    around the corner whose normals differ little from the normal of this face.
 
     Returns:
-        Corners (V, 3), their normals (V, 3), and faces (F, 3). A corner is repeated for each of its normals.
+        Three arrays: corners (V, 3), the normals of these corners (V, 3), and the indices of each face's
+            corners (F, 3). A corner is repeated for each of its normals.
     """
     faces = solid.faces
     corners = solid.vertices[faces]
@@ -81,13 +84,14 @@ def creased(solid: Solid) -> tuple[Array, Array, Rows]:
 
 
 def _means(at: Rows, face_of_corner: Rows, flat: Array, across: Array) -> Array:
-    """Return the normal of each corner of each face (3 F, 3), weighted by the faces' areas.
+    """Return the mean normals of the corners of F faces, weighted by the faces' areas, as (3 F, 3).
 
     Args:
-        at: (3 F,) the place of each corner.
-        face_of_corner: (3 F,) the face of each corner.
+        at: (3 F,) number of the place of each corner; corners of several faces at the same place have the
+            same number.
+        face_of_corner: (3 F,) number of the face to which each corner belongs.
         flat: (F, 3) unit normals of the faces.
-        across: (F, 3) normals of the faces, whose lengths are twice the areas.
+        across: (F, 3) normals of the faces with twice the faces' areas as lengths.
     """
     order = np.argsort(at, kind="stable")
     _, begins, counts = np.unique(at[order], return_index=True, return_counts=True)

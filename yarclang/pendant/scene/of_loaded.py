@@ -1,5 +1,5 @@
-"""The stage of a loaded program: its own cell, its frames, and its parts over the time of the program's
-longest branches.
+"""The stage of a loaded program, that is, all that the 3D viewer draws: the program's cell and frames, and
+the workpieces (parts) at each time of the program's longest branches.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ _UNPLANNED = (
 
 
 def stage_of_loaded(robot: Robot, loaded: Loaded) -> Stage:
-    """Return the stage of a program before it is run. Its times are those of the coordinator's `course`.
+    """Return the stage of a program before it is run. Its times are those of the program's `course`, in which
+    the coordinator reports the motion over time.
 
     Args:
         robot: robot that runs the program.
@@ -72,8 +73,8 @@ def _noted(stage: Stage, title: str, notes: tuple[str, ...]) -> Stage:
 
 
 def _parts(robot: Robot, plan: MotionPlan, longest: set[int]) -> ShownParts | None:
-    """Return the parts over the time of the program. Only its longest branches are shown, not the effects of
-    other branches.
+    """Return where the workpieces (parts) are at each time of the program; None if the program moves none.
+    Only the longest branches of the program are shown; what other branches do to the parts is left out.
     """
     ends = {one.step: one.curve.points[-1] for one in plan.motions}
     left_out = [number for number in range(len(plan.program.steps)) if number not in longest]

@@ -1,4 +1,6 @@
-"""Placements of a robot's links as positions and quaternions, so that pages don't need the kinematics."""
+"""Displacements of a robot's links for given joint positions, as positions and quaternions, so that pages
+don't need the kinematics.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +12,15 @@ from yarclang.transforms import quaternions
 
 
 def moved_links(chain: Chain, q: Array) -> Array:
-    """Compute the displacement of the links for joint positions.
+    """Compute how far the links of a robot are displaced from their poses with all joints at zero.
 
     Args:
         chain: kinematic chain with n joints.
         q: (N, n) joint positions [rad or m].
 
     Returns:
-        (N, n, 4, 4): transforms from a link's pose with all joints at zero to its pose at q. Matrix k applies
-            to the links that the first k + 1 joints move.
+        Transforms (N, n, 4, 4) in {B} that move each link from its pose with all joints at zero to its pose
+        at q. Matrix k belongs to the link that joint k carries, so the first k + 1 joints move it.
     """
     count = len(q)
     moved = np.empty((count, chain.size, 4, 4))
@@ -33,5 +35,5 @@ def moved_links(chain: Chain, q: Array) -> Array:
 
 
 def packed(moved: Array) -> Array:
-    """Return transforms (..., 4, 4) as x y z [m] and the unit quaternion x y z w (..., 7)."""
+    """Convert transforms (..., 4, 4) to positions x y z [m] and unit quaternions x y z w, as (..., 7)."""
     return np.concatenate([moved[..., :3, 3], quaternions(moved[..., :3, :3])], axis=-1)

@@ -1,5 +1,5 @@
-"""Scenes of loaded programs. A session sees only the programs that it has loaded itself, each in its own
-cell.
+"""Three-dimensional scenes of loaded programs. A session sees only the programs that it has loaded itself.
+Each program is shown in its own cell.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _MOST = 8
-"""Most sessions of which the program's scene is kept. If there are more, the scene that was used longest ago
-is dropped.
+"""Most sessions for which the scene of a program is cached, one scene each. If there are more, the scene
+that was used longest ago is dropped.
 """
 _MOST_LOADS = 4
-"""Most load orders that are kept for each session: those of the newest programs."""
+"""Most orders `load` that are stored for each session: those of the programs that it has loaded last."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Kept:
-    """A cached scene. A restarted coordinator numbers programs from the beginning again, so a number
-    identifies a program only together with the seat.
+    """A cached scene of a program. A restarted coordinator numbers its programs from the beginning again,
+    so a number identifies a program only together with the seat, the session's client of the coordinator.
     """
 
     seat: Attached
@@ -52,8 +52,9 @@ class ProgramScenes:
 
     Args:
         robot: the robot.
-        seats: the sessions' clients of the coordinator, which has the programs.
-        live: returns the scene of the robot itself, whose meshes are reused.
+        seats: the sessions' clients of the coordinator, through which the programs were loaded.
+        live: returns the scene of the real robot in its cell, whose meshes are reused; None if there is none
+            yet.
     """
 
     def __init__(self, robot: Robot, seats: Seats, live: Callable[[], Drawn | None]) -> None:
@@ -65,10 +66,10 @@ class ProgramScenes:
         self._drawing = asyncio.Lock()
 
     def remember(self, session: Session, number: int, order: orders.Load) -> None:
-        """Remember the order that loaded a program.
+        """Remember the order by which a session has loaded a program.
 
         Args:
-            session: session that has loaded it.
+            session: session that has loaded the program.
             number: number of the program.
             order: the order, with the paths of its files.
         """
@@ -93,11 +94,11 @@ class ProgramScenes:
         """Return the scene of a program in its cell.
 
         Args:
-            session: session that has loaded it.
+            session: session that has loaded the program.
             number: number of the program.
 
         Raises:
-            Trouble: the session has no such program, or its files can't be read again.
+            Trouble: the session has no such program, or the program's files can't be read again.
         """
         async with self._drawing:
             seat = self._seats.taken(session)
@@ -123,11 +124,11 @@ class ProgramScenes:
         """Return a program that a session has loaded.
 
         Args:
-            session: session that has loaded it.
+            session: session that has loaded the program.
             number: number of the program.
 
         Raises:
-            Trouble: the session has no such program, or its files can't be read again.
+            Trouble: the session has no such program, or the program's files can't be read again.
         """
         seat = self._seats.taken(session)
         if seat is None:
@@ -153,13 +154,13 @@ class ProgramScenes:
 
 
 def _again(robot: Robot, order: orders.Load, course: ProgramCourse, cell: str | None) -> Loaded:
-    """Compile a program again that a coordinator in another process has loaded.
+    """Compile a program again, because the coordinator that has loaded it is in another process.
 
     Args:
-        robot: robot that runs it.
-        order: order by which it was loaded.
-        course: course of the program, from the coordinator.
-        cell: path of the coordinator's cell.
+        robot: robot that runs the program.
+        order: order by which the program was loaded.
+        course: the coordinator's reply about the program, with its joint positions and the hash of its text.
+        cell: path of the cell that the coordinator uses.
 
     Raises:
         Trouble: the files have changed since the program was loaded.

@@ -1,5 +1,5 @@
-"""The scene that all pages share. It is drawn again after a change of the cell, of its parts or of the
-robot.
+"""The three-dimensional scene of the robot in its cell, which all pages share. It is made again after a
+change of the cell, of the workpieces (parts) in it, or of the robot's description.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _LOOKS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """Inputs of a scene."""
+    """Data from which the last scene was made; it is made again when they change."""
 
     around: tuple[str, str | None]
     place: Place
@@ -49,13 +49,13 @@ class _Seen:
 
 
 class Scenery:
-    """The shared scene.
+    """The scene of the robot in its cell, shared by all pages.
 
     Args:
         robot: the robot.
-        showing: display that gets the version of the scene, the bodies that are too near to another one, and
-            the bodies that stop the robot.
-        is_watched: returns True if a page is connected; otherwise nothing is computed.
+        showing: state of the display, in which this class stores the version of the scene, the bodies that
+            are too near to another one, and the bodies that have stopped the robot.
+        is_watched: returns True if a page is connected. Nothing is computed while no page is.
     """
 
     def __init__(self, robot: Robot, showing: Showing, is_watched: Callable[[], bool]) -> None:
@@ -155,8 +155,8 @@ class Scenery:
         return drawn
 
     def _empty(self, place: Place) -> Stage:
-        """Return the stage without parts. It is reused, because only the parts change while the robot
-        works.
+        """Return the stage (all that is drawn) of the robot in its cell, without workpieces (parts). It is
+        reused, because only the parts change while the robot works.
         """
         stage = stage_of_live(self._robot, place.cell, self._robot.home, parts=Parts(()))
         return replace(stage, notes=(*place.notes, *stage.notes))
@@ -166,8 +166,8 @@ class Scenery:
         return drawn(replace(stage, items=(*stage.items, *items), notes=(*stage.notes, *notes)), self._drawn)
 
     async def _parts(self, attached: Attached, cell: Cell | None, before: Parts | None) -> Parts:
-        """Return the positions of a cell's parts. During a run they follow from the outputs that were set;
-        otherwise the coordinator reports them.
+        """Return where the workpieces (parts) of a cell are. During a run this follows from the outputs
+        that the program has set; otherwise the coordinator reports it.
         """
         first = first_parts(cell)
         if cell is None or not cell.parts:
@@ -210,7 +210,9 @@ async def _came_within(event: asyncio.Event, within: float) -> bool:
 
 
 def parts_told(cell: Cell, reply: replies.Parts) -> Parts | None:
-    """Return the parts' positions from the coordinator's reply; None if they belong to another cell."""
+    """Convert the coordinator's reply about workpieces (parts) to their positions in a cell; None if the
+    reply names parts that the cell doesn't have.
+    """
     kinds = {part.body.name: part for part in cell.parts}
     variables = {name: told_part.variable for name, told_part in cell.outputs.items()}
     items: list[Item] = []
@@ -234,11 +236,11 @@ def parts_told(cell: Cell, reply: replies.Parts) -> Parts | None:
 
 
 def placed(robot: Robot, request: Placements) -> bytes:
-    """Return the placements of links at joint positions: float32, (N, n, 7), x y z [m] and the quaternion x y
-    z w.
+    """Return the displacements of the links from their poses with all joints at zero, for N joint positions.
+    The bytes are float32 (N, n, 7), little endian: x y z [m] and the quaternion x y z w.
 
     Raises:
-        Trouble: a row has the wrong number of joints.
+        Trouble: one of the joint positions has the wrong number of joints.
     """
     for number, row in enumerate(request.joints):
         if len(row) != robot.size:

@@ -17,7 +17,9 @@ from yarclang.pendant.web.sockets import let_in, until_it_ends
 from yarclang.runtime.actions import Trouble
 
 _NO_ROOM = 4409
-"""Code with which a socket is closed because the largest number of analysts is running."""
+"""Code with which a WebSocket is closed because the largest number of analysts (language servers) is
+running already.
+"""
 
 
 async def analyse(service: Service, analysts: Analysts, socket: WebSocket) -> None:

@@ -23,8 +23,8 @@ def answer(message: Message, status: int = 200) -> Response:
 
 
 def refusal(trouble: Trouble) -> Response:
-    """Return an error as a response with status 400 for a malformed request, 401 or 403 for missing rights,
-    429 for too many attempts, otherwise 409.
+    """Return the HTTP response for an error. Its status is 400 for a malformed request, 401 if nobody is
+    logged in, 403 for missing rights, 429 for too many login attempts, otherwise 409.
     """
     status = 409
     if isinstance(trouble, Malformed):
@@ -40,16 +40,17 @@ def refusal(trouble: Trouble) -> Response:
 
 
 async def body(request: Request, kind: type[M]) -> M:
-    """Return the message in the body of a request.
+    """Parse the body of a request as a message of the given type.
 
     Raises:
-        Malformed: the body isn't a message of this kind.
+        Malformed: the body isn't a message of this type.
     """
     return read(await request.body(), kind)
 
 
 def number_in(request: Request, name: str) -> int | None:
-    """Return a non-negative integer from a request's query; None if it is absent.
+    """Return a non-negative integer from the query part of a request's URL; None if the query has no such
+    parameter.
 
     Raises:
         Malformed: the value isn't a non-negative integer.

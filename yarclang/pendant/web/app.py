@@ -67,11 +67,11 @@ mimetypes.add_type("application/manifest+json", ".webmanifest")
 
 
 def application(service: Service, names: frozenset[str] = frozenset()) -> App:
-    """Return the application that serves a pendant.
+    """Return the ASGI application that serves a pendant.
 
     Args:
-        service: the pendant.
-        names: names of the server, in addition to this machine's names for itself.
+        service: state of the pendant.
+        names: host names of the server, in addition to this machine's names for itself.
     """
     text = json.dumps(document(ROUTES)).encode()
     analysts = Analysts(service.robot, service.files.folder.root, service.files.folder.path)

@@ -33,13 +33,15 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_SHOWN = 2000
 _SILENCE = 30.0
-"""Longest time until a client accepts the next piece of a backup [s]. A client that stops reading must not
-block other backups.
+"""Longest time until a client accepts the next piece of a download [s]. Otherwise a client that stops
+reading would block other backups.
 """
 
 
 class _Zip(StreamingResponse):
-    """Response with a backup as a zip. It reports the outcome when the connection ends."""
+    """HTTP response with a backup as a zip. It calls `ended` at the end, with an empty text if the client
+    has received the whole zip.
+    """
 
     def __init__(self, pieces: Generator[bytes], ended: Callable[[str], None], name: str) -> None:
         headers = {"content-disposition": disposition(name), "cache-control": "no-store"}

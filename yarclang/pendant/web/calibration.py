@@ -1,5 +1,5 @@
-"""HTTP routes for calibrations: the touches of a session, their result, and the file to which the result is
-written.
+"""HTTP routes for calibrations: recording the robot's positions (touches), the result that follows from
+them, and writing the result to a file.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""HTTP routes for pending restarts, restart and shutdown. Orders to the controller have routes of their
-own.
+"""HTTP routes to show which changed files need a restart, and to restart or shut down the pendant. Orders
+to the controller have routes of their own.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ def _ending(way: How) -> Serve:
 
 
 def _is_ended_by(service: Service) -> bool:
-    """Return True if the running motion ends when this process ends: because the process owns the
-    coordinator, or because one of its users owns the robot.
+    """Return True if a running motion would end together with this process: because the coordinator runs
+    in this process or can't be reached, or because a user of this pendant owns the robot.
     """
     watched = service.watched
     if not watched.showing.connected or not watched.attached.welcome.serves:
@@ -74,10 +74,10 @@ def _is_ended_by(service: Service) -> bool:
 
 
 async def _rested(service: Service) -> None:
-    """Bring the running motion to rest.
+    """Stop the running motion, if there is one, and wait until the robot is at rest.
 
     Raises:
-        Trouble: the robot doesn't come to rest.
+        Trouble: the robot doesn't come to rest in time.
     """
     showing, loop = service.watched.showing, asyncio.get_running_loop()
     if not showing.under_way or not showing.connected:

@@ -1,5 +1,5 @@
-"""HTTP routes for the files of the project: the list, texts, uploads and downloads, and changes since the
-last commit.
+"""HTTP routes for the files of the project: their list, reading and saving texts, uploads and downloads,
+and the changes since the last git commit.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 10_000
 _MOST_SAVED = 6 * MOST_TEXT + 1000
-"""Longest body that contains a text [bytes]. JSON may write a character as six bytes."""
+"""Longest body of a request that saves a text [bytes]. JSON may write a character as six bytes."""
 _PIECE = 1 << 18
 
 _Kind = Literal["folder", "program", "text", "picture", "other"]
@@ -115,7 +115,7 @@ async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[by
 
     Args:
         opening: context that closes the file.
-        handle: the open file.
+        handle: descriptor of the open file.
         size: number of bytes to send.
     """
     with opening:
@@ -126,8 +126,8 @@ async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[by
 
 
 def disposition(name: str) -> str:
-    """Return the Content-Disposition header with which a browser saves a file under its name, in any
-    script.
+    """Return the Content-Disposition header that makes a browser save a file under its name, which may
+    contain any Unicode characters.
     """
     plain = re.sub(r"[^A-Za-z0-9._ ()-]", "_", name)
     return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
@@ -164,7 +164,7 @@ async def _upload(service: Service, request: Request) -> Response:
 
 
 def other(changed: Changed) -> Response:
-    """Return the response for a file that isn't the version that the client knows."""
+    """Return the HTTP response for a file that isn't the version that the client has read before."""
     return answer(
         OtherContent(error=changed.what, help=changed.remedy, code=changed.code, sha256=changed.sha256), 409
     )

@@ -1,5 +1,5 @@
-"""Check of the host name, origin and size of every request and socket before it is processed, and response
-headers that restrict browsers.
+"""Security checks for every HTTP request and WebSocket before it is processed: of its host name, its
+origin and its size. All responses get headers that restrict what browsers do with them.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ _HEADERS = (
 
 
 class Guard:
-    """Middleware that refuses requests to unknown host names, requests from pages of other sites, and large
-    bodies.
+    """ASGI middleware that refuses requests to unknown host names, requests from pages of other sites, and
+    requests with too large bodies.
 
     Args:
-        app: application that serves all other requests.
-        names: names of the server, in addition to this machine's names for itself and the address of the
-            connection.
+        app: application that serves the requests that aren't refused.
+        names: host names of the server, in addition to this machine's names for itself and the address to
+            which the client has connected.
     """
 
     def __init__(self, app: App, names: frozenset[str] = frozenset()) -> None:
@@ -101,12 +101,12 @@ class Guard:
 
 
 class TooLarge(Exception):  # noqa: N818 - it is an answer
-    """Raised if a body is longer than its route allows."""
+    """Raised if the body of a request is longer than its route allows."""
 
 
 @dataclass(slots=True)
 class Bound:
-    """Longest body of a request [bytes]. The route changes this limit before the body is read."""
+    """Longest body of a request [bytes]. A route with another limit sets it here before the body is read."""
 
     most: int = MOST_BODY
 

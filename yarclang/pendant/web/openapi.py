@@ -1,4 +1,4 @@
-"""OpenAPI 3.1 document of the API, generated from the routes and the types of the messages."""
+"""OpenAPI 3.1 document of the API, generated from the routes and from the types of their messages."""
 
 from __future__ import annotations
 

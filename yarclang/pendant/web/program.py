@@ -1,5 +1,5 @@
-"""HTTP routes for a program that is being edited: its list of commands, changes, forms and templates. They
-write no file.
+"""HTTP routes for a program that is being edited: its list of commands, changes of commands, the forms in
+which commands are edited, and templates. They write no file.
 """
 
 from __future__ import annotations
@@ -91,7 +91,8 @@ async def _edit(service: Service, request: Request) -> Response:
 
 
 def _joint_positions(robot: Robot, values: tuple[float, ...]) -> Array:
-    """Return the joint positions (n,) that a message contains [rad or m].
+    """Convert the joint positions in a message to an array (n,) [rad or m], and check them against the joint
+    limits.
 
     Raises:
         Trouble: the number of joints is wrong, or a position is beyond its limits.

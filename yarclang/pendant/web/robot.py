@@ -1,4 +1,6 @@
-"""HTTP routes for the robot: its description, orders, control, and the programs of the project."""
+"""HTTP routes for the robot: its description, orders to it, taking and giving control of it, and the
+programs of the project.
+"""
 
 from __future__ import annotations
 
@@ -26,16 +28,17 @@ from yarclang.units import MM
 OVER_HTTP: dict[type[Order[Any]], Role] = {
     kind: role for kind, role in NEEDS.items() if kind not in (*wants.KINDS, orders.Steer, orders.Leave)
 }
-"""Orders that have a route each and are also accepted on the socket. Hold-to-run motions use the socket
-for jogs.
+"""Orders that can be given over HTTP, each with a route of its own, with the required roles. They are also
+accepted on the WebSocket of a page. Hold-to-run motions use the WebSocket for jogs instead.
 """
 
 
 def order_in(text: bytes) -> tuple[Order[Any], int | str | None]:
-    """Return the order in a JSON object, and the order's id.
+    """Parse a JSON object as an order. Return two values: the order, and the id that the page gave to it
+    (None without one).
 
     Raises:
-        Malformed: the object isn't an order of the API.
+        Malformed: the object isn't an order that the API accepts here.
     """
     order = read_order(text, MOST_LINE)
     if isinstance(order.what, Denied):

@@ -24,12 +24,12 @@ class Route:
 
     Attributes:
         method: GET, POST, PUT or DELETE.
-        path: path with parameters in braces; `{path:path}` takes the rest, including slashes.
+        path: path with parameters in braces; `{path:path}` matches the rest of the path, including slashes.
         serve: function that returns the response to a request, or raises `Trouble`.
-        summary: description that begins with a verb.
-        body: type of the message in the request; None if there is none.
-        answer: type of the message in the response; None if the response isn't JSON.
-        role: required role; empty if no login is needed.
+        summary: description of the route, which begins with a verb.
+        body: type of the message in the body of the request; None if it has no body.
+        answer: type of the message in the body of the response; None if the response isn't JSON.
+        role: role that the user needs; empty if no login is needed.
         most: longest body of a request [bytes].
     """
 

@@ -1,5 +1,5 @@
-"""HTTP routes for the robot in three dimensions: the scene, its meshes, and the placements of links at joint
-positions.
+"""HTTP routes for the robot in three dimensions: the scene, its meshes, and the displacements of the links
+for given joint positions.
 """
 
 from __future__ import annotations

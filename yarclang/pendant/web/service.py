@@ -1,4 +1,6 @@
-"""State that all requests share: accounts, robot, files, and the session of each request."""
+"""State of a pendant that all requests share, such as accounts, robot and files, and the session to which
+a request belongs.
+"""
 
 from __future__ import annotations
 
@@ -44,25 +46,25 @@ class Service:
         robot: the robot.
         accounts: the users and their sessions.
         seats: the sessions' clients of the coordinator.
-        watched: the robot's present state.
-        gate: checks and carries out orders.
+        watched: shared client of the coordinator, with the robot's present state.
+        gate: checks orders and lets the coordinator carry them out.
         files: files of the project, with the rights to change them.
-        scenery: the robot in three dimensions.
-        program_scenes: loaded programs in their cells.
+        scenery: three-dimensional scene of the robot in its cell.
+        program_scenes: three-dimensional scenes of loaded programs, each in its own cell.
         calibrations: running calibrations of all sessions.
         calibration_writing: writes results of calibrations.
-        signals: inputs and outputs.
-        workspace: zones, obstacles and limits.
-        checks: checks of programs with a draft.
+        signals: values of inputs and outputs.
+        workspace: zones and obstacles of the cell, and joint limits.
+        checks: checks of the programs with a draft, that is, with unsaved changes of the workspace.
         alarms: alarms of the robot and the pendant.
         log_folders: folders of run logs.
         runs: list of run logs.
-        readings: content of run logs.
-        life: end of the process on request.
+        readings: reader of the content of run logs.
+        life: receiver of requests to end the process.
         descriptions: files that the process reads only when it starts.
         backups: backups of the project.
-        sampler: health of the computer and the process.
-        closing: functions to call when a session ends, by its id.
+        sampler: regular measurements of the computer and the process.
+        closing: functions that are called when a session ends, by the session's id.
     """
 
     robot: Robot
@@ -99,15 +101,16 @@ class Service:
         logs: Path | None = None,
         life: Life | None = None,
     ) -> Service:
-        """Open a pendant for a robot.
+        """Create the state of a pendant for a robot, and open its database.
 
         Args:
             robot: the robot.
-            attach: attaches new clients to its coordinator.
+            attach: attaches new clients to the robot's coordinator.
             folder: folder of the project.
-            database: the file of users, sessions and audit trail.
-            logs: folder or file for logs of motions; None if unknown.
-            life: end of its process on request; None if the process can't be ended from the pendant.
+            database: file with users, sessions, audit trail and alarms.
+            logs: folder or file into which runs are logged; None if unknown.
+            life: object that receives users' requests to end this process; None if users can't end it at the
+                pendant.
 
         Raises:
             Trouble: the database can't be used.
@@ -174,12 +177,13 @@ class Service:
         )
 
     def session(self, connection: HTTPConnection, role: Role = Role.VIEWER, *, pin: bool = False) -> Session:
-        """Return the session of a request or a socket.
+        """Return the session to which a request or a WebSocket belongs, by its cookie. Check the user's
+        rights.
 
         Args:
-            connection: the request.
-            role: required role.
-            pin: True if the PIN is required as well.
+            connection: the request or WebSocket.
+            role: role that the user needs.
+            pin: True if the PIN must also have been entered recently.
 
         Raises:
             NotAllowed: nobody is logged in, or the role or the PIN is missing.
@@ -192,8 +196,8 @@ class Service:
 
 
 def cookie(connection: HTTPConnection, name: str) -> str:
-    """Return the name of a cookie. Over TLS the name gets the prefix `__Host-`, so that only this server
-    can set it.
+    """Return the name of a cookie for a connection. With TLS the name gets the prefix `__Host-`, so that
+    browsers accept the cookie only from this server.
     """
     return f"__Host-{name}" if is_secure(connection) else name
 

@@ -1,4 +1,6 @@
-"""HTTP routes for inputs and outputs and their values. Values are set by the orders `set` and `input`."""
+"""HTTP routes that return the inputs and outputs and their values. Values are set by other routes: the
+orders `set` and `input`.
+"""
 
 from __future__ import annotations
 

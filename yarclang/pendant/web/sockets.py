@@ -1,4 +1,4 @@
-"""The two WebSockets of a page: one for the robot's state and for orders that mustn't wait for a new
+"""The two WebSockets of a page: one for the robot's state and for orders that mustn't wait for a new HTTP
 connection, and one for jogs.
 """
 
@@ -27,10 +27,10 @@ from yarclang.pendant.web.service import Service, address_of
 from yarclang.runtime.actions import Trouble
 
 _ENDED = 4401
-"""Code with which a socket is closed because its session has ended. Browsers then show the login page."""
+"""Code with which a WebSocket is closed because its session has ended. Browsers then show the login page."""
 
 _REFUSED = 4403
-"""Code with which a socket is closed because it requires another role."""
+"""Code with which a WebSocket is closed because its user lacks the required role."""
 
 _MOST_WAITING = 8
 """Most orders of one page that are carried out at the same time."""
@@ -40,7 +40,9 @@ _LOOKED_EACH = 5.0
 
 
 async def watch(service: Service, socket: WebSocket) -> None:
-    """Send the robot's state to a page, and carry out the page's orders, at /api/robot."""
+    """Serve the WebSocket /api/robot of a page: send the robot's state to the page, and carry out the
+    page's orders.
+    """
     async with contextlib.AsyncExitStack() as leaving:
         session = await let_in(service, socket)
         if session is None:
@@ -88,7 +90,7 @@ async def _carried_out(service: Service, socket: WebSocket, session: Session, pa
 
 
 async def jog(service: Service, socket: WebSocket) -> None:
-    """Move the robot while a button is pressed on a page, at /api/jog."""
+    """Serve the WebSocket /api/jog of a page: move the robot while a button is pressed on the page."""
     session = await let_in(service, socket)
     if session is None:
         return
@@ -119,16 +121,16 @@ async def jog(service: Service, socket: WebSocket) -> None:
 
 
 async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) -> Session | None:
-    """Accept the WebSocket of a page.
+    """Accept the WebSocket of a page, and check the user's role.
 
     Args:
-        service: the pendant.
-        socket: socket of the page.
-        role: required role.
+        service: state of the pendant.
+        socket: WebSocket of the page.
+        role: role that the user needs.
 
     Returns:
-        The session of the page; None if the socket was closed because nobody is logged in or the role isn't
-        sufficient.
+        The session of the page; None if nobody is logged in or the role isn't sufficient. Then the WebSocket
+        has been closed.
     """
     await socket.accept()
     try:
@@ -144,10 +146,10 @@ async def until_it_ends(
     """Run coroutines until one of them ends, the page disconnects, or the session ends.
 
     Args:
-        service: the pendant.
-        socket: socket of the page.
+        service: state of the pendant.
+        socket: WebSocket of the page.
         session: session of the page.
-        *work: the coroutines.
+        *work: coroutines to run.
     """
     over = asyncio.Event()
     closing: set[Callable[[], object]] = service.closing.setdefault(session.id, set())

@@ -1,5 +1,5 @@
-"""HTTP routes for frames and tools: the files that declare them, the effect of a payload on torques, and the
-robot.toml with a payload.
+"""HTTP routes for frames and tools: which files declare them, the effect of a new payload on the joint
+torques, and writing the payload to robot.toml.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ def _tools_shown(
 
 
 def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
-    """Return the origin of a frame: the file that declares it, or the session. A frame of the session hides
-    another frame of the same name.
+    """Return where a frame is declared: in which file, or in the session. A frame of the session hides one
+    of the same name in cell.toml.
     """
     name = frame.name.strip("{}").upper()
     if name in ("B", "FLANGE"):
@@ -145,10 +145,11 @@ async def _save(service: Service, request: Request) -> Response:
 
 
 def _written(robot: Robot, project: ProjectFolder, request_body: said.SavePayload) -> tuple[str, str]:
-    """Return the text of robot.toml with a payload, and the file's path.
+    """Return two values: the text of robot.toml with a tool's new payload, and the path of robot.toml.
 
     Raises:
-        Trouble: the file can't be changed here, has changed since it was shown, or would become invalid.
+        Trouble: the pendant can't change the file, the file has changed since the page showed it, or it would
+            become invalid.
     """
     file = robot_file(robot, project)
     if file.outside:

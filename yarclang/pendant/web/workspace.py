@@ -1,5 +1,5 @@
-"""HTTP routes for the workspace: zones, obstacles and limits, drafts of changes, checks of programs, and
-distances.
+"""HTTP routes for the workspace: its zones, obstacles and joint limits, drafts of changes of them, checks
+of programs with a draft, and distances between bodies.
 """
 
 from __future__ import annotations

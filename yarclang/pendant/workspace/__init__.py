@@ -1,1 +1,3 @@
-"""The workspace: display and changes of a cell's zones and obstacles, and of joint limits."""
+"""The workspace of a robot, that is, the cell's zones and obstacles and the joint limits: how pages show
+and change it.
+"""

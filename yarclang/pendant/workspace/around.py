@@ -1,5 +1,5 @@
-"""The files of a workspace: their paths, their content, and their content after a draft. Functions wait for
-the disk.
+"""The files that describe a workspace (cell.toml and robot.toml): their paths, their content, and their
+content with a draft, that is, with unsaved changes. The functions wait for the disk.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ _WIDER = "Y1355"
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """The files of a workspace.
+    """The files that describe a workspace. Files outside of the project can't be changed at the pendant.
 
     Attributes:
-        cell: path of the session's cell; None without one.
-        text: text of the cell; None if it can't be changed here.
-        why: reason why the cell can't be changed here.
+        cell: path of the session's cell.toml; None without a cell.
+        text: content of cell.toml; None if the pendant can't change the file.
+        why: reason why the pendant can't change cell.toml; empty if it can.
         robot_path: path of robot.toml.
-        robot: text of robot.toml; None if it can't be changed here.
-        robot_why: reason why robot.toml can't be changed here.
+        robot: content of robot.toml; None if the pendant can't change the file.
+        robot_why: reason why the pendant can't change robot.toml; empty if it can.
     """
 
     cell: Path | None
@@ -58,7 +58,7 @@ class Around:
 
 
 def around_of(folder: ProjectFolder, surroundings: Surroundings) -> Around:
-    """Return the files of a workspace from the coordinator's reply."""
+    """Read the files of a workspace. The coordinator's reply names them."""
     cell = None if surroundings.cell is None else Path(surroundings.cell)
     text, reason = None, ""
     if cell is None:
@@ -94,7 +94,7 @@ def around_of(folder: ProjectFolder, surroundings: Surroundings) -> Around:
 
 
 def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
-    """Return the workspace as described by the files."""
+    """Return the message that shows the workspace, as described by its files."""
     text = around.text
     source = None if text is None else text.placed
     if source is None and around.cell is not None:
@@ -124,13 +124,15 @@ def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
 
 
 def _read(path: Path) -> SourceFile | None:
-    """Return a file that is shown even if it is outside of the project; None if it can't be read."""
+    """Read a file, which may be outside of the project; None if it can't be read. Such a file is shown,
+    but can't be changed.
+    """
     read = read_text(path, "")
     return None if isinstance(read, Diagnostic) else read
 
 
 def _waits(served: Robot, around: Around) -> bool:
-    """Return True if robot.toml differs from the running description."""
+    """Return True if robot.toml describes a robot that differs from the one that the pendant has loaded."""
     if around.robot is None:
         return False
     robot, _ = checked_robot(around.robot.placed, around.robot_path.parent)
@@ -138,10 +140,11 @@ def _waits(served: Robot, around: Around) -> bool:
 
 
 def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[ProposedFile, ...]:
-    """Return the files that a draft changes, before and after the change.
+    """Return the files that a draft changes, with their texts before and after the change.
 
     Raises:
-        Trouble: the files have changed since the draft was begun (code "changed"), or can't be changed here.
+        Trouble: the files have changed since the draft was begun (code "changed"), or the pendant can't
+            change them.
     """
     files_found = []
     if draft.entries:
@@ -167,10 +170,10 @@ def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[Pr
 
 
 def check_known(text: Text, known_hash: str | None) -> None:
-    """Check that the file is still the version from which a draft was made.
+    """Check that a file is still the version from which a draft was made.
 
     Raises:
-        Changed: the file is another version.
+        Changed: the file has changed since the draft was made.
     """
     if text.known != known_hash:
         raise Changed(text.file, text.known)

@@ -1,5 +1,5 @@
-"""Changes of zones, obstacles and limits in the text of a file. All other bytes of the text stay unchanged.
-No I/O.
+"""Changes of zones, obstacles and joint limits in the texts of cell.toml and robot.toml. All other bytes
+of a text stay unchanged. No I/O.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ _BY_HAND = "change the file by hand: Program > open it"
 _LONGEST = 2000
 _MOST_WORK = 2_000_000
 """Largest product of the number of changes and the number of characters of a file. Each change parses the
-text again; the limit corresponds to about 10 s.
+text again; at this limit the changes take about 10 s.
 """
 
 
 def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[str, str]:
-    """Return the text of a cell.toml with changed zones and obstacles, and a description of the changes.
+    """Change zones and obstacles in the text of a cell.toml. Return two values: the new text, and a
+    description of the changes.
 
     Args:
         source: the text before the changes.
-        changes: at most one change for each entry.
+        changes: changes of entries (zones and obstacles), at most one for each entry.
 
     Raises:
         Trouble: there is no such entry, or the file is written in a form that can't be changed.
@@ -63,7 +64,8 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
 
 
 def with_limits(source: SourceFile, limits: Sequence[LimitChange]) -> tuple[str, str]:
-    """Return the text of a robot.toml with changed position limits, and a description of the changes.
+    """Change position limits of joints in the text of a robot.toml. Return two values: the new text, and a
+    description of the changes.
 
     Raises:
         Trouble: there is no such joint, or the file is written in a form that can't be changed.
@@ -118,7 +120,9 @@ def _check_each_once(changes: Sequence[EntryChange], data: dict[str, Any]) -> No
 
 
 def _changed(text: str, name: str, change: EntryChange, before: dict[str, Any]) -> tuple[str, list[str]]:
-    """Return the text with a changed entry, and a description of each changed value."""
+    """Change the entry of a zone or obstacle. Return two values: the new text of the file, and a
+    description of each changed value.
+    """
     assert change.values is not None
     new_values, descriptions = _values_set(change.values), list[str]()
     changed = text
@@ -137,8 +141,8 @@ def _changed(text: str, name: str, change: EntryChange, before: dict[str, Any]) 
 
 
 def _put(text: str, name: str, path: tuple[str, int, str], value: object) -> str:
-    """Return the text with a new value for a key of an entry (None removes the key). An entry that is written
-    on one line is written anew.
+    """Return the text of a file with a new value for one key of an entry; None removes the key. If the key
+    alone can't be changed in the text, the whole entry is written anew.
     """
     source = SourceFile(name, text)
     try:

@@ -1,5 +1,6 @@
-"""Checks of all programs with a draft, in a process with low priority, limited memory and limited time. Only
-one check runs at a time, for all sessions.
+"""Checks of all programs of the project with a draft, that is, with unsaved changes of the workspace. A
+check runs in a process with low priority, limited memory and limited time; only one runs at a time, for
+all sessions.
 """
 
 from __future__ import annotations
@@ -20,14 +21,18 @@ from yarclang.pendant.messages.workspace import CheckShown, JudgedProgram
 from yarclang.runtime.actions import Trouble
 
 MOST_MEMORY = 3 << 30
-"""Largest address space of the process [bytes]; a compiler with its libraries takes 1 GiB."""
+"""Largest address space of the checking process [bytes]. The compiler with its libraries alone takes 1
+GiB.
+"""
 MOST_EACH = 120.0
 """Longest time for one program [s]."""
 MOST_IN_ALL = 1800.0
 """Longest time for all programs [s]."""
 _MOST_FILES = 1000
 _MOST_TIMES = 5
-"""Most starts of the process. A program at which the process has ended is left out after its restart."""
+"""Most starts of the checking process in one check. If the process ends at a program, it is started again
+for the programs after that one.
+"""
 _LARGEST = 1 << 20
 
 
@@ -37,10 +42,10 @@ class Question:
 
     Attributes:
         folder: folder of the project.
-        files: programs, as paths in the project.
-        robot: folder or name of the robot.
+        files: programs to check, as paths in the project.
+        robot: folder or name of the robot's description.
         cell: path of the session's cell; None without a cell.
-        drafts: texts that replace files, by the files' absolute paths.
+        drafts: changed texts that are used instead of files, by the files' absolute paths.
         joints: present joint positions (n,) [rad or m]; None if unknown.
         digest: digest of the drafts.
     """
@@ -68,10 +73,10 @@ class _Check:
 
 
 class Checks:
-    """Checks of programs on a pendant. The last check is kept.
+    """Checks of programs on a pendant. The result of the last check is kept.
 
     Args:
-        command: command that starts the process; None for the ordinary checker with limited memory.
+        command: command that starts the process; None for the ordinary checking process with limited memory.
     """
 
     def __init__(self, command: tuple[str, ...] | None = None) -> None:
@@ -84,10 +89,10 @@ class Checks:
         return self._last is not None and self._last.state == "running"
 
     def begin(self, session: Session, question: Question) -> None:
-        """Begin a check.
+        """Begin a check of programs. A running check of the same session is cancelled.
 
         Raises:
-            Trouble: another check is running.
+            Trouble: the check of another session is running.
         """
         last = self._last
         if last is not None and last.state == "running":
@@ -171,7 +176,9 @@ class Checks:
                 check.state = "failed"
 
     async def _listen(self, check: _Check) -> bool:
-        """Receive the process's replies for the remaining files. Return True if the process has finished."""
+        """Start the checking process for the remaining programs, and receive its results. Return True if
+        it has checked them all.
+        """
         process = await begun(self._command, limit=_LARGEST)
         try:
             await _ask(process, check)
@@ -193,7 +200,9 @@ class Checks:
             await _end(process)
 
     async def _leave_out(self, check: _Check) -> None:
-        """Leave out the current program, because it has ended the process or has taken too long."""
+        """Leave out the current program, because the checking process has ended at it or has taken too
+        long.
+        """
         files = check.question.files
         if check.at < len(files):
             message = f"it couldn't be checked within {MOST_EACH:.0f} s and {MOST_MEMORY >> 30} GiB"

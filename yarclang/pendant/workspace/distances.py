@@ -1,5 +1,5 @@
-"""The nearest pairs of bodies, and the nearest borders of zones, at one joint position. They are only
-displayed; the proofs are in certificates.
+"""The pairs of bodies that are nearest to each other, and the nearest borders of zones, at one joint
+position. The distances are only displayed; proofs of distances are in certificates.
 """
 
 from __future__ import annotations
@@ -18,21 +18,25 @@ from yarclang.robot.model import Array, Robot
 MOST = 8
 """Most pairs that are shown."""
 _MOST_OWN = 2
-"""Most pairs of two bodies of the robot among the shown pairs, because these are always near."""
+"""Most shown pairs in which both bodies belong to the robot, because such bodies are always near to each
+other.
+"""
 _LOOKED_AT = 60
-"""Most pairs of which the distance is computed exactly: those with the nearest bounding boxes."""
+"""Most pairs of bodies whose distance is computed exactly. They are the pairs whose bounding boxes are
+nearest to each other.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Near:
-    """Two bodies, or a body and a zone.
+    """The distance between two bodies, or between a body and the border of a zone.
 
     Attributes:
         first: name of the first body.
         second: name of the second body, or of the zone.
         distance: distance [m].
         margin: required distance [m].
-        points: (2, 3) nearest points in {B} [m]; None if unknown.
+        points: (2, 3) the point on each of the two that is nearest to the other, in {B} [m]; None if unknown.
     """
 
     first: str
@@ -43,11 +47,12 @@ class Near:
 
 
 def nearest(robot: Robot, cell: Cell | None, moving: Moving, q: Array) -> tuple[Near, ...]:
-    """Return the nearest pairs, sorted by the distance beyond the margin.
+    """Return the pairs of bodies, and of bodies and zones, that are nearest to each other. They are sorted by
+    distance minus required margin.
 
     Args:
         robot: the arm.
-        cell: its surroundings.
+        cell: surroundings of the arm; None without a cell.
         moving: frame that zones treat as the tool.
         q: (n,) joint positions [rad or m].
     """
@@ -65,7 +70,9 @@ def _room(near: Near) -> float:
 
 
 def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
-    """Return the nearest of K candidate pairs, each pair of names only once."""
+    """Return the nearest of K candidate pairs of bodies. Of several pairs with the same two names only the
+    nearest is returned.
+    """
     if not len(pair):
         return []
     placed = place(scene, q[None])

@@ -1,7 +1,7 @@
-"""The process that checks which programs have errors with a draft. It reads the question from standard input,
-and writes one line of JSON for each result.
+"""The process that checks which programs have errors with a draft, that is, with unsaved changes of cell.toml
+or robot.toml. It reads what to check from standard input, and writes one line of JSON for each result.
 
-It writes no files. Drafts are read instead of the files that they change.
+It writes no files. The texts of the draft are read instead of the files that it changes.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 _NOTHING = "Y0104"
-"""Code of the finding for a file without a command. Such a file is a module; it is checked with its
-callers.
+"""Code of the finding for a file without a command. Such a file is a module; it is checked together with
+the programs that call it.
 """
 
 
 def main() -> None:
-    """Carry out one check."""
+    """Carry out one check: read the question from standard input and write the results to standard output."""
     asked = json.load(sys.stdin)
     out = sys.stdout
     for told in answers(asked):
@@ -46,11 +46,13 @@ def main() -> None:
 
 
 def answers(request: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the problems at the robot's present position, and then the result for each file.
+    """Yield the problems that the draft causes at the robot's present position, and then the result for each
+    program.
 
     Args:
-        request: a mapping with `folder` and `files` of the project, `robot`, `cell` (the session's, or null),
-            `drafts` (text by path), and `joints` (n,) [rad or m].
+        request: a mapping with `folder` and `files` of the project, `robot`, `cell` (path of the session's
+            cell, or null), `drafts` (changed text by path of the file), and `joints` (present joint positions
+            (n,) [rad or m], or null).
     """
     drafts = {Path(path): SourceFile(path, text) for path, text in request["drafts"].items()}
     before = Options(robot=request["robot"], cell=request["cell"])
@@ -63,8 +65,8 @@ def answers(request: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
-    """Return the result for a program before and after the draft; empty if the draft doesn't affect the
-    program.
+    """Return whether a program is free of errors without and with the draft, and its first error with the
+    draft; empty if the program has no errors and the draft doesn't affect it, or if it is a module.
     """
     now = check_file(path, after)
     if any(one.code == _NOTHING for one in now.diagnostics):
@@ -97,7 +99,7 @@ def _messages(error: Diagnostic) -> dict[str, Any]:
 
 
 def _standing(request: Mapping[str, Any], options: Options) -> Iterator[str]:
-    """Yield the problems that the drafts cause at the robot's present position."""
+    """Yield the problems that the robot has at its present position with the draft, in words."""
     if request["joints"] is None:
         yield "it isn't known where the robot stands"
         return
@@ -118,7 +120,9 @@ def _standing(request: Mapping[str, Any], options: Options) -> Iterator[str]:
 
 
 def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
-    """Yield the joints that are beyond their limits at joint positions (n,) [rad or m]."""
+    """Yield, in words, which joints are beyond their limits at joint positions (n,) [rad or m], and by how
+    much.
+    """
     excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
     for name, by, unit in zip(robot.joint_names, excess, robot.axis_unit_names, strict=True):
         if by > 1e-6:
@@ -126,7 +130,9 @@ def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
 
 
 def in_the_way(robot: Robot, cell: Cell, q: Array) -> Iterator[str]:
-    """Yield the zones and margins of a cell that the robot violates at joint positions (n,) [rad or m]."""
+    """Yield, in words, which zones and margins of a cell the robot violates at joint positions (n,) [rad
+    or m].
+    """
     told = set()
     for watch, slack in broken_at(robot, cell, tool_frame(robot), q):
         item = "the joints" if watch.item is None else watch.item.name

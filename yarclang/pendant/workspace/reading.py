@@ -1,4 +1,4 @@
-"""Contents of a cell.toml and a robot.toml for the workspace page. Functions wait for the disk."""
+"""Contents of a cell.toml and a robot.toml for the workspace page. The functions wait for the disk."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ _MARK = "\ufeff"
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A file of the project.
+    """A text file of the project.
 
     Attributes:
         file: path in the project.
         path: absolute path.
-        text: its content, without the byte order mark.
+        text: content of the file, without the byte order mark.
         mark: the byte order mark; empty if there is none.
-        known: SHA-256 of the file.
+        known: SHA-256 of the file, from which a later change is recognized.
     """
 
     file: str
@@ -72,10 +72,10 @@ class Text:
 
 
 def text_in(folder: ProjectFolder, path: Path) -> Text:
-    """Return a text file that must be in the project.
+    """Read a text file, which must be in the project.
 
     Raises:
-        Trouble: the file doesn't exist, or isn't text.
+        Trouble: the file is outside of the project, doesn't exist, or isn't text.
     """
     inside = folder.path(str(path.absolute()))
     file = inside.relative_to(folder.root).as_posix()
@@ -141,7 +141,7 @@ def watched_of(robot: Robot) -> tuple[str, ...]:
 
 
 def limits_of(text: str, robot: Robot) -> tuple[JointLimits, ...]:
-    """Return the position limits in a robot.toml and those of the URDF."""
+    """Return the position limits of each joint, both from the text of a robot.toml and from the URDF."""
     try:
         tables = tomllib.loads(text).get("joints", {})
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -212,7 +212,9 @@ def _entry(
 
 
 def _values(values: dict[str, Any]) -> EntryValues:
-    """Return the keys of an entry, without those of a wrong type: these are among the findings."""
+    """Return the values of an entry (zone or obstacle) by key. Keys whose values have a wrong type are
+    left out, because the findings report them.
+    """
     while True:
         try:
             return EntryValues.model_validate_json(json.dumps(values, default=str))

@@ -1,5 +1,5 @@
-"""The workspace of the session's cell: its display, drafts of changes, saving by service users, and the
-present distances.
+"""The workspace around the robot, that is, zones and obstacles of the session's cell and joint limits: its
+display, drafts of changes, saving by service users, and the present distances between bodies.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ from yarclang.units import MM
 _PROGRAM = ".yarc"
 _MOST_PROGRAMS = 1000
 _EACH = 1.0
-"""Time between two checks whether the files for distances have changed [s]."""
+"""Time between two checks whether the files from which distances are computed have changed [s]."""
 _LONGEST = 30_000
-"""Longest cell.toml for which distances are computed with a draft [characters], because its text is parsed
-several times a second.
+"""Longest cell.toml for which distances are computed with the changes of a draft [characters]. For a
+longer one they are computed without, because its text is parsed several times a second.
 """
 _NEW_CELL = 'units = "mm,deg,s"\n'
 _NOW = "Offers, jogs and programs that are loaded from now on keep to it. "
@@ -71,7 +71,7 @@ class Workspace:
 
     Args:
         robot: robot of the pendant.
-        watched: the robot's present state.
+        watched: shared client of the coordinator, with the robot's present state.
         filing: the files of the project.
         checks: checks of programs.
     """
@@ -87,7 +87,7 @@ class Workspace:
         self._measured: tuple[tuple[object, bytes], tuple[Near, ...]] | None = None
 
     async def shown(self) -> WorkspaceShown:
-        """Return the workspace as described by the files.
+        """Return the message that shows the workspace, as described by its files.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -95,11 +95,12 @@ class Workspace:
         return await asyncio.to_thread(shown_of, self._robot, await self._asked())
 
     async def proposed(self, draft: WorkspaceDraft) -> Proposed:
-        """Return the files after a draft, without writing anything.
+        """Return the files that a draft changes, with their texts before and after the change. Nothing is
+        written.
 
         Raises:
-            Trouble: the files have changed since the draft was begun (code "changed"), or can't be changed
-                here.
+            Trouble: the files have changed since the draft was begun (code "changed"), or the pendant can't
+                change them.
         """
         return Proposed(files=await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft))
 
@@ -113,7 +114,8 @@ class Workspace:
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: the robot moves, a file has changed meanwhile, or can't be written.
+            Trouble: the robot moves, a file has changed meanwhile or would become invalid, the draft changes
+                nothing, or a file can't be written.
         """
         self._filing.check_service(session)
         files = await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft)
@@ -144,11 +146,12 @@ class Workspace:
         return SavedWorkspace(files=tuple(_written(file) for file in written), told=told.strip())
 
     async def make(self, session: Session, address: str, file: str) -> SavedWorkspace:
-        """Create a cell for a project without one: a new file that yarc.toml names.
+        """Create the cell.toml of a project that has no cell, and name the new file in yarc.toml.
 
         Raises:
             NotAllowed: the session lacks the role or the PIN.
-            Trouble: there is already a cell or a file of this name, or the file can't be written.
+            Trouble: the robot moves, there is already a cell or a file of this name, or the new file or
+                yarc.toml can't be written.
         """
         self._filing.check_service(session)
         self._check_rest()
@@ -213,7 +216,8 @@ class Workspace:
     # distances
 
     async def distances(self, draft: WorkspaceDraft | None) -> Distances:
-        """Return the present distances. Only one computation runs at a time.
+        """Return the smallest distances between bodies, and to the borders of zones, at the robot's present
+        position. Only one computation runs at a time.
 
         Raises:
             Trouble: the draft doesn't fit the files.
@@ -233,7 +237,9 @@ class Workspace:
             return Distances(pairs=tuple(map(_near_shown, self._measured[1])), what=what)
 
     async def _cell_with(self, draft: WorkspaceDraft | None) -> Cell | None:
-        """Return the cell with the bodies of a draft; the same object if the text is the same."""
+        """Return the cell with the changes of a draft; None without a cell. The same object is returned as
+        long as the text of the cell with the draft doesn't change.
+        """
         around = await self._lately()
 
         def read() -> tuple[str, Cell | None]:
@@ -259,8 +265,8 @@ class Workspace:
     # files
 
     async def _lately(self) -> Around:
-        """Return the files. They are requested at most once a second, because each request also goes to
-        the controller.
+        """Return the files of the workspace. They are read at most once a second, because for each reading
+        the coordinator has to ask the controller.
         """
         now = asyncio.get_running_loop().time()
         if self._around_at is None or now - self._around_at[0] > _EACH:

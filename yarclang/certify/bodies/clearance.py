@@ -1,4 +1,6 @@
-"""Proof that the bodies of robot and cell stay apart while the text runs, with their least distances."""
+"""Proof that the bodies of robot, load and cell stay apart during a controller text, with their least
+distances.
+"""
 
 from __future__ import annotations
 
@@ -27,13 +29,13 @@ from yarclang.units import MM
 
 @frozen
 class Apart:
-    """Least distances of bodies during a command.
+    """Least distances between bodies during a command.
 
     Attributes:
         cell: distance of the robot from the cell; None if no body of the cell is compared.
         own: distance of the robot's bodies from each other; None if no such pair is compared.
-        touching: pairs of bodies that are allowed to touch and come nearer to each other than their margin,
-            by their names in upper case.
+        touching: names, in upper case, of the pairs of bodies that are allowed to touch and come nearer to
+            each other than their margin.
     """
 
     cell: Clearance | None
@@ -47,13 +49,16 @@ NOTHING_NEAR = Apart(None, None)
 def find_clearances(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, Apart], list[Diagnostic]]:
-    """Return the least distances of every command by its step, and findings where bodies come too close.
+    """Bound the least distances between bodies during every command.
 
     Args:
-        layout: the segments of the text.
+        layout: the segments of the controller text.
         program: the program that the text was compiled from.
-        robot: its links and kinematics.
+        robot: the robot, with its bodies and kinematics.
         handled: the cell's state during each command.
+
+    Returns:
+        The distances by step, and findings where bodies come too close.
     """
     cell = program.cell
     if not robot.shapes and not handled.cells and not (cell and cell.obstacles):
@@ -124,7 +129,10 @@ def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
 
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:
-    """Return the kinds of those pairs of `own` that must not touch: 1 with the cell, 0 of the robot alone."""
+    """Return which kinds of pairs must be kept apart among the pairs `own`.
+
+    Kind 1 is a pair of a body of the robot and one of the cell, kind 0 a pair of two bodies of the robot.
+    """
     return {int(one) for one in scene.pairs.of_cell[own][~scene.pairs.touching[own]]}
 
 

@@ -1,6 +1,7 @@
 """What the planner claims about a controller text, to help the judge's proofs.
 
-Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass.
+Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. The exception
+is `any_jerk`: the certificate reports that the jerk of these motions wasn't judged.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ class Claims:
             against this ratio and reports it (Y0610).
         least: in a chain, the lowest ratio of the speed to the programmed one, once that has been reached.
             The judge checks that the speed stays between this ratio and 1, and reports the ratio as well.
-        any_jerk: steps whose motion profile has no jerk limit. The profile that the program names must allow
-            this; the certificate lists their jerk as not judged.
+        any_jerk: steps whose motion profile has no jerk limit. The judge checks that the text's map lifts the
+            jerk limit of no other motion; the certificate lists the jerk of these motions as not judged.
     """
 
     witnesses: Mapping[int, Array] = field(default_factory=dict)

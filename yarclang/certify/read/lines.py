@@ -16,7 +16,7 @@ class Refusal(Exception):  # noqa: N818 - never leaves the reader
 
 
 def check_characters(text: str) -> None:
-    """Reject any character except printable ASCII and line feed, since some readers treat others as line
+    """Reject any character except printable ASCII and line feed, since some programs treat others as line
     ends.
 
     Raises:
@@ -60,11 +60,11 @@ class Lines:
         self.line += 1
 
     def refuse(self, reason: str, *, back: int = 0, code: str = "Y1151") -> NoReturn:
-        """End the reading.
+        """End the reading, because a line is wrong.
 
         Args:
             reason: what is wrong with the line.
-            back: number of lines before the next line.
+            back: how many lines before the next line the wrong line is.
             code: code of the finding.
 
         Raises:

@@ -33,7 +33,7 @@ class Load:
     share: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return the name and the share."""
+        """Return the name and the share for JSON."""
         return {"name": self.name, "share": _number(self.share)}
 
 
@@ -135,7 +135,7 @@ class Deviation:
     remainder_angle: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm and deg."""
+        """Return the bounds for JSON, in mm and deg."""
         return {
             "position_mm": _number(most(self.position, MM)),
             "angle_deg": _number(most(self.angle, DEG)),
@@ -170,7 +170,7 @@ class Blended:
     angle: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm and deg."""
+        """Return the bounds for JSON, in mm and deg."""
         return {
             "segments": self.segments,
             "radius_mm": _number(self.radius / MM),
@@ -205,7 +205,7 @@ class ToolSpeed:
     beyond: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm/s or deg/s."""
+        """Return the bounds for JSON, in mm/s or deg/s."""
         unit, name = (DEG, "deg_s") if self.turns else (MM, "mm_s")
         values = {"largest": most(self.largest, unit)}
         if not math.isnan(self.programmed):
@@ -231,7 +231,7 @@ class Clearance:
     at: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm."""
+        """Return the distance and the names of the bodies for JSON, in mm."""
         return {
             "at_least_mm": _number(least(self.distance, MM)),
             "bodies": [self.first, self.second] if self.first else None,
@@ -261,7 +261,7 @@ class MayTouch:
         return f"{self.first} and {self.second}"
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data."""
+        """Return the names of the bodies and the allowance for JSON."""
         return {"bodies": [self.first, self.second], "allowed_by": self.giver, "needed": self.needed}
 
 
@@ -284,7 +284,7 @@ class KeptRule:
     farthest: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the angle in deg and distances in mm."""
+        """Return the rule and its bounds for JSON, with the angle in deg and distances in mm."""
         told: dict[str, Any] = {"rule": self.rule}
         if self.largest is not None:
             told["largest_deg"] = _number(most(self.largest, DEG))
@@ -319,7 +319,7 @@ class ZoneSpeed:
         return self.largest / self.limit
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm/s."""
+        """Return the bound and the limit for JSON, in mm/s."""
         return {
             "largest_mm_s": _number(most(self.largest, MM)),
             "limit_mm_s": _number(self.limit / MM),
@@ -422,7 +422,7 @@ class CommandCertificate:
         return self.loads.of("hold")
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the unit in each name."""
+        """Return the properties for JSON, with the unit in each name."""
         return {
             "step": self.step,
             "index": self.index,
@@ -507,11 +507,11 @@ class Certificate:
         return max(loads, key=lambda one: one.share_of(kind)).of(kind) if loads else IDLE
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the unit in each name."""
+        """Return the whole certificate for JSON, with the unit in each name."""
         return {**self.whole_to_json(), "commands": [command.to_json() for command in self.commands]}
 
     def whole_to_json(self) -> dict[str, Any]:
-        """Return plain data about the whole program, without its commands."""
+        """Return the properties of the whole program for JSON, without those of single commands."""
         kinds: tuple[Quantity, ...] = (
             "position",
             "velocity",

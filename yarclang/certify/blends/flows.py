@@ -22,7 +22,7 @@ SHORTEST = 1e-6
 """Least time between two passed corners without a blend radius [s]."""
 
 _TOGETHER = 4096
-"""Number of corners computed in one step."""
+"""Number of corners whose passing times are computed in one step."""
 
 IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
 """Motions in joint space."""
@@ -77,7 +77,7 @@ class Flows:
     until: Array
 
     def is_cut(self, row: int) -> bool:
-        """Return True if a motion is cut at a corner."""
+        """Return True if a motion is cut at a corner without a blend radius."""
         return bool(np.isfinite(self.since[row]) or np.isfinite(self.until[row]))
 
     def cubics(self, layout: Layout, row: int) -> Cubics:

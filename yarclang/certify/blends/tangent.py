@@ -18,7 +18,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 _LOOKS = 8
-"""Number of points at which a segment is examined."""
+"""Number of instants at which each segment is examined in the first search for a passing time."""
 _ROUNDS = 48
 """Most rounds of the search for a zero."""
 _FALSE_POSITIONS = 12

@@ -137,7 +137,7 @@ def _kinds(scene: Scene, own: Rows) -> set[int]:
 
 
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
-    """Return the proved clearance of a motion over its pairs of one kind."""
+    """Return the proved least distance in a motion among its pairs of bodies of one kind."""
     near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
     # Distances beyond `KNOWN` are only bounds, whose nearest bodies mean nothing.
     return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
@@ -154,7 +154,9 @@ def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meetin
 def _finding(
     scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
 ) -> Diagnostic:
-    """Return a finding with the figures of a motion's worst pair, and the names of the others."""
+    """Return a finding with the figures of a motion's worst pair of bodies, and the names of the other
+    pairs.
+    """
     worst = min(contacts, key=lambda one: one[1].distance - scene.pairs.margin[one[0].pair])
     pair, found = worst[0].pair, worst[1]
     moving, other = scene.names(pair)

@@ -34,7 +34,7 @@ Flags = NDArray[np.bool_]
 SHARP = 2e-4
 """Share of the largest speed by which its bound may exceed it."""
 NEAR = 1e-5
-"""Distance within which a place counts as on a zone's border [m]."""
+"""Distance from a zone's border within which a point counts as on the border [m]."""
 SAME = 1e-10
 """Differences of joint positions [rad or m] and velocities [rad/s or m/s] that count as rounding."""
 NEAR_JOINT = 1e-6
@@ -74,7 +74,7 @@ class Joints:
     drift: Array
 
     def take(self, rows: Rows) -> Joints:
-        """Return some of the instants."""
+        """Return the placements and velocities at some of the instants."""
         return Joints(self.turn[:, :, rows], self.shift[:, rows], self.spin[:, rows], self.drift[:, rows])
 
     def joined(self, other: Joints) -> Joints:
@@ -189,7 +189,7 @@ class _Search:
         self.segment = np.full(count, -1, dtype=np.int64)
 
     def found(self) -> Fastest:
-        """Halve pieces until all are settled, and return the bounds."""
+        """Halve pieces of segments until all are settled, and return the bounds of the speeds."""
         segment = np.arange(len(self.all.cubics.h))
         begin, end = np.zeros(len(segment)), self.all.cubics.h
         arms = self.all.ends(self.item.joint)
@@ -306,7 +306,7 @@ class _Search:
         return np.ascontiguousarray(normal.T)
 
     def _learn(self, segment: Rows, time: Array, speed: Array) -> None:
-        """Store the largest speed of each motion, and where it occurs."""
+        """Store the largest speed found so far in each motion, and where it occurs."""
         motion = self.motion[segment]
         most = self.best.copy()
         np.maximum.at(most, motion, speed)

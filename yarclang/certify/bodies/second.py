@@ -26,7 +26,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Chain
 
 STEP = 0.08
-"""Largest motion of a joint on a piece before any halving [rad or m]."""
+"""Largest motion of a joint on a piece of a motion's time, before any piece is halved [rad or m]."""
 EQUAL = 5e-6
 """Allowed disagreement between both proofs [m]. The error of distances by coal is less than a tenth of
 this.
@@ -109,7 +109,9 @@ class _Second:
         self.refuting: dict[tuple[int, int], Nearer] = {}
 
     def found(self, spans: NDArray[np.int64]) -> list[Nearer]:
-        """Halve pieces until all pairs are settled, and return the places that refute clearances."""
+        """Halve pieces of time until all pairs are settled, and return the instants that refute
+        clearances.
+        """
         course = self.course
         begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
         way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
@@ -133,7 +135,9 @@ class _Second:
         return list(self.refuting.values())
 
     def _left(self, motion: Rows, begin: Array, end: Array, at: Rows, pair: Rows) -> Rows:
-        """Return the rows of `at` and `pair` that are not settled."""
+        """Return which combinations of a piece of time (`at`) and a pair of bodies (`pair`) are not
+        settled yet.
+        """
         chain, course = self.scene.chain, self.course
         half = (begin + end) / 2.0
         # Bound the motion of a pair on either half of a piece by that of the joints between its bodies.

@@ -64,7 +64,7 @@ class Aim:
     way: Array
 
     def take(self, rows: NDArray[np.int64]) -> Aim:
-        """Return some of the instants."""
+        """Return the positions at some of the instants."""
         return Aim(self.angle[rows], self.distance[rows], self.way[:, rows])
 
     def joined(self, other: Aim) -> Aim:
@@ -77,7 +77,7 @@ class Aim:
 
 
 def seen_at(chain: Chain, sight: Sight, q: Array) -> tuple[float, float]:
-    """Return the angle [rad] and the distance [m] of a point in a cone at a joint position (n,)."""
+    """Return the angle [rad] and the distance [m] of a point relative to a cone, at a joint position (n,)."""
     flange = flange_poses(chain, q[None])[0]
     carried, spot = flange[:3, :3] @ np.array(sight.own) + flange[:3, 3], np.array(sight.spot)
     axis = flange[:3, :3] @ np.array(sight.axis) if sight.is_carried else np.array(sight.axis)
@@ -106,7 +106,7 @@ class _Cone:
         self.speed, self.strength, _ = derivatives(chain, cubics, point)
 
     def aim(self, arm: Joints) -> Aim:
-        """Return where the point is at the instants of an arm."""
+        """Return the point's position relative to the cone, for placements of the arm."""
         carried = arm.point(self.own)
         if self.sight.is_carried:
             way, axis = self.spot - carried, np.tensordot(arm.turn, self.axis, axes=(1, 0))

@@ -1,4 +1,4 @@
-"""Motions of a text in chunks, prepared for the checks of bodies and zones."""
+"""Motions of a controller text in groups, prepared for the checks of bodies and zones."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | Non
 
 
 def sweep_of(layout: Layout, places: list[Place]) -> Sweep:
-    """Prepare consecutive commands."""
+    """Prepare consecutive commands for the checks of bodies and zones."""
     base = places[0].first
     cubics = layout.cubics(base, places[-1].last)
     return Sweep(

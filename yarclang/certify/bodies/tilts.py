@@ -27,7 +27,7 @@ from yarclang.robot.model import Array
 SLACK = 1e-5
 """Angle by which an axis may exceed its limit and still count as within it [rad]."""
 KNOWN = 0.1
-"""Share of the limit below which an angle is not bounded more sharply."""
+"""An angle that is proved to be below this share of the limit is not bounded more sharply."""
 SHARP = 0.02
 """Share of the largest sampled angle by which the bound may exceed it."""
 MOST = 1_000_000
@@ -88,7 +88,7 @@ def tilted(motions: Motions, tilt: Tilt) -> Tilted:
     when, exceeds = np.zeros(count), np.zeros(count, np.bool_)
 
     def learn(rows: NDArray[np.int64], angle: Array, time: Array) -> None:
-        """Store the largest angle of each motion and its time."""
+        """Store the largest sampled angle of each motion, and the time of this sample."""
         order = np.argsort(angle, kind="stable")
         own = motion[rows[order] - first]
         larger = angle[order] > seen[own]

@@ -148,13 +148,13 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
 
 
 def _product(one: Derivatives, other: Derivatives) -> Array:
-    """Return the second derivative of a product of two factors (Leibniz)."""
+    """Bound the second derivative of a product from bounds of both factors (Leibniz' rule)."""
     total: Array = one[2] * other[0] + 2.0 * one[1] * other[1] + one[0] * other[2]
     return total
 
 
 def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
-    """Return the second derivative of a product of three factors (Leibniz)."""
+    """Bound the second derivative of a product from bounds of its three factors (Leibniz' rule)."""
     both: Derivatives = (
         one[0] * two[0],
         one[1] * two[0] + one[0] * two[1],

@@ -54,7 +54,7 @@ def find_touching(
 
 
 def _of_itself(scene: Scene, sweep: Sweep, row: int, meeting: Meeting) -> Diagnostic:
-    """Return the warning about two bodies of the robot that collide and are allowed to."""
+    """Return the warning about two bodies of the robot that collide, and that an allowance lets collide."""
     moving, other = scene.names(meeting.pair)
     origin = sweep.places[row].motion.origin
     found = contact(scene, sweep.course, sweep.span(row), meeting)

@@ -152,7 +152,9 @@ class _Judge:
         }
 
     def _kept(self) -> list[tuple[KeptRule, ...]]:
-        """Return the rules of KEEP for each command, and report the commands that break one."""
+        """Return the rules of KEEP with their proved bounds for each command, and report commands that
+        break a rule.
+        """
         told: list[list[KeptRule]] = [[] for _ in self.places]
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
             rule = zone.keep
@@ -401,7 +403,9 @@ def _called(watch: Watch) -> str:
 
 
 def _remedy(code: str, rule: Keep | None) -> str:
-    """Return the remedy of a finding; that of a rule names the place where it stands."""
+    """Return the remedy for a finding; for a broken rule of the cell it names cell.toml, where the rule is
+    stated.
+    """
     told = _REMEDIES[code]
     return told.replace("in the KEEP", "in [[keep]] of the cell.toml") if rule and rule.of_cell else told
 

@@ -62,7 +62,7 @@ class Fuzz:
         return Fuzz(self.size[rows], self.step[rows], self.h[rows])
 
     def mapped(self, matrix: Array) -> Fuzz:
-        """Return the bounds for y = matrix x."""
+        """Return the bounds of the rounding errors of y = matrix x."""
         m = np.abs(matrix).T
         return Fuzz(self.size @ m, self.step @ m, self.h)
 

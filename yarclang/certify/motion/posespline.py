@@ -104,7 +104,7 @@ class PoseSpline:
 
     @property
     def total(self) -> float:
-        """The last value of u [m]."""
+        """The value of the curve's parameter u at its end [m]."""
         return float(self.spline.s[-1])
 
     def at(self, owner: Rows, s: Array) -> Poses:  # noqa: ARG002 - there is only one

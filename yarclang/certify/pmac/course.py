@@ -86,7 +86,7 @@ def _why_not(content: str) -> str:
 
 
 class _Course:
-    """The items read so far, and the sequence in progress."""
+    """State of the reading: the actions read so far, and the sequence of moves in progress."""
 
     def __init__(self) -> None:
         self.items: list[Run | Dwelt | Put | Barred | Stood] = []
@@ -125,7 +125,7 @@ class _Course:
         self._blocks.append((line, points))
 
     def finish(self) -> None:
-        """End the sequence."""
+        """End the sequence of moves in progress, if there is one."""
         if self._ms is None:
             return
         if not self._blocks:

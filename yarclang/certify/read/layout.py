@@ -400,7 +400,7 @@ def chunks(places: list[Place]) -> Iterator[list[Place]]:
 
 
 def row_chunks(rows: list[tuple[int, Place]]) -> Iterator[list[tuple[int, Place]]]:
-    """Yield groups of numbered neighbouring commands with up to about `CHUNK` segments."""
+    """Yield groups of neighbouring commands, each with its row, with up to about `CHUNK` segments."""
     chunk: list[tuple[int, Place]] = []
     size = 0
     go_on(0, len(rows))

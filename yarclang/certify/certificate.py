@@ -44,8 +44,7 @@ QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jer
 
 @frozen(eq=False)
 class Peaks:
-    """The largest loads of N commands: for each command and quantity, the joint or motor nearest to its
-    limit.
+    """The largest loads of N commands: by command and quantity, the joint or motor nearest to its limit.
 
     The loads are in flat arrays, which need little memory, since a long text has many commands. Entry
     `row` * len(QUANTITIES) + k of `joints` and `shares` belongs to command `row` and quantity k.
@@ -296,8 +295,7 @@ class KeptRule:
 
 @frozen
 class ZoneSpeed:
-    """Proved upper bound of the speed of a body in a slow zone, or during a motion with a speed limit of its
-    own.
+    """Proved upper bound of the speed of a body in a slow zone, or in a motion with its own speed limit.
 
     Attributes:
         largest: upper bound of the speed [m/s].
@@ -478,9 +476,7 @@ class Certificate:
 
     @property
     def duration(self) -> float:
-        """Duration of all motions and dwells [s], along the branches that take longest, without the time
-        of waits.
-        """
+        """Duration of all motions and dwells [s], along the branches that take longest, without waits."""
         return self.lasting.most
 
     @property
@@ -582,7 +578,5 @@ def bound_text(value: float, unit: float) -> str:
 
 
 def _number(value: float) -> float | None:
-    """Return a number for JSON, with None for infinity: JSON has no infinity, and null means that nothing
-    was proved.
-    """
+    """Return a number for JSON; None stands for infinity, where nothing was proved."""
     return value if math.isfinite(value) else None

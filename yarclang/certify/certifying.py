@@ -158,9 +158,7 @@ def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
 def _row(
     judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones, memory: Memory
 ) -> CommandCertificate:
-    """Build the row of one command in the certificate. Rows are cached by the command's label, position
-    and proofs.
-    """
+    """Build one command's row of the certificate, cached by the command's label, position and proofs."""
 
     def make() -> CommandCertificate:
         return judge.command(

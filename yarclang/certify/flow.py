@@ -86,9 +86,7 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 
 
 def _watched(watches: tuple[Watch, ...]) -> str:
-    """Return in words the inputs that stop the motion while they have a value, and the branches that they
-    start.
-    """
+    """Return in words the inputs that stop a motion, with their values and the branches they start."""
     told = (
         (
             f"{one.name} ({one.variable}) for "
@@ -136,9 +134,7 @@ def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
 
 
 def _legs(text: ControllerText) -> Iterator[list[int]]:
-    """Yield, for each part of a text between two barriers, the numbers of the lines that move or set
-    something.
-    """
+    """Yield the numbers of the lines that move or set something, for each part between two barriers."""
     leg: list[int] = []
     for item in (*text.course, None):
         if item is None or isinstance(item, Barred):
@@ -255,8 +251,7 @@ def _behind(run: Run, put: Put, entry: Entry) -> int:
 
 
 def _belongs_after(run: Run, put: Put, entry: Entry, following: Entry | None) -> bool:
-    """Return True if an output is set at the end of a command, and not nearer to the end of the following
-    command.
+    """Return True if an output is set at the end of a command, and not nearer to the next command's end.
 
     The following command may be as short as one segment.
     """
@@ -364,8 +359,7 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
 
 
 def _after_an_end(text: ControllerText) -> Iterator[Fault]:
-    """Report actions in a branch that follow the end of the program, or of a pass of a loop, in the same
-    branch.
+    """Report actions in a branch that come after the end of the program, or of a pass of a loop.
 
     Such actions would never be streamed. Whether a branch ends the program or the pass follows from its last
     barrier.

@@ -58,9 +58,7 @@ def strayed(asked: Program, planned: Program) -> Diagnostic | None:
 
 
 def _fault(step: LineMove, legs: Sequence[Step]) -> str:
-    """Return in words what is wrong with the legs that replace a line around obstacles; empty if nothing
-    is.
-    """
+    """Return in words what is wrong with the legs that replace a line; empty if nothing is."""
     last = legs[-1] if legs else None
     if not isinstance(last, LineMove) or last.goal is not step.goal:
         return "its legs don't lead to its goal"
@@ -87,9 +85,7 @@ def _fault(step: LineMove, legs: Sequence[Step]) -> str:
 
 
 def _is_pose(goal: object, asked: object) -> bool:
-    """Return True if a goal is a rigid pose of the same moving frame as the goal `asked`, without any other
-    property.
-    """
+    """Return True if a goal is a rigid pose of the moving frame of `asked`, without any other property."""
     if not isinstance(goal, PoseGoal) or not isinstance(asked, PoseGoal):
         return False
     if goal.near is not None or goal.told is not None or goal.shifted:

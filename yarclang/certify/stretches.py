@@ -1,5 +1,4 @@
-"""Division of a controller text into stretches from rest to rest, whose proofs are independent and can be
-cached.
+"""Division of a controller text into stretches from rest to rest, which are proved and cached one by one.
 
 The proof of a stretch depends on its own numbers and commands only, not on where in the text it is. Within a
 long stretch, the proof of a motion depends only on a few motions around it, so a long stretch is cut into

@@ -22,8 +22,9 @@ _MOST = 4
 def told_program(
     content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> hir.Program:
-    """Return what the map of a controller text says about its program: commands, branches, and which commands
-    move.
+    """Return what the map of a controller text says about its program.
+
+    This covers the commands, the branches, and which commands move.
 
     Args:
         content: the text that was read.

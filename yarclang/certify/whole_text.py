@@ -1,6 +1,4 @@
-"""Checks of a whole controller text (start, times, rests, limits, speeds), and the rows of the
-certificate.
-"""
+"""Checks of a whole controller text (start, times, rests, limits, speeds), and certificate rows."""
 
 from __future__ import annotations
 
@@ -118,7 +116,7 @@ class Judge:
     # Checks of the start, the times and the rests.
 
     def start(self, content: ControllerText) -> Array:
-        """Return the joint positions at the start of the text (n,) [rad or m], and report if they aren't the
+        """Return the joint positions at the text's start (n,) [rad or m]; report if they aren't the
         program's.
 
         They must agree to the printed decimals.
@@ -166,9 +164,7 @@ class Judge:
             self.find("Y1194", reason, step)
 
     def claims(self, content: ControllerText, start: Array) -> None:
-        """Compare the start and the duration in the header, which people read, with those of the text
-        itself.
-        """
+        """Compare the start and the duration in the header, which people read, with the text itself."""
         header, units = content.header, self.robot.axis_units
         said = _numbers(header.start, self.robot.controller.axes)
         place = reader_of(self.robot.controller).start(content, self.robot)
@@ -432,9 +428,7 @@ def _title(origin: hir.Origin) -> str:
 
 
 def _beside_any_jerk(place: Place) -> tuple[int, int]:
-    """Return the numbers of segments, at the motion's start and at its end, in blends with motions without a
-    jerk limit.
-    """
+    """Return the numbers of segments at both ends of a motion in blends with motions without a jerk limit."""
     before, behind = place.beside_any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 

@@ -27,9 +27,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
-"""Number of pieces into which each segment is cut: `_COARSE` first, `_FINE` if the first bound exceeds the
-ball.
-"""
+"""Number of pieces per segment: `_COARSE` first, and `_FINE` if the first bound exceeds the ball."""
 _SAMPLES = 513
 """Number of points at which a path of the moving frame is sampled."""
 _STEPS = 16
@@ -80,8 +78,8 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """Bound the distances (N,) [m] and turns (N,) [rad] from the corners for each segment, cut into `pieces`
-    pieces.
+    """Bound the distances (N,) [m] and turns (N,) [rad] from the corners, with `pieces` pieces per
+    segment.
     """
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
@@ -189,17 +187,15 @@ def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, r
 
 
 def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
-    """Return the sums (N,) [rad] of the angles by which the revolute joints at `q` (N, n) differ from the
-    corner (n,).
+    """Return the angles between `q` (N, n) and the corner (n,), summed over the revolute joints (N,)
+    [rad].
     """
     turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
     return turned
 
 
 def radii(blend: hir.Reading, robot: Robot) -> Array:
-    """Return how far each joint (n,) may be from the corner in a blend between two joint motions [rad or
-    m].
-    """
+    """Return how far each joint (n,) may be from the corner of two joint motions [rad or m]."""
     length, angle = blend.length or 0.0, blend.angle or 0.0
     return np.where(robot.chain.is_prismatic, length, angle)
 

@@ -122,8 +122,7 @@ def _how(away: float, left: float, joined: float) -> str:
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
-    """Bound how far each joint (n,) is from the corner on the part of a path that the blend cuts off [rad or
-    m].
+    """Bound how far each joint (n,) is from the corner where the blend cuts the path off [rad or m].
 
     Args:
         proofs: the proofs so far.
@@ -140,8 +139,7 @@ def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
 
 @frozen(eq=False)
 class _Ball:
-    """The ball round a corner in which a moving frame must stay, with the parts of both paths that the blend
-    cuts off.
+    """The ball in which a moving frame must stay, with the parts of both paths that the blend cuts off.
 
     Attributes:
         corner: the corner.

@@ -59,13 +59,11 @@ class Judged:
         return tolerance_of(motion, self.tolerance)
 
     def share_of(self, step: int) -> float:
-        """Return the share of the programmed speed that a motion must reach: what the planner claims, or
-        1.
-        """
+        """Return the share of the programmed speed that a motion must reach: the planner's claim, or 1."""
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the share of the programmed speed below which a motion must not fall once it has reached its
+        """Return the least share of the programmed speed that a motion must keep once it has reached its
         speed.
 
         This is `share_of`, or the planner's claim `least` if that is smaller.
@@ -174,8 +172,9 @@ def _inverse(pose: bytes) -> Array:
 
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
-    """Return the joint positions (count, n) that the planner claims for a motion; None if there is no claim
-    of this shape.
+    """Return the joint positions (count, n) that the planner claims for a motion.
+
+    None if there is no claim of this shape.
     """
     claimed = judged.claims.witnesses.get(place.step)
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
@@ -184,8 +183,7 @@ def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
 
 
 def claimed_way(judged: Judged, place: Place) -> Array | None:
-    """Return the way-points (k, n) that the planner claims for a motion; None if there is no well-formed
-    claim.
+    """Return the way-points (k, n) that the planner claims for a motion; None without a well-formed claim.
 
     An AvoidMove has as many way-points as the planner claims, a SplineMove as many as are programmed.
     """
@@ -237,8 +235,9 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
 
 
 def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
-    """Compare the goals of a motion that the planner claims with the programmed ones, and report those beyond
-    the tolerance.
+    """Compare a motion's goals as the planner claims them with the programmed ones.
+
+    Differences beyond the tolerance are reported.
 
     Returns:
         The largest distance [m] and the largest angle [rad] between claimed and programmed goals; both

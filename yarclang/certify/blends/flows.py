@@ -105,8 +105,7 @@ class Flows:
 
 
 def covered_by_balls(free: NDArray[np.bool_]) -> Array:
-    """Return the share (...) of a path at which it is divided between two balls, if blends cover the whole
-    path.
+    """Return the share (...) at which a path is divided between two balls, if blends cover the whole path.
 
     The ball at the start must contain the path up to this share, and the ball at the end must contain the
     rest. A path that is cut at its start has a ball at its end only, so the share is 0; a path that is cut at

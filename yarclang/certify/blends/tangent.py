@@ -1,5 +1,4 @@
-"""Instants at which the robot passes corners without a blend radius, and so changes from one path to the
-next.
+"""Instants at which the robot passes corners without a blend radius, from one path to the next.
 
 Any instant is valid for the proof: the first path is proved up to it, and the second path from it on. A good
 choice makes the proved bound sharp.
@@ -22,9 +21,7 @@ _LOOKS = 8
 _ROUNDS = 48
 """Most rounds of the search for a zero."""
 _FALSE_POSITIONS = 12
-"""Rounds of false position before bisection takes over. For an almost straight function four or five are
-enough.
-"""
+"""Rounds of false position before bisection takes over; an almost straight function needs four or five."""
 _CLOSE = 1e-9
 """Difference of times that count as equal, as a share of a segment."""
 _LEAST = 1e-7
@@ -50,8 +47,9 @@ class Corners:
     poses: Array | None = None
 
     def away(self, chain: Chain, own: Rows, x: Array) -> Array:
-        """Return the squared weighted distances (N,) of joint positions `x` (N, n) from the corners with the
-        indices `own` (N,).
+        """Return the squared weighted distances (N,) of joint positions `x` (N, n) from corners.
+
+        `own` (N,) are the indices of the corners.
         """
         if self.flange_from_moving is None or self.poses is None:
             square: Array = (((x - self.q[own]) * self.weights[own]) ** 2).sum(axis=1)

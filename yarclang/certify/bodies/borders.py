@@ -1,6 +1,4 @@
-"""Geometry of the convex regions of slow zones: their extent in a direction, and directions from a region to
-points.
-"""
+"""Geometry of the convex regions of slow zones: their extent, and directions from them to points."""
 
 from __future__ import annotations
 
@@ -47,8 +45,7 @@ def extent(region: Region, directions: Array) -> Array:
 
 
 def directions_to(region: Region, points: Array) -> Array:
-    """Return the unit directions (3, P) from the nearest point of a region to each of the points (3, P) in
-    {B}.
+    """Return the unit direction from the nearest point of a region to each point (3, P) in {B}, as (3, P).
 
     For a point inside the region, the direction leads from the region's axis or center to the point.
     """

@@ -28,8 +28,7 @@ _EVERYWHERE = HalfSpace(np.array([0.0, 0.0, 1.0]), -1e6)
 
 @frozen(eq=False)
 class _Stretches:
-    """Ranges of segments of P commands: for each command the corner before it, its own segments, the corner
-    after.
+    """The segments of P commands, three ranges for each: corner before it, its own segments, corner after.
 
     Attributes:
         spans: (3P, 2) ranges of segments.
@@ -108,8 +107,7 @@ def _is_same(one: Moving, other: Moving) -> bool:
 
 
 def _with_neighbours(layout: Layout) -> Iterator[tuple[Place, tuple[float, float]]]:
-    """Yield each command with two ceilings [m/s]: of the motion that flows into it, and of the motion it
-    flows into.
+    """Yield each command with two ceilings [m/s]: those of the motions before and after it in a chain.
 
     A ceiling is infinite if that motion has none, and 0 if there is no such motion.
     """

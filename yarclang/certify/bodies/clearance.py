@@ -1,6 +1,4 @@
-"""Proof that the bodies of robot, load and cell stay apart during a controller text, with their least
-distances.
-"""
+"""Proof that the bodies of robot, load and cell stay apart, with their least distances."""
 
 from __future__ import annotations
 
@@ -154,9 +152,7 @@ def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meetin
 def _finding(
     scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
 ) -> Diagnostic:
-    """Return a finding with the figures of a motion's worst pair of bodies, and the names of the other
-    pairs.
-    """
+    """Return a finding with the figures of a motion's worst pair of bodies, and the names of all others."""
     worst = min(contacts, key=lambda one: one[1].distance - scene.pairs.margin[one[0].pair])
     pair, found = worst[0].pair, worst[1]
     moving, other = scene.names(pair)

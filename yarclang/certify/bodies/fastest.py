@@ -87,16 +87,14 @@ class Joints:
         )
 
     def point(self, own: Array) -> Array:
-        """Return the positions (3, P) [m] of a body's point, given as its position (3,) with all joints at
+        """Return the positions (3, P) [m] of a body's point; `own` (3,) is its position with all joints at
         zero.
         """
         placed: Array = np.tensordot(self.turn, own, axes=(1, 0)) + self.shift
         return placed
 
     def lowest(self, item: Item, directions: Array) -> Array:
-        """Compute, for unit vectors d (3, P), the smallest dot product d . p (P,) [m] over the points p of
-        a body.
-        """
+        """Compute the smallest d . p (P,) [m] over the points p of a body, for unit vectors d (3, P)."""
         own = (self.turn * directions[:, None, :]).sum(axis=0)
         low = (item.points @ own).min(axis=0) + (directions * self.shift).sum(axis=0) - item.radius
         if item.disc:
@@ -104,8 +102,9 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Bound the speeds (P,) [m/s] of all points of a body; the bound is exact for a body without round
-        parts.
+        """Bound the speeds (P,) [m/s] of all points of a body.
+
+        The bound is exact for a body without round parts.
         """
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
@@ -128,8 +127,7 @@ class Motions:
 
     @cached_property
     def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
-        """Compute the arm at the starts of all segments, and at those segment ends that differ from the next
-        start.
+        """Compute the arm at the start of each segment, and at its end if that differs from the next start.
 
         The second value is, for each segment, the index of its end among the computed instants.
         """
@@ -146,8 +144,8 @@ class Motions:
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return the placements of the bodies that the first `joint` joints move, at the starts and at the
-        ends of all segments.
+        """Return the bodies that the first `joint` joints move, at the starts and at the ends of all
+        segments.
         """
         found, stops = self._ends
         arm = _of(found, joint)
@@ -254,8 +252,8 @@ class _Search:
     def _where(
         self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
     ) -> tuple[Flags, Flags]:
-        """Return two masks of pieces: those on which the body stays outside of the zone, and those in whose
-        middle it is inside.
+        """Return two masks of pieces: the body stays outside of the zone; the body is inside in the
+        middle.
         """
         region = self.region
         if isinstance(region, JointWindow):
@@ -277,8 +275,7 @@ class _Search:
     def _beyond(
         self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
     ) -> tuple[Flags, Array]:
-        """Return for which pieces planes prove the body outside of the zone, and the gaps (P,) [m] in the
-        middles.
+        """Return on which pieces planes keep the body out of the zone, and the gaps (P,) [m] in the middles.
 
         `toward` (3, P) are the normals of the planes, one for each piece.
         """

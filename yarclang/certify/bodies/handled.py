@@ -1,6 +1,4 @@
-"""Poses of the cell's parts while a controller text runs, and checks that grippers pick them up and put them
-down correctly.
-"""
+"""Poses of the cell's parts while a controller text runs, and checks of picking up and putting down."""
 
 from __future__ import annotations
 
@@ -114,8 +112,9 @@ def _findings(
 
 
 def _computed(handling: Handling) -> list[Diagnostic]:
-    """Return findings about SET lines that move grippers by a computed value: where parts are afterwards
-    is unknown.
+    """Return findings about SET lines that move grippers by a computed value.
+
+    Where the parts are afterwards is unknown.
     """
     found = []
     cell = handling.cell

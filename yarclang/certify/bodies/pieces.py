@@ -113,8 +113,8 @@ def _fill(low: Array, high: Array, lower: Array, upper: Array) -> bool:
 
 
 def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> float:
-    """Return the largest distance [m] by which the part of a solid in one cell sticks out of the cell's
-    piece.
+    """Return the largest distance [m] by which the solid sticks out of the piece of one cell, in this
+    cell.
     """
     border = np.minimum(_BORDER, (high - low) / 4.0)
     low, high = low + border, high - border
@@ -179,8 +179,7 @@ def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
 
 
 def _is_filled(triangles: Array, point: Array) -> bool:
-    """Return True if a point is inside a solid: then the solid angles of the solid's triangles add up to 4
-    pi.
+    """Return True if a point is inside a solid: then the solid angles of its triangles add up to 4 pi.
 
     A triangle's solid angle is 2 atan2(volume, rest) (Van Oosterom and Strackee 1983).
     """

@@ -16,8 +16,7 @@ _EDGE = 1e-6
 def remedy(
     motion: hir.Motion, otherwise: str, when: tuple[float, float], lasts: float
 ) -> tuple[str, Fix | None]:
-    """Return a remedy in words for a motion that comes too close to something, and an edit (fix) if there is
-    one.
+    """Return a remedy for a motion that comes too close to something, and an edit (fix) if there is one.
 
     A path around the obstacle helps only if the motion is clear at its start and at its end.
 

@@ -28,13 +28,9 @@ from yarclang.robot.model import Array, Chain
 STEP = 0.08
 """Largest motion of a joint on a piece of a motion's time, before any piece is halved [rad or m]."""
 EQUAL = 5e-6
-"""Allowed disagreement between both proofs [m]. The error of distances by coal is less than a tenth of
-this.
-"""
+"""Allowed disagreement between both proofs [m], more than ten times the error of distances by coal."""
 SHORT = 2e-4
-"""Pieces of a motion on which nothing moves by more than this [m] are not halved: the distance in the middle
-of the piece decides.
-"""
+"""Motion of all bodies on a piece [m] below which the piece isn't halved: its middle decides."""
 
 
 @frozen
@@ -109,9 +105,7 @@ class _Second:
         self.refuting: dict[tuple[int, int], Nearer] = {}
 
     def found(self, spans: NDArray[np.int64]) -> list[Nearer]:
-        """Halve pieces of time until all pairs are settled, and return the instants that refute
-        clearances.
-        """
+        """Halve pieces of time until all pairs are settled; return the instants that refute clearances."""
         course = self.course
         begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
         way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
@@ -135,9 +129,7 @@ class _Second:
         return list(self.refuting.values())
 
     def _left(self, motion: Rows, begin: Array, end: Array, at: Rows, pair: Rows) -> Rows:
-        """Return which combinations of a piece of time (`at`) and a pair of bodies (`pair`) are not
-        settled yet.
-        """
+        """Return which combinations of a piece (`at`) and a pair of bodies (`pair`) are not settled yet."""
         chain, course = self.scene.chain, self.course
         half = (begin + end) / 2.0
         # Bound the motion of a pair on either half of a piece by that of the joints between its bodies.
@@ -201,8 +193,7 @@ class _Second:
     def _settled(
         self, pair: int, arms: list[Joints], way: Array, sag: Array, least: Array
     ) -> tuple[NDArray[np.bool_], Array]:
-        """Return on which pieces planes prove a pair apart, and upper bounds of its distances in their
-        middles [m].
+        """Return on which pieces planes prove a pair apart, and bounds of its distances in the middles [m].
 
         A bound is infinite if the first plane already proves the pair apart.
         """
@@ -232,8 +223,7 @@ class _Second:
 
 
 def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
-    """Return the placements of the bodies that the first `other` joints move, relative to those that the
-    first `one` joints move.
+    """Return the placements of some bodies relative to others, by the numbers of joints that move them.
 
     Args:
         placed: placements in {B} of the bodies that 0, 1, ... joints move, at all instants.
@@ -250,8 +240,7 @@ def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
 
 
 def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
-    """Compute by coal the distances (P,) [m] of two bodies, and the unit directions (3, P) from one to the
-    other.
+    """Compute by coal the unit directions (3, P) from one body to another, and their distances (P,) [m].
 
     A distance is not positive if the bodies overlap.
     """

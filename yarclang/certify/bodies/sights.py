@@ -6,13 +6,15 @@ kinematics.
 The vector v from the apex of the cone to the point has |v'| <= V and |v''| <= A on a segment, since one of
 apex and point stands still and the other is a point of the flange. On a piece of duration d, v differs from
 its chord by at most A d^2 / 8. Therefore the length r of v is at least the chord's least distance from the
-apex, less A d^2 / 8. It is also at least half of (the sum of its values at both ends, less V d). For u = v /
-r, the component of u'' along u is -|u'|^2, and the component across is that of (v'' - 2 r' u') / r. With r'^2
-+ r^2 |u'|^2 <= V^2 this gives |u'| <= V / r and |u''| <= A / r + 2 V^2 / r^2. The axis a of the cone has |a'|
-<= W and |a''| <= B, or stands still. The angle between u and a therefore changes no faster than W + V / r,
-and the second derivative of its cosine is at most B + 2 W V / r + |u''|. Pieces are halved until one of these
-two bounds of the angle settles them. Where r isn't proved to be positive, there is no bound; this does no
-harm, since a rule always has a least distance.
+apex, less A d^2 / 8. It is also at least half of (the sum of its values at both ends, less V d).
+
+For u = v / r, the component of u'' along u is -|u'|^2, and the component across is that of
+(v'' - 2 r' u') / r. With r'^2 + r^2 |u'|^2 <= V^2 this gives |u'| <= V / r and
+|u''| <= A / r + 2 V^2 / r^2. The axis a of the cone has |a'| <= W and |a''| <= B, or stands still.
+The angle between u and a therefore changes no faster than W + V / r, and the second derivative of its
+cosine is at most B + 2 W V / r + |u''|. Pieces are halved until one of these two bounds of the angle
+settles them. Where r isn't proved to be positive, there is no bound; this does no harm, since a rule always
+has a least distance.
 """
 
 from __future__ import annotations
@@ -122,9 +124,7 @@ class _Cone:
         return Aim(angle, np.sqrt(way[0] ** 2 + way[1] ** 2 + way[2] ** 2), way)
 
     def excess(self, aim: Aim) -> Array:
-        """Return the amounts (P,) [rad or m] by which the rule is exceeded at instants; not positive where
-        it is kept.
-        """
+        """Return the amounts (P,) [rad or m] by which the rule is exceeded; not positive where it is kept."""
         sight = self.sight
         found: Array = np.maximum.reduce(
             [aim.angle - sight.limit, sight.near - aim.distance, aim.distance - sight.far]
@@ -134,7 +134,7 @@ class _Cone:
     def bounds(
         self, segment: NDArray[np.int64], long: Array, before: Aim, after: Aim
     ) -> tuple[Array, Array, Array]:
-        """Return the largest angle [rad], the least distance and the largest distance [m] on pieces, (P,)
+        """Return the largest angle [rad] and the least and the largest distance [m] on each piece, (P,)
         each.
         """
         speed, sag = self.speed[segment] * long, self.strength[segment] * long**2 / 8.0

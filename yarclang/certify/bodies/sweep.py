@@ -47,9 +47,7 @@ class Sweep:
 
 
 def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | None, list[Place]]]:
-    """Yield the commands with moves in groups, each with the cell's state, which is the same during the
-    whole group.
-    """
+    """Yield the commands with moves in groups, each with the cell's state, which is constant in a group."""
     moving = [place for place in layout.places if place.size]
     for _, group in groupby(moving, lambda place: id(handled.at(place.step))):
         for places in chunks(list(group)):

@@ -1,5 +1,4 @@
-"""Proof that axes of the flange stay within their allowed angles (KEEP ... UPRIGHT) while a controller text
-runs.
+"""Proof that axes of the flange stay within their allowed angles (KEEP ... UPRIGHT).
 
 The planner uses `yarclang.collision.zones.tilts` instead; this proof shares no code with it, and uses the
 judge's own kinematics.

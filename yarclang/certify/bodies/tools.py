@@ -158,9 +158,7 @@ def _not_agreed(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
 
 
 def _frames(handling: Handling, before: Mapping[int, Parts], robot: Robot) -> Iterator[Diagnostic]:
-    """Yield findings about motions that move, or zones that watch, a frame of a tool that isn't on the
-    flange.
-    """
+    """Yield findings about moved or watched frames of tools that aren't on the flange."""
     cell = handling.cell
     assert cell is not None  # it has tools
     owners: dict[str, set[str]] = {}

@@ -1,6 +1,4 @@
-"""Joint torques along the segments of a controller text: bounded between the sampled points, and compared
-with the effort limits.
-"""
+"""Joint torques along a controller text's segments: bounded between samples, compared with limits."""
 
 from __future__ import annotations
 
@@ -27,9 +25,7 @@ from yarclang.units import UNITS
 from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
-"""Share of an effort limit that the bound between sampled points should not add to a torque; finer grids are
-chosen by it.
-"""
+"""Share of an effort limit that the bound between sampled points may add; finer grids aim at it."""
 PARTS = 64
 """Most parts into which a segment is cut."""
 ROOM = 0.03
@@ -63,8 +59,7 @@ class _Samples:
 
 
 def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
-    """Return, for every step, the joint that comes nearest to its effort limit, and findings about exceeded
-    limits.
+    """Return the joint nearest to its effort limit for every step, and findings about exceeded limits.
 
     Args:
         layout: the segments of the controller text.
@@ -96,9 +91,7 @@ def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynam
 def _judge_load(
     layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
 ) -> None:
-    """Judge the torques of commands with one load. A command that occurs with several loads keeps its
-    worst result.
-    """
+    """Judge the torques of commands with one load. Of several loads of a command, the worst one counts."""
     dynamics, (loads, findings) = robot.dynamics, found
     assert dynamics is not None  # torques are only judged with dynamics
     cubics = layout.cubics_of(np.concatenate([np.arange(place.first, place.last) for place in places]))
@@ -227,8 +220,9 @@ def _unit(robot: Robot, joint: int) -> str:
 
 
 def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
-    """Return the factor by which a motion's duration must grow to respect all effort limits; infinite if none
-    does.
+    """Return the factor by which a motion must last longer to respect all effort limits.
+
+    It is infinite if no factor is enough.
 
     On the same path with s times the duration, all torques except gravity's are s^2 times smaller.
     """

@@ -27,8 +27,7 @@ Derivatives = tuple[Array, ...]
 
 
 def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[Array, Array, Array]) -> Array:
-    """Bound |second time derivative of the torque| of each joint (N, n) on N pieces of time [N m/s^2 or
-    N/s^2].
+    """Bound |second time derivative of the torque| of each joint (N, n) on N pieces [N m/s^2 or N/s^2].
 
     Args:
         chain: the arm.
@@ -95,8 +94,7 @@ class _Rates:
     j_slide: Array
 
     def grown(self, length: Array | float) -> Derivatives:
-        """Return bounds (N,) of the derivatives of order 0 to 4 of a vector of `length` [m], as multiples of
-        its length.
+        """Bound the derivatives of order 0 to 4 of a vector of `length` [m], as multiples of its length (N,).
 
         They are the Bell polynomials of the rates.
         """
@@ -121,8 +119,7 @@ def _bell(w: Array, a: Array, j: Array) -> Derivatives:
 
 
 def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
-    """Bound a body's rate of angular momentum about its centre of mass, and the first two derivatives of this
-    rate.
+    """Bound a body's rate of angular momentum about its centre of mass, and two derivatives of this rate.
 
     Args:
         stiff: largest moment of inertia of the body [kg m^2].

@@ -44,8 +44,7 @@ class Seen:
 
 
 def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
-    """Return, for each motion, the segment end that is farthest beyond a zone's border; None if none is
-    beyond.
+    """Return each motion's segment end that is farthest beyond a zone's border; None if none is beyond.
 
     Args:
         motions: the segments, and the range of each motion.
@@ -74,8 +73,7 @@ def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
 
 
 def _joints_beyond(watch: Watch, q: Array) -> Array:
-    """Return the distances (N,) [rad or m] by which joints `q` (N, n) certainly violate a window of joint
-    positions.
+    """Return by how much joints `q` (N, n) certainly violate a window of joint positions (N,) [rad or m].
 
     A distance is not positive if the window is respected.
     """
@@ -86,8 +84,7 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 
 
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
-    """Return the distances (N,) [m] by which a body is certainly beyond a zone's border; not positive
-    otherwise.
+    """Return by how far a body is certainly beyond a zone's border (N,) [m]; not positive if it isn't.
 
     In a zone with a posture, they are distances of the joints from the posture's window [rad or m].
     """
@@ -117,8 +114,8 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
 
 
 def _points(item: Item) -> Array:
-    """Return points (K, 3) of a body in {B} with all joints at zero; for a body with round faces, points on
-    their rims.
+    """Return points (K, 3) of a body in {B} with all joints at zero; for round faces, points on their
+    rims.
     """
     if not item.disc:
         return item.points

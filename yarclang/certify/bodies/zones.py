@@ -98,9 +98,7 @@ def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int
 
 
 def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Place]]]:
-    """Yield runs of consecutive commands that move the same frame. Zones that watch the tool watch this
-    frame.
-    """
+    """Yield runs of consecutive commands that move the same frame, which is the tool that zones watch."""
     run: list[Place] = []
     before: Moving | None = None
     for place in places:
@@ -152,8 +150,8 @@ class _Judge:
         }
 
     def _kept(self) -> list[tuple[KeptRule, ...]]:
-        """Return the rules of KEEP with their proved bounds for each command, and report commands that
-        break a rule.
+        """Return the rules of KEEP with their proved bounds for each command; report commands that break
+        one.
         """
         told: list[list[KeptRule]] = [[] for _ in self.places]
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
@@ -172,9 +170,7 @@ class _Judge:
         return [tuple(one) for one in told]
 
     def _keep_in_sight(self, rule: Keep, sight: Sight, told: list[list[KeptRule]]) -> None:
-        """Add the proved bounds of a rule about a cone to each command's list `told`, and report commands
-        that break the rule.
-        """
+        """Add the proved bounds of a rule about a cone to `told`, and report commands that break the rule."""
         found = sighted(self.motions, sight)
         for row in range(len(self.places)):
             least, farthest = float(found.least[row]), float(found.farthest[row])
@@ -403,9 +399,7 @@ def _called(watch: Watch) -> str:
 
 
 def _remedy(code: str, rule: Keep | None) -> str:
-    """Return the remedy for a finding; for a broken rule of the cell it names cell.toml, where the rule is
-    stated.
-    """
+    """Return the remedy for a finding; for a rule of the cell, it points to cell.toml."""
     told = _REMEDIES[code]
     return told.replace("in the KEEP", "in [[keep]] of the cell.toml") if rule and rule.of_cell else told
 

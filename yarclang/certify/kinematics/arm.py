@@ -146,9 +146,7 @@ def flange_poses(chain: Chain, q: Array) -> Array:
 
 
 def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
-    """Return base_from_tool (P, 4, 4) [m] at joint positions (P, n) for a tool frame (4, 4), given relative
-    to the flange.
-    """
+    """Return base_from_tool (P, 4, 4) [m] at joint positions (P, n), for flange_from_tool (4, 4)."""
     found: Array = flange_poses(chain, q) @ flange_from_tool
     return found
 
@@ -192,8 +190,7 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
 
 
 def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
-    """Compute the placements and velocities of the bodies that the first k joints move, for each k from 0 to
-    n.
+    """Compute the placements and velocities of the bodies that the first k joints move, for k = 0 to n.
 
     Args:
         chain: n joints.
@@ -231,8 +228,7 @@ class Kinematics:
     __slots__ = ()
 
     def placements(self, chain: Chain, q: Array) -> Array:
-        """Return the transforms (n + 1, 3, 4, P) that move the robot's links in {B} from joints at zero to
-        `q` (P, n).
+        """Return the transforms (n + 1, 3, 4, P) of the links in {B} from all joints at zero to `q` (P, n).
 
         Row k is for the link that the first k joints move.
         """
@@ -258,9 +254,7 @@ class Kinematics:
         return axes_of(chain)
 
     def elbow(self, chain: Chain) -> tuple[int, Array] | None:
-        """Return the number of the elbow's joint and the elbow's point (3,) [m]; None for an arm without
-        an elbow.
-        """
+        """Return the index of the elbow's joint and the elbow's point (3,) [m]; None without an elbow."""
         return find_elbow(axes_of(chain), chain.base_from_flange[:3, 3])
 
 

@@ -39,9 +39,7 @@ _MILLIMETRE = 1e-3
 _MOVING = ("revolute", "continuous", "prismatic")
 _FLANGE = "FLANGE"
 _GRAVITY = 9.81
-"""Acceleration of gravity along the negative z axis of the URDF's root, unless robot.toml gives another
-[m/s^2].
-"""
+"""Gravity along the negative z axis of the URDF's root, unless robot.toml gives another one [m/s^2]."""
 
 
 @frozen(eq=False)
@@ -101,8 +99,7 @@ class ContradictionError(Exception):
 
 @lru_cache(maxsize=64)
 def own_robot(robot: Robot) -> Robot:
-    """Return the robot as the judge itself reads it from the contents of its files, with the judge's own
-    kinematics.
+    """Return the robot as the judge reads it from its files, with the judge's own kinematics.
 
     Geometry, frames, tools, limits and actuation are read again.
 
@@ -223,9 +220,7 @@ def _between(tree: _Tree, base: str, flange: str) -> list[_Joint]:
 
 
 def _place(tree: _Tree, link: str) -> tuple[Array, tuple[str, ...]]:
-    """Return root_from_link (4, 4) with all joints at zero, and the names of the joints between link and
-    root.
-    """
+    """Return root_from_link (4, 4) with all joints at zero, and the names of the joints in between."""
     placed, names = np.eye(4), []
     while link in tree.above:
         joint = tree.above[link]
@@ -385,9 +380,7 @@ def _dynamics(
 
 
 def _actuation(table: Mapping[str, Any], size: int) -> Actuation:
-    """Return K, J, a0 and the largest motor speeds [counts/s] from robot.toml, which gives speeds in
-    counts/ms.
-    """
+    """Return K, J, a0 and the largest motor speeds [counts/s] from robot.toml, which has counts/ms."""
     said = table["actuation"]
     return Actuation(
         _sealed(np.array(said["K"], dtype=np.float64)),

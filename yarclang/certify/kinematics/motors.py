@@ -17,8 +17,9 @@ _MILLIMETRE = 1e-3
 
 @lru_cache(maxsize=64)
 def counts_per_joint(robot: Robot) -> Array:
-    """Return the counts that each motor (row) moves per rad or m of each joint (column), (n, n),
-    read-only.
+    """Return the counts that each motor (row) moves per rad or m of each joint (column), (n, n).
+
+    The array is read-only.
     """
     actuation, size = robot.actuation, robot.size
     found = np.empty((size, size))

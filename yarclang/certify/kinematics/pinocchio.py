@@ -54,8 +54,7 @@ class _Witness:
 
 
 def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
-    """Yield the first step at which Pinocchio's result differs from the judge's, with the difference in
-    words.
+    """Yield the first step at which Pinocchio's result differs from the judge's, with the reason.
 
     Args:
         layout: the commands of the controller text.

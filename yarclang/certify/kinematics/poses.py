@@ -1,6 +1,4 @@
-"""Comparison of the poses that a program uses with the numbers that its author wrote, by the judge's own
-transforms.
-"""
+"""Comparison of a program's poses with the numbers that its author wrote, by the judge's own transforms."""
 
 from __future__ import annotations
 

@@ -36,9 +36,7 @@ def of_roll_pitch_yaw(angles: Array) -> Array:
 
 
 def of_quaternion(quaternions: Array) -> Array:
-    """Return the rotation matrices (..., 3, 3) of quaternions (..., 4) with the real part last, of any
-    nonzero length.
-    """
+    """Return the rotation matrices (..., 3, 3) of nonzero quaternions (..., 4) with the real part last."""
     length = np.einsum("...i,...i->...", quaternions, quaternions)[..., None, None]
     spin, real = cross_matrix(quaternions[..., :3]), quaternions[..., 3, None, None]
     made: Array = np.eye(3) + (2.0 / length) * (real * spin + spin @ spin)

@@ -1,5 +1,4 @@
-"""Closed forms and theorems on which the proofs are based. All of them work on whole arrays, without
-sampling.
+"""Closed forms and theorems on which the proofs are based, for whole arrays, without sampling.
 
 Hermite remainder: let e be a function on an interval of length d, and c the cubic with the same values and
 derivatives at both ends. Then |e - c| <= d^4/384 max|e''''|. A jump G of e''' inside the interval adds at
@@ -350,8 +349,7 @@ def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -
 def catch_up(
     bezier: Array, group: NDArray[np.int64], end: float = 1.0, covered: Array | None = None
 ) -> Array:
-    """Bound the distance of a path parameter s(t) from another one that covers the whole path and never
-    decreases.
+    """Bound the distance of a path parameter s(t) from one that covers the whole path and never decreases.
 
     This second parameter is defined by its Bezier points. They are those of s(t), clipped to the path, each
     replaced by the largest one so far, with the first moved to the path's start and the last to its end. The
@@ -385,8 +383,6 @@ def catch_up(
 
 
 def segment_max(values: Array, first: NDArray[np.int64]) -> Array:
-    """Return the maximum of each group of consecutive rows. Groups begin at the rows `first`; none is
-    empty.
-    """
+    """Return the maximum of each group of rows. Groups begin at the rows `first`; none is empty."""
     result: Array = np.maximum.reduceat(values, first, axis=0)
     return result

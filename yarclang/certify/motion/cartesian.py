@@ -342,8 +342,8 @@ def _bounds_of(
 
 
 def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, Array, Array]:
-    """Return the errors of position (N, 3) and rotation (N, 9), executed minus programmed, each with its time
-    derivative.
+    """Return the errors of position (N, 3) and rotation (N, 9), executed minus programmed, and their
+    rates.
     """
     e = motion.p - path.p
     # Chain rule: d/dt P(s(t)) = s' P'(s), and R' = [omega]x R.
@@ -355,9 +355,7 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
 
 
 def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]:
-    """Return those parts of the remainders of position and rotation (P,) that the programmed path's
-    derivatives cause.
-    """
+    """Return the remainders of position and rotation (P,) as far as the programmed path causes them."""
     # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]

@@ -1,6 +1,4 @@
-"""Deviation of every command from its programmed path, proved by the method for the command's kind of
-motion.
-"""
+"""Deviation of every command from its programmed path, by the method for its kind of motion."""
 
 from __future__ import annotations
 

@@ -48,8 +48,7 @@ NO_LOADS = Loads(None, 0)
 def check_limits(
     layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
 ) -> list[tuple[Loads, tuple[Excess, ...]]]:
-    """Return the loads of neighbouring commands (shares of the limits that they use), and the limits they
-    break.
+    """Return the loads of neighbouring commands (used shares of limits), and the limits that they break.
 
     Args:
         layout: the segments of the controller text.

@@ -1,6 +1,4 @@
-"""Segments of a motion cut into shorter pieces of time, with the moving frames between the pieces and bounds
-on them.
-"""
+"""Segments of a motion cut into pieces of time, with the moving frames between the pieces and bounds."""
 
 from __future__ import annotations
 

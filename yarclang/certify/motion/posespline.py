@@ -131,8 +131,8 @@ class PoseSpline:
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
 
     def _lengths(self) -> tuple[Array, Array]:
-        """Return parameters s (N,), and for each the approximate path length of the frame's origin up to it
-        [m] (Simpson).
+        """Return parameters s (N,), and the approximate path length of the origin up to each [m]
+        (Simpson).
         """
         s = places_of(self.spline.s / self.total)
         way = np.zeros(len(s))
@@ -296,8 +296,8 @@ def _cells(spline: NaturalSpline) -> Array:
 
 
 def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
-    """Bound the derivatives as `_cells` does, for the spans from `first` up to `last` (not included), with
-    `each` cells per span.
+    """Bound the derivatives as `_cells` does, on `each` cells of the spans `first` up to `last`
+    (excluded).
     """
     go_on()
     widths = np.diff(spline.s[first : last + 1])
@@ -359,9 +359,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
 
 
 def _margins(spline: NaturalSpline) -> tuple[float, float]:
-    """Return the margins in u before the start and after the end of a curve, within which its bounds are
-    valid.
-    """
+    """Return the margins in u beyond both ends of a curve within which the bounds are valid."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
     before, behind = (
@@ -404,8 +402,7 @@ def _jumps(spline: NaturalSpline) -> Array:
 
 
 def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
-    """Return, for each pair of `first` and `last`, the largest entries of a table's rows from `first` up to
-    `last` (not included).
+    """Return the largest entries of a table's rows from `first` up to `last` (not included), for each pair.
 
     The table has one extra row at its end, so that `last` is always a valid row.
     """

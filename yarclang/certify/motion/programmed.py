@@ -19,9 +19,7 @@ from yarclang.robot.model import Array
 Rows = NDArray[np.int64]
 
 SMALLEST_CIRCLE = 1e-6
-"""Distance of three points from each other [m], or the angle of a point off a line [rad], below which they
-define no circle.
-"""
+"""Least distance of three points from each other [m], and from a line [rad], to define a circle."""
 
 
 @frozen(eq=False)
@@ -113,8 +111,7 @@ class FramePaths(Protocol):
     def project(
         self, motion: Motion, owner: Rows, position: Array, angle: Array, share: Array | None = None
     ) -> tuple[Array, Array]:
-        """Choose a parameter s and its rate s' (N,) of the programmed path for each point of an executed
-        motion.
+        """Choose the path parameter s and its rate s' (N,) for each point of an executed motion.
 
         Any choice gives a valid proof; a good one gives a sharp bound.
 
@@ -211,9 +208,7 @@ class Lines:
         return Poses(self.origin[owner] + s[:, None] * way, way, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """Return bounds of the derivatives that are valid for any s; the position has only a first
-        derivative.
-        """
+        """Return bounds of the derivatives for any s; the position has only a first derivative."""
         position = np.zeros((len(owner), 4))
         position[:, 0] = np.linalg.norm(self.way, axis=1)[owner]
         return Bounds(position, self.turns.bounds(owner), straight=True, everywhere=True)
@@ -313,8 +308,8 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s for each point of an executed motion: the weighted mean of the values from position and
-        from turn.
+        """Choose s for each point of an executed motion: the weighted mean of s from position and s from
+        turn.
 
         The weights are the squared lengths of arc and turn, each in units of its tolerance.
         """

@@ -16,9 +16,7 @@ from yarclang.robot.model import Array
 _STIFFNESS = 1e-3
 """Weight of third differences of s, relative to the curve's pace."""
 _PLACES, _BETWEEN = 1024, 4
-"""Number of equal intervals in a table of a curve's length, and least number of intervals between
-way-points.
-"""
+"""Number of equal intervals in a table of a curve's length; least number between two way-points."""
 _AT_ONCE = 8_192
 """Points of a curve that are computed in one step."""
 _ROUNDS = 5
@@ -84,9 +82,7 @@ def _parts(count: int) -> Iterator[slice]:
 
 
 def _third_differences(size: int) -> Array:
-    """Return the lower bands (4, size) of the matrix of a quadratic form: the sum of squared third
-    differences.
-    """
+    """Return the lower bands (4, size) of the matrix that gives the sum of squared third differences."""
     kernel = np.array([-1.0, 3.0, -3.0, 1.0])
     bands = np.zeros((4, size))
     for band in range(4):
@@ -105,9 +101,7 @@ def _times(bands: Array, x: Array) -> Array:
 
 
 def table_of_lengths(curve: Curve, s: Array) -> Array:
-    """Return the approximate length of a curve from its start to each parameter in `s` (N,), along a
-    polygon.
-    """
+    """Return the approximate length of a curve up to each parameter in `s` (N,), along a polygon."""
     lengths, behind = np.zeros(len(s)), 0.0
     for begin in range(0, len(s) - 1, _AT_ONCE):
         go_on()

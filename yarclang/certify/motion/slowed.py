@@ -16,9 +16,7 @@ from yarclang.hir import Origin
 from yarclang.written import slower
 
 TOLD = 0.99
-"""Share of a programmed speed above which there is no warning: a rounded corner always costs a little
-speed.
-"""
+"""Share of a programmed speed above which there is no warning: rounded corners cost a little speed."""
 
 _USED_UP = 0.85
 """Least share of a limit, at the slowest place, that makes this limit the reason."""
@@ -83,8 +81,7 @@ def _stretches(layout: Layout) -> Iterator[list[Place]]:
 
 
 def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]:
-    """Return the range of motions between speeding up and slowing down (ramps) in a stretch from rest to
-    rest.
+    """Return the range of motions between the ramps (speeding up, slowing down) of a stretch.
 
     A ramp counts only if it takes several motions.
     """

@@ -25,9 +25,7 @@ _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2
 ]
 _RIGHT = _LEFT[::-1, ::-1]
 _QUARTERS = np.concatenate([one @ other for other in (_LEFT, _RIGHT) for one in (_LEFT, _RIGHT)])
-"""Matrix (20, 5) from five Bernstein coefficients on an interval to those on its four quarters (de
-Casteljau).
-"""
+"""Matrix (20, 5) from five Bernstein coefficients to those on the four quarters (de Casteljau)."""
 
 
 @frozen(eq=False)
@@ -209,8 +207,7 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
 
 
 def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the least and the largest speed of a command that reaches its programmed speed, but not on a
-    whole piece.
+    """Return the least and the largest speed of a command without a whole piece at its programmed speed.
 
     Both are NaN if the command never reaches the programmed speed.
 

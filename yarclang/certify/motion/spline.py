@@ -36,9 +36,7 @@ class NaturalSpline:
 
     @staticmethod
     def through(points: Array) -> NaturalSpline:
-        """Return the spline through `points` (m, n), with chord length as its parameter; equal neighbours
-        count as one.
-        """
+        """Return the spline through `points` (m, n) over chord length; equal neighbours count as one."""
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > SAME
         y = points[np.concatenate([[True], apart])]
         return NaturalSpline.over(np.linalg.norm(np.diff(y, axis=0), axis=1), y)
@@ -267,8 +265,7 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
 
 
 def _steepest(spline: NaturalSpline, beyond: float) -> Array:
-    """Return max |y'| of each joint (n,) on the spline, and up to `beyond` before its start and after its
-    end.
+    """Return max |y'| of each joint (n,) on the spline, and up to `beyond` before and after it.
 
     The Bezier points of y' bound it.
     """

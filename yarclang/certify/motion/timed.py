@@ -79,8 +79,7 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
 
 
 def _velocities_of_clamped(h: Array, q: Array) -> Array:
-    """Return the velocities (m + 1, n) at the points of the C2 cubic spline through `q` that is at rest at
-    both ends.
+    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` that is at rest at both ends.
 
     The tridiagonal system has the second derivatives as unknowns (the clamped spline); the velocities follow
     from them.
@@ -178,8 +177,7 @@ def _bezier_of(cubics: Cubics) -> Array:
 
 
 def _part(bezier: Array, begin: Array, end: Array) -> Array:
-    """Return the Bezier points (N, d + 1, n) of the part of each polynomial between two shares (N,) of its
-    interval.
+    """Return the Bezier points (N, d + 1, n) of a part of each polynomial, between two shares (N,).
 
     The method is de Casteljau's.
     """
@@ -197,9 +195,7 @@ def _part(bezier: Array, begin: Array, end: Array) -> Array:
 
 
 def _elevated(bezier: Array) -> Array:
-    """Return the Bezier points (N, d + 2, n) of the same polynomials, written with a degree that is higher
-    by one.
-    """
+    """Return the Bezier points (N, d + 2, n) of the same polynomials, with the degree raised by one."""
     degree = bezier.shape[1]
     # Degree elevation: the new inner points are convex combinations of neighbours.
     share = (np.arange(1, degree) / degree)[:, None]

@@ -1,6 +1,4 @@
-"""Reading of the part of a controller text from the start to CLOSE: sequences of moves, dwells, outputs,
-barriers.
-"""
+"""Reading of a controller text from the start to CLOSE: sequences of moves, dwells, outputs, barriers."""
 
 from __future__ import annotations
 
@@ -96,8 +94,7 @@ class _Course:
         self.puts: list[Put] = []
 
     def moves_on(self, cursor: Cursor) -> bool:
-        """Return True if the next line is in the middle of a sequence of moves: after one move and before
-        another.
+        """Return True if the next line is inside a sequence of moves: after a move and before another.
 
         Elsewhere, an output that is set in step with a move would be set at an unknown time, or not at all.
         """

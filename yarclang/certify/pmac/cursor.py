@@ -1,6 +1,4 @@
-"""The position in a text for a Turbo PMAC, from which single lines are read, and blocks of move lines as
-numbers.
-"""
+"""The position in a text for a Turbo PMAC: reads single lines, and blocks of move lines as numbers."""
 
 from __future__ import annotations
 
@@ -109,9 +107,7 @@ class Cursor(Lines):
         return points, found.end() - place, decimals
 
     def move_follows(self) -> bool:
-        """Return True if the next line is a move line, not counting lines that set outputs or the guard's
-        flag.
-        """
+        """Return True if a move line follows, perhaps after lines that set outputs or the guard's flag."""
         rest = re.compile(r"(?:P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
         found = rest.match(self._text, self._place)
         return self._block.match(self._text, found.end() if found else self._place) is not None

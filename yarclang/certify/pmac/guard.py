@@ -36,8 +36,7 @@ Fault = str
 
 
 def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
-    """Check that the buffer has enough lines for the motion to come to rest on its path when the guard stops
-    it.
+    """Check that the buffer has enough lines for the motion to stop on its path when the guard acts.
 
     A hold slows the program to a stop within the robot's hold time T, and uses up T / 2 of the program's
     time. The PLC may be late by `LATE`. As long as more lines follow, the motion in the buffer must last for
@@ -124,9 +123,7 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
 
 
 def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
-    """Yield, for each part of a text between two barriers, its move lines, and the lines that arm and
-    disarm the guard.
-    """
+    """Yield the move lines between two barriers, and the lines there that arm and disarm the guard."""
     barriers = [item.line for item in text.course if isinstance(item, Barred)]
     lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
     for begin, end in pairwise((0, *barriers, sys.maxsize)):

@@ -20,9 +20,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
 GUARD_SHARE = 0.05
-"""Largest additional acceleration, as a share of the limit, when a stored program starts slightly beside its
-start.
-"""
+"""Largest additional acceleration, as a share of its limit, due to an inexact start of a stored program."""
 
 
 def _read(text: str, controller: Controller, memory: Memory) -> ControllerText | Unreadable:

@@ -52,16 +52,13 @@ def read_value(text: str) -> Value | None:
 
 
 def read_condition(text: str) -> Value | None:
-    """Return the condition that a string denotes; None if it is not in canonical form, or denotes a
-    number.
-    """
+    """Return the condition that a string denotes; None if it isn't canonical, or denotes a number."""
     value = read_value(text)
     return value if value is not None and _is_condition(value) else None
 
 
 def read_assignment(text: str) -> tuple[RegisterValue | InputValue, Value] | None:
-    """Return the target of an assignment and the number assigned; None if the string is not in canonical
-    form.
+    """Return the target of an assignment and the number assigned; None if the string isn't canonical.
 
     The target is a register, or the variables of an output.
     """

@@ -1,6 +1,4 @@
-"""Reading of the comments at the top of a controller text: the header, and the map of commands and
-barriers.
-"""
+"""Reading of the comments at the top of a controller text: header, and map of commands and barriers."""
 
 from __future__ import annotations
 
@@ -89,8 +87,7 @@ _ALLOW = re.compile(r"; allow ([0-9]{1,7}) ([!-~]{1,400}) ([!-~]{1,400})")
 
 @frozen
 class Preamble:
-    """The comments at the top of a controller text: everything before the first line that the controller
-    reads.
+    """The comments at the top of a controller text, before the first line that the controller reads.
 
     Attributes:
         header: the header.
@@ -328,9 +325,7 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
 
 
 def _read_watches(lines: Lines) -> tuple[Watch, ...]:
-    """Read the inputs that stop the motion while they have a value; an input may appear once with each
-    value.
-    """
+    """Read the inputs that stop the motion while they have a value, each value of an input once."""
     watches: list[Watch] = []
     while lines.peek().startswith("; watch"):
         found = _WATCH.fullmatch(lines.peek())

@@ -39,9 +39,7 @@ _BARRIERS: dict[type, str] = {
 """Barriers at which branches and loops begin, merge, end or repeat."""
 
 CHUNK = 8192
-"""Number of segments that are judged in one step: enough for work on whole arrays, and few enough for the
-processor's cache.
-"""
+"""Number of segments judged in one step: many for work on whole arrays, few for the processor's cache."""
 
 
 @frozen(eq=False)
@@ -111,8 +109,8 @@ class Layout:
         return self.points_of(place.first, place.last)
 
     def points_of(self, begin: int, stop: int) -> Array:
-        """Return the control points [rad or m] of the segments `begin` up to `stop` (not included) of one
-        sequence.
+        """Return the control points of the segments `begin` up to `stop` (excluded) of one sequence [rad
+        or m].
         """
         return self.control[self.at[begin] : self.at[stop - 1] + 4]
 
@@ -167,8 +165,8 @@ def lay_out(
 def _sequences(
     text: ControllerText, runs: list[Run], start: Array, axis_units: Array
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Return the control points of all sequences (G, n) [rad or m], and the number of segments of each
-    sequence.
+    """Return the control points of all sequences (G, n) [rad or m], and each sequence's number of
+    segments.
     """
     if not runs:
         return np.empty((0, len(start))), np.empty(0, dtype=np.int64)
@@ -220,9 +218,7 @@ def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], a
 def _compare(
     entries: tuple[Entry, ...], program: hir.Program, *, any_line: bool
 ) -> tuple[int | None, str] | None:
-    """Return the first step in the map that differs from the program's, with the difference; None if all
-    agree.
-    """
+    """Return the first step in the map that isn't the program's, with the difference; None if all agree."""
     for step, entry in zip(range(len(program.steps)), entries, strict=False):
         meant_step = program.steps[step]
         if isinstance(meant_step, hir.Gap):
@@ -248,8 +244,7 @@ def _compare(
 def _spans(
     moving: list[Entry], lines: list[NDArray[np.int64]]
 ) -> dict[int, tuple[int, int]] | tuple[int, str]:
-    """Return the range of segments of each step with moves, or a step and what is wrong with its lines in the
-    map.
+    """Return the range of segments of each step with moves, or a step with wrong lines and the reason.
 
     There is one segment for each move line, and two more at the end of a sequence.
     """
@@ -287,8 +282,7 @@ def _blends(
     lines: list[NDArray[np.int64]],
     program: hir.Program,
 ) -> tuple[int, str] | None:
-    """Return the first blend that doesn't fit into its sequence, or that covers an action at rest, with the
-    reason.
+    """Return the first blend that doesn't fit into its sequence, or that covers an action at rest.
 
     None if all blends fit.
     """
@@ -372,9 +366,7 @@ def _with_neighbours(places: list[Place]) -> list[Place]:
 
 
 def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:
-    """Return the robot's position (n,) at the end of each of some segments, keyed by the number of the
-    segment after it.
-    """
+    """Return the position (n,) at the end of each segment before one of `stops`, keyed by the stop."""
     at = segments.at[np.array(stops, dtype=np.int64) - 1]
     first, middle, last = (segments.control[at + i] for i in (1, 2, 3))
     # If the command ends at rest, its end is the control point itself, which is exact. Otherwise it is the

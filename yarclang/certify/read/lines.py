@@ -16,8 +16,7 @@ class Refusal(Exception):  # noqa: N818 - never leaves the reader
 
 
 def check_characters(text: str) -> None:
-    """Reject any character except printable ASCII and line feed, since some programs treat others as line
-    ends.
+    """Reject all but printable ASCII and line feeds: some programs treat other characters as line ends.
 
     Raises:
         Refusal: there is such a character, or the text does not end with a line feed.

@@ -113,9 +113,7 @@ class Motions:
         return None
 
     def _of_joints(self, row: int, place: Place, begin: Begin) -> dict[str, Any]:
-        """Return the data of a straight joint motion, with the joint positions chosen for a pose at its
-        end.
-        """
+        """Return the data of a straight joint motion, with the joint positions chosen for its end pose."""
         robot, claims = self._judged.robot, self._judged.claims
         (goal,) = _through(place, begin, robot, claims)
         claimed = claims.witnesses.get(place.step)

@@ -33,9 +33,7 @@ from yarclang.verify.reader import PRINTED
 from yarclang.verify.room import Room
 
 _LEFT = 2e-6
-"""Reserve of a gap beyond its margin [m]: more than the effects of rounding and of the grid of mesh
-corners.
-"""
+"""Reserve of a gap beyond its margin [m], more than the effects of rounding and of the meshes' grid."""
 _SCALES = (100, 10_000, 10_000_000)
 """Sizes of the integers in the planes' normals; the smallest sufficient one is used."""
 
@@ -155,8 +153,8 @@ class _Search:
         return found
 
     def _middle(self, begin: Rows, end: Rows) -> Rows:
-        """Return the times that divide stretches: between commands if possible, else between segments,
-        else within one.
+        """Return the times that divide stretches: between commands, else between segments, else within
+        one.
         """
         middle = (begin + end) // 2
         cut = np.where(end - begin > PARTS, (middle + PARTS // 2) // PARTS * PARTS, middle)
@@ -247,9 +245,7 @@ class _Search:
         return settled
 
     def _slow(self, begin: Rows, end: Rows, pair: Rows) -> NDArray[np.bool_]:
-        """Return which bodies are slow enough in their slow zones during stretches of time, and store
-        these pairs.
-        """
+        """Return which bodies are slow enough in their slow zones during stretches of time; store them."""
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -295,8 +291,7 @@ def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Arra
 
 
 def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
-    """Return the least gap (P,) [m] between two bodies along normals (3, P) of any length, among some
-    instants.
+    """Return the least gap (P,) [m] between two bodies along normals (3, P), among some instants.
 
     The gap is minus infinity for a zero normal.
     """
@@ -308,9 +303,7 @@ def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
 
 
 def _before(item: Item, moving: Item, arms: list[Joints]) -> Array:
-    """Return the least distance (P,) [m] of a body from a border that it must not cross, among some
-    instants.
-    """
+    """Return the least distance (P,) [m] of a body from a border not to cross, among some instants."""
     offset = float(item.axis @ item.middle)
     gaps = [
         offset + arm.lowest(moving, np.broadcast_to(-item.axis[:, None], arm.shift.shape)) for arm in arms

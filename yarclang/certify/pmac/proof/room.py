@@ -50,9 +50,7 @@ class Needed:
     speeds: Array
 
     def stretches(self) -> tuple[Rows, Rows, Rows, Array]:
-        """Return the stretches of time during which pairs must be proved apart: begins, ends, pairs,
-        margins [m].
-        """
+        """Return the stretches of time to prove: begins, ends, pairs to keep apart, margins [m]."""
         rows = [(*need, pair) for pair, needs in enumerate(self.needs) for need in needs]
         begin, end, margin, pair = zip(*rows, strict=True) if rows else ((), (), (), ())
         whole = [np.array(column, dtype=np.int64) for column in (begin, end, pair)]
@@ -119,9 +117,7 @@ class Room:
         return made
 
     def _number(self, key: Hashable, item: Item, step: int, told: Callable[[], dict[str, Any]]) -> int:
-        """Return the number of a body in the proof, note that it is present during a command, and add it
-        if it is new.
-        """
+        """Return the number of a body in the proof; add the body if it is new, and note the command."""
         if key not in self._numbers:
             self._numbers[key] = len(self.bodies)
             self._there[len(self.bodies)] = []
@@ -138,9 +134,7 @@ class Room:
         return self._number(key, room_of(body), step, lambda: _told(body, self.robot))
 
     def _exceptions(self) -> list[list[Any]]:
-        """Return the pairs that may come closer than their margins, or touch, each with a range of
-        commands.
-        """
+        """Return the pairs that may touch or be nearer than their margins, each with a range of commands."""
         found: dict[tuple[int, int, float | None], list[int]] = {}
         for step, scene in zip(self.moving, self._scenes, strict=True):
             own = [self._body(body, step) for body in scene.bodies]
@@ -244,9 +238,7 @@ def _solid(point: Item) -> Item:
 
 
 def _link(joint: int, robot: Robot) -> Array:
-    """Return base_from_link (4, 4) of the link that the first `joint` joints move, with all joints at
-    zero.
-    """
+    """Return base_from_link (4, 4) of the link that the first `joint` joints move, all joints at zero."""
     link = np.eye(4)
     for step in steps_of(robot.chain)[:joint]:
         link = link @ step
@@ -276,9 +268,7 @@ def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:
 
 
 def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
-    """Return the description of a zone, and the regions that its bodies must stay out of, in the checker's
-    order.
-    """
+    """Return the description of a zone, and the regions to stay out of, in the checker's order."""
     told: dict[str, Any] = {"name": zone.name, "rule": zone.rule, "margin": zone.margin, "region": None}
     told["watched"] = []
     if zone.speed is not None:

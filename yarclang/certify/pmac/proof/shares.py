@@ -31,9 +31,7 @@ _OPEN = 1 / 250
 _NEAREST = 2e-4
 """Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
 _COARSE = 4.0
-"""Approximate ratio of the checker's bounds to the judge's, for the fourth derivative of a spline of
-poses.
-"""
+"""Approximate ratio of the checker's bounds to the judge's, for a pose spline's fourth derivative."""
 _SHARP = 2e-4
 """Approximate share of a programmed speed that the bounds between the ends of pieces may take."""
 
@@ -151,8 +149,7 @@ def pose_spline_proof(
 
 
 def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
-    """Return the proof of a straight joint motion, with the nearest point of the line at the ends of all
-    pieces.
+    """Return the proof of a straight joint motion, with the nearest point of the line at the pieces' ends.
 
     Args:
         own: the segments that follow the motion's path.
@@ -259,9 +256,7 @@ class _Weighed:
 
 
 def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float:
-    """Return the approximate bound between the ends of segments that are not cut, as a share of the
-    tolerance.
-    """
+    """Return the approximate bound between the ends of uncut segments, as a share of the tolerance."""
     steepest = np.maximum(np.abs(np.diff(spline.y, axis=0)).max(axis=1) / np.diff(spline.s), 1e-3).min()
     w = cubics.velocity_peaks().max(axis=1) / steepest
     a = cubics.acceleration_peaks().max(axis=1) / steepest

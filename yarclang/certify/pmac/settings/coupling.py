@@ -1,6 +1,4 @@
-"""Motor counts as a function of the joints (K J, a0) in exact numbers, and the motors and joints that are
-coupled.
-"""
+"""Motor counts as a function of the joints (K J, a0) in exact numbers, and which of them are coupled."""
 
 from __future__ import annotations
 

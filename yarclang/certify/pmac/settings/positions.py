@@ -131,9 +131,7 @@ def check_feedback(
 def _feedback_error(
     value: Affine, joint: int, matrix: list[Row], offset: Row, robot: Robot, coupling: Coupling
 ) -> Fraction:
-    """Bound the difference between a joint's position and the expression by which PLC 0 computes it from
-    motors.
-    """
+    """Bound the difference between a joint's position and the expression for it in PLC 0."""
     scale = turbo_pmac(robot).ixx08 * _UNITS_PER_COUNT
     shares = [
         value.factors.get(actual_position(motor)[0], Fraction(0)) * scale for motor in robot.controller.motors

@@ -97,9 +97,7 @@ class _Group:
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
-    """Return the largest motor rates, in proportion to the gear ratios, that exceed no limit of a joint or
-    motor.
-    """
+    """Return the largest motor rates in proportion to the gear ratios that exceed no limit."""
     # Scale the gears up until the first joint reaches its limit.
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}

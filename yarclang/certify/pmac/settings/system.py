@@ -43,8 +43,7 @@ def check_system(content: SettingsText, robot: Robot, say: Say) -> None:
 
 
 def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: Say) -> None:
-    """Check the slew rate by which the program's speed goes from 100 % to 0: it must take the robot's hold
-    time.
+    """Check that slowing the program from 100 % to 0 takes the robot's hold time (slew rate).
 
     The time base is I10, and changes by Isx94 or Isx95 in each servo cycle (TSRM 191).
     """

@@ -72,9 +72,7 @@ class Listing:
 
 @frozen
 class SettingsText:
-    """Everything that the settings text sends to the controller, in order. `settings` are keyed by name,
-    I5 last.
-    """
+    """What the settings text sends to the controller, in order. `settings` are keyed by name, I5 last."""
 
     definitions: tuple[Definition, ...]
     pointers: tuple[Pointer, ...]

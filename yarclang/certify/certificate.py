@@ -191,8 +191,8 @@ class ToolSpeed:
         turns: True if the path only turns the frame.
         largest: largest speed during the whole command.
         programmed: the programmed speed; NaN without one.
-        least: least speed while the programmed speed is held.
-        most: largest speed while the programmed speed is held.
+        least: least speed during this time.
+        most: largest speed during this time.
         beyond: largest ratio of the speed to the allowed speed.
     """
 

@@ -43,7 +43,7 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
     """Yield the first difference between the actions of the text and those of the program.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         program: the program.
     """
     meant = {output.signal.variable: output.safe for output in program.outputs if output.safe is not None}
@@ -104,7 +104,7 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
     slow RAPID must lead to the current position.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         start: (n,) joint positions at the start of the text [deg or mm].
         slack: (n,) largest distance between the printed ends of two branches that meet [deg or mm].
     """

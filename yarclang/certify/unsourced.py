@@ -27,7 +27,7 @@ def told_program(
     This covers the commands, the branches, and which commands move.
 
     Args:
-        content: the text that was read.
+        content: the controller text, as the judge has read it.
         robot: the robot that the text is for.
         source: the file that findings refer to.
         cell: the robot's surroundings.
@@ -90,7 +90,7 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     The note is a warning if the list contains a condition, a register or an output.
 
     Args:
-        content: the text that was read.
+        content: the controller text, as the judge has read it.
         source: the file that the note refers to.
         cell: the robot's surroundings, if known.
     """

@@ -116,8 +116,7 @@ class Judge:
     # Checks of the start, the times and the rests.
 
     def start(self, content: ControllerText) -> Array:
-        """Return the joint positions at the text's start (n,) [rad or m]; report if they aren't the
-        program's.
+        """Return the joint positions at the text's start (n,) [rad or m]; report others than the program's.
 
         They must agree to the printed decimals.
         """
@@ -201,7 +200,7 @@ class Judge:
         These checks are about where the actions are, what they assign, and the guard of the buffer.
 
         Args:
-            content: the text that was read.
+            content: the controller text, as the judge has read it.
             start: (n,) joint positions at the start of the text [rad or m].
             outputs: variables of the program's outputs; None if the program is unknown.
         """
@@ -216,7 +215,7 @@ class Judge:
         """Check that the map marks only the given motions as motions without a jerk limit.
 
         Args:
-            content: the text that was read.
+            content: the controller text, as the judge has read it.
             free: steps whose profile has no jerk limit.
         """
         for entry in content.entries:

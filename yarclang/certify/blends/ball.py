@@ -187,9 +187,7 @@ def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, r
 
 
 def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
-    """Return the angles between `q` (N, n) and the corner (n,), summed over the revolute joints (N,)
-    [rad].
-    """
+    """Return the summed angles (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,)."""
     turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
     return turned
 

@@ -63,8 +63,7 @@ class Judged:
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the least share of the programmed speed that a motion must keep once it has reached its
-        speed.
+        """Return the least share of the programmed speed that a motion must keep once it has reached it.
 
         This is `share_of`, or the planner's claim `least` if that is smaller.
         """

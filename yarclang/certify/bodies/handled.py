@@ -32,7 +32,7 @@ class Handled:
     """The cell's state and the parts that the robot carries, during each motion.
 
     Attributes:
-        cell: the cell as the program declares it.
+        cell: the program's cell, as it is before the first motion.
         cells: the cell's state by the step of the motion; empty if the state never changes.
         carried: names of the carried parts by the step of the motion; empty without parts.
         allowances: for each step, the lines of program or cell that allow bodies to touch.

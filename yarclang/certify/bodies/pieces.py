@@ -113,9 +113,7 @@ def _fill(low: Array, high: Array, lower: Array, upper: Array) -> bool:
 
 
 def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> float:
-    """Return the largest distance [m] by which the solid sticks out of the piece of one cell, in this
-    cell.
-    """
+    """Return the largest distance [m] by which the solid in one cell sticks out of the cell's piece."""
     border = np.minimum(_BORDER, (high - low) / 4.0)
     low, high = low + border, high - border
     near = ((triangles.max(axis=1) >= low) & (triangles.min(axis=1) <= high)).all(axis=1)

@@ -30,7 +30,9 @@ STEP = 0.08
 EQUAL = 5e-6
 """Allowed disagreement between both proofs [m], more than ten times the error of distances by coal."""
 SHORT = 2e-4
-"""Motion of all bodies on a piece [m] below which the piece isn't halved: its middle decides."""
+"""If nothing moves farther than this [m] on a piece, the piece isn't halved: the distance in its middle
+decides.
+"""
 
 
 @frozen

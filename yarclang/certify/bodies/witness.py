@@ -114,9 +114,7 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
 
 
 def _points(item: Item) -> Array:
-    """Return points (K, 3) of a body in {B} with all joints at zero; for round faces, points on their
-    rims.
-    """
+    """Return points (K, 3) of a body in {B} with all joints at zero; points on the rims of round faces."""
     if not item.disc:
         return item.points
     across = np.cross(item.axis, np.eye(3)[int(np.argmin(np.abs(item.axis)))])

@@ -150,9 +150,7 @@ class _Judge:
         }
 
     def _kept(self) -> list[tuple[KeptRule, ...]]:
-        """Return the rules of KEEP with their proved bounds for each command; report commands that break
-        one.
-        """
+        """Return the rules of KEEP with their proved bounds for each command, and report broken rules."""
         told: list[list[KeptRule]] = [[] for _ in self.places]
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
             rule = zone.keep

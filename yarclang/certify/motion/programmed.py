@@ -308,8 +308,7 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s for each point of an executed motion: the weighted mean of s from position and s from
-        turn.
+        """Choose s for each point of an executed motion, as the weighted mean of s by position and s by turn.
 
         The weights are the squared lengths of arc and turn, each in units of its tolerance.
         """

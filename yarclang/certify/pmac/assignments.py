@@ -19,7 +19,7 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
     and P8101, P8102 and a timer, in lines of a program buffer that are fixed to the last character.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         robot: the robot; the variables in which it reports its positions are not outputs.
         outputs: variables of the program's outputs; None if the program is unknown, to allow any variable
             that an output may have.

@@ -43,7 +43,7 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
     the sum of both times.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         robot: defines the hold time, and the number of words of a line in the buffer.
     """
     marks = own_of(text).marks

@@ -129,7 +129,7 @@ def lay_out(
     """Assign every segment to its command.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         program: the program; the map in the text's header must list exactly its steps.
         start: (n,) joint positions at the start of the text [rad or m].
         axis_units: (n,) axis unit of each joint in SI units.

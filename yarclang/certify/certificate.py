@@ -20,7 +20,7 @@ Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_veloci
 
 @frozen
 class Load:
-    """The most used joint or motor, and its share of its limit (1.0 is at the limit).
+    """The joint or motor that comes nearest to its limit, and its share of this limit (1.0 is at the limit).
 
     For positions the share is |q - middle| / (half of the range).
 
@@ -33,7 +33,7 @@ class Load:
     share: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return the name and the share."""
+        """Return the name and the share for JSON."""
         return {"name": self.name, "share": _number(self.share)}
 
 
@@ -44,9 +44,9 @@ QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jer
 
 @frozen(eq=False)
 class Peaks:
-    """The largest loads of N commands.
+    """The largest loads of N commands: by command and quantity, the joint or motor nearest to its limit.
 
-    The loads are in flat arrays, which are small, since a long text has many commands. Entry
+    The loads are in flat arrays, which need little memory, since a long text has many commands. Entry
     `row` * len(QUANTITIES) + k of `joints` and `shares` belongs to command `row` and quantity k.
 
     Attributes:
@@ -62,7 +62,7 @@ class Peaks:
 
 @frozen(eq=False)
 class Loads:
-    """The loads of one command.
+    """The loads of one command, as a row of the loads of many commands.
 
     Attributes:
         peaks: the loads of many commands; None if all loads are zero.
@@ -112,10 +112,10 @@ _NUMBERS = {quantity: number for number, quantity in enumerate(QUANTITIES)}
 class Deviation:
     """Upper bounds of the distance between the executed path and the programmed one.
 
-    For lines, arcs and splines of poses, this is the distance of the moving frame. For joint motions, it is
-    the larger of two distances: that of a joint from its programmed position, and that of the moving frame
-    from a pose that is programmed as a goal. Next to blends, only the part of the path outside of the blends
-    counts. A bound is infinite if nothing could be proved.
+    For lines, arcs and splines of poses, this is the distance of the moving frame from its programmed path.
+    For joint motions, it is the larger of two distances: that of a joint from its programmed position, and
+    that of the moving frame from a pose that is programmed as a goal. Next to blends, only the part of the
+    path outside of the blends counts. A bound is infinite if nothing could be proved.
 
     Attributes:
         position: distance [m].
@@ -134,7 +134,7 @@ class Deviation:
     remainder_angle: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm and deg."""
+        """Return the bounds for JSON, in mm and deg."""
         return {
             "position_mm": _number(most(self.position, MM)),
             "angle_deg": _number(most(self.angle, DEG)),
@@ -149,7 +149,7 @@ class Deviation:
 class Blended:
     """Proved bounds of a blend, in which one motion flows into the next.
 
-    The bounds also cover the parts of both paths that are not followed.
+    The bounds also cover the parts of both programmed paths that the blend cuts off.
 
     Attributes:
         segments: number of segments of the blend, half of them the first motion's.
@@ -169,7 +169,7 @@ class Blended:
     angle: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm and deg."""
+        """Return the bounds for JSON, in mm and deg."""
         return {
             "segments": self.segments,
             "radius_mm": _number(self.radius / MM),
@@ -191,8 +191,8 @@ class ToolSpeed:
         turns: True if the path only turns the frame.
         largest: largest speed during the whole command.
         programmed: the programmed speed; NaN without one.
-        least: least speed while the programmed speed is held.
-        most: largest speed while the programmed speed is held.
+        least: least speed during this time.
+        most: largest speed during this time.
         beyond: largest ratio of the speed to the allowed speed.
     """
 
@@ -204,7 +204,7 @@ class ToolSpeed:
     beyond: float
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm/s or deg/s."""
+        """Return the bounds for JSON, in mm/s or deg/s."""
         unit, name = (DEG, "deg_s") if self.turns else (MM, "mm_s")
         values = {"largest": most(self.largest, unit)}
         if not math.isnan(self.programmed):
@@ -230,7 +230,7 @@ class Clearance:
     at: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm."""
+        """Return the distance and the names of the bodies for JSON, in mm."""
         return {
             "at_least_mm": _number(least(self.distance, MM)),
             "bodies": [self.first, self.second] if self.first else None,
@@ -240,12 +240,12 @@ class Clearance:
 
 @frozen
 class MayTouch:
-    """Two bodies that are allowed to touch during a command, so that their distance isn't checked.
+    """Two bodies that are allowed to touch during a command, so that the distance between them isn't checked.
 
     Attributes:
         first: name of one body, in upper case.
         second: name of the other body, after `first` in alphabetical order.
-        giver: the line that allows it, in words.
+        giver: the line of program or cell that allows it, in words.
         needed: True if the bodies come closer to each other than their margin, or touch.
     """
 
@@ -260,20 +260,20 @@ class MayTouch:
         return f"{self.first} and {self.second}"
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data."""
+        """Return the names of the bodies and the allowance for JSON."""
         return {"bodies": [self.first, self.second], "allowed_by": self.giver, "needed": self.needed}
 
 
 @frozen
 class KeptRule:
-    """A rule of KEEP to which a command keeps.
+    """A rule of KEEP that a command respects, such as an upright cup, with the proved bounds.
 
     Attributes:
         rule: the rule in words: {CUP} UPRIGHT 10 (deg) {B}.
-        limit: largest angle [rad]; ABOVE: least distance [m].
+        limit: largest allowed angle [rad]; for ABOVE the least allowed distance [m].
         largest: upper bound of the angle [rad]; None for ABOVE, whose distance is that of a zone's border.
-        nearest: FACING and SEEN: lower bound of the distance [m]; otherwise None.
-        farthest: FACING and SEEN: upper bound of the distance [m]; otherwise None.
+        nearest: for FACING and SEEN, lower bound of the distance [m]; otherwise None.
+        farthest: for FACING and SEEN, upper bound of the distance [m]; otherwise None.
     """
 
     rule: str
@@ -283,7 +283,7 @@ class KeptRule:
     farthest: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the angle in deg and distances in mm."""
+        """Return the rule and its bounds for JSON, with the angle in deg and distances in mm."""
         told: dict[str, Any] = {"rule": self.rule}
         if self.largest is not None:
             told["largest_deg"] = _number(most(self.largest, DEG))
@@ -295,7 +295,7 @@ class KeptRule:
 
 @frozen
 class ZoneSpeed:
-    """Proved upper bound of the speed of a body in a slow zone, or of a motion with a speed limit of its own.
+    """Proved upper bound of the speed of a body in a slow zone, or in a motion with its own speed limit.
 
     Attributes:
         largest: upper bound of the speed [m/s].
@@ -317,7 +317,7 @@ class ZoneSpeed:
         return self.largest / self.limit
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data in mm/s."""
+        """Return the bound and the limit for JSON, in mm/s."""
         return {
             "largest_mm_s": _number(most(self.largest, MM)),
             "limit_mm_s": _number(self.limit / MM),
@@ -332,17 +332,18 @@ class CommandCertificate:
 
     Attributes:
         step: index of the step in the program.
-        index: the command's label.
+        index: the command's label, such as P0010.
         name: the command's name.
         kind: kind of motion.
         source_line: line in the source.
-        lines: first and last move line in the controller's text; None without moves.
+        lines: first and last move line in the controller text; None without moves.
         segments: number of segments.
         segment_time: duration of each segment [s].
         duration: duration of the motion [s].
         programmed_duration: programmed duration [s]; None for the shortest that the limits allow.
-        loads: the loads of joints and motors. The load `hold` is that of a hold at the worst moment, |a| +
-            |v| / hold time, relative to the acceleration of an emergency stop. It is stated, not judged.
+        loads: the loads of joints and motors. The load `hold` is that of braking on the path at the worst
+            moment, |a| + |v| / hold time, relative to the acceleration of an emergency stop. It is stated,
+            not judged.
         deviation: distance from the programmed path.
         tool_speed: speed of the moving frame; Cartesian motions only.
         blended: the blend after the command.
@@ -352,11 +353,12 @@ class CommandCertificate:
         own_clearance: distance of the bodies of the robot and its load from each other.
         zone_clearance: distance of the watched bodies from borders that they must not cross. Its two names
             are those of the watched body and of the zone.
-        zone_speed: speed in the slow zone in which it is nearest to its limit.
-        torque: most used effort of a joint; None if the robot's masses or efforts are unknown.
-        carries: parts that grippers hold during the motion.
-        may_touch: bodies that are allowed to touch, so that their distance isn't checked.
-        kept: rules of KEEP to which the command keeps.
+        zone_speed: speed in that slow zone in which the command comes nearest to the speed limit.
+        torque: the joint that comes nearest to its effort limit; None if the robot's masses or effort limits
+            are unknown.
+        carries: parts that grippers carry during the motion.
+        may_touch: bodies that are allowed to touch, so that the distance between them isn't checked.
+        kept: rules of KEEP that the command respects.
         module: module that contains `source_line`; empty for the program itself.
         tolerance: the command's own tolerance; None if the general one applies.
     """
@@ -418,7 +420,7 @@ class CommandCertificate:
         return self.loads.of("hold")
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the unit in each name."""
+        """Return the properties for JSON, with the unit in each name."""
         return {
             "step": self.step,
             "index": self.index,
@@ -461,9 +463,9 @@ class Certificate:
     error of the servo loop, or the controller's own rounding.
 
     Attributes:
-        target: name of the target.
+        target: name of the target controller.
         commands: the certificates of all motion commands.
-        tolerance: the general tolerance.
+        tolerance: the general tolerance, for commands without their own.
         text: the judged text, with the very lines that a runtime sends.
     """
 
@@ -474,7 +476,7 @@ class Certificate:
 
     @property
     def duration(self) -> float:
-        """Duration of all motions and dwells along the longest branches [s], without waits."""
+        """Duration of all motions and dwells [s], along the branches that take longest, without waits."""
         return self.lasting.most
 
     @property
@@ -501,11 +503,11 @@ class Certificate:
         return max(loads, key=lambda one: one.share_of(kind)).of(kind) if loads else IDLE
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data, with the unit in each name."""
+        """Return the whole certificate for JSON, with the unit in each name."""
         return {**self.whole_to_json(), "commands": [command.to_json() for command in self.commands]}
 
     def whole_to_json(self) -> dict[str, Any]:
-        """Return plain data about the whole program, without its commands."""
+        """Return the properties of the whole program for JSON, without those of single commands."""
         kinds: tuple[Quantity, ...] = (
             "position",
             "velocity",
@@ -576,5 +578,5 @@ def bound_text(value: float, unit: float) -> str:
 
 
 def _number(value: float) -> float | None:
-    """Return a number, or None for infinity: JSON has no infinity, and null means that nothing was proved."""
+    """Return a number for JSON; None stands for infinity, where nothing was proved."""
     return value if math.isfinite(value) else None

@@ -52,8 +52,8 @@ def certify(
         tolerance: largest allowed deviation of the executed path from the programmed one.
         claims: values from the planner that help the proofs.
         memory: cache of parsed move lines and of proofs, keyed by the numbers in the text and in the program.
-        any_line: True if the map may place commands in other lines of the source, because comments may have
-            moved them.
+        any_line: True to accept other source lines in the text's map than those of the program, because
+            edited comments may have moved the commands.
 
     Returns:
         The certificate, also if violations are proved (they are errors among the findings). None if the text
@@ -118,7 +118,7 @@ def _certified(
 ) -> Result[Certificate]:
     """Return the certificate and all findings.
 
-    The values in the header are compared with the certificate only if there is no error so far.
+    The values in the text's header are compared with the certificate only if there is no error so far.
     """
     if not has_errors(judge.findings):
         judge.claims(content, start)
@@ -158,7 +158,7 @@ def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
 def _row(
     judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones, memory: Memory
 ) -> CommandCertificate:
-    """Build one command's row of the certificate. Cached by the command's label, position and proofs."""
+    """Build one command's row of the certificate, cached by the command's label, position and proofs."""
 
     def make() -> CommandCertificate:
         return judge.command(
@@ -189,7 +189,7 @@ def certify_text(
 
     This covers limits at every instant, rests, segment times and the guard. It also covers assignments: only
     outputs are assigned, each at rest or in the middle of a blend. It covers the goal of each RAPID;
-    distances between links, tools and the cell's obstacles; zones and torques. A note lists what is not
+    distances between the robot, tools and the cell's obstacles; zones and torques. A note lists what is not
     judged.
 
     Args:

@@ -1,6 +1,7 @@
-"""Claims of the planner about a text.
+"""What the planner claims about a controller text, to help the judge's proofs.
 
-Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass.
+Each claim is checked: a wrong claim can make a proof fail, but it can't make a wrong text pass. The exception
+is `any_jerk`: the certificate reports that the jerk of these motions wasn't judged.
 """
 
 from __future__ import annotations
@@ -20,17 +21,17 @@ class Claims:
         witnesses: chosen joint positions [rad or m], checked against the way-points by forward kinematics.
             For a SplineMove (k, n), one row for each of its k way-points. For an AvoidMove (k, n), the
             way-points found, with the goal in the last row. For some motions that flow into the next one
-            (1, n), the joints at their end: a JointMove to a pose, and a Cartesian motion before a motion in
-            joint space.
-        laws: for SplineMoves and PoseSplineMoves, (segments + 3,) control values of the share of the path
-            over time, from which the deviation is measured. In a chain, the segments reach half a blend
-            beyond the motion's own segments on either side.
+            (1, n), the joint positions at their end: a JointMove to a pose, and a Cartesian motion before a
+            motion in joint space.
+        laws: for SplineMoves and PoseSplineMoves, the path parameter over time, from which the deviation is
+            measured: (segments + 3,) control values of the share of the path. In a chain, the segments reach
+            half a blend beyond the motion's own segments on either side.
         kept: ratio of the reached speed to the programmed one, if less than 1. The judge checks the text
             against this ratio and reports it (Y0610).
-        least: in a chain, the lowest ratio of the speed to the programmed one, after that has been reached.
+        least: in a chain, the lowest ratio of the speed to the programmed one, once that has been reached.
             The judge checks that the speed stays between this ratio and 1, and reports the ratio as well.
-        any_jerk: steps whose law has no limit of the jerk. The profile that the program names must allow
-            this; the certificate lists their jerk as not judged.
+        any_jerk: steps whose motion profile has no jerk limit. The judge checks that the text's map lifts the
+            jerk limit of no other motion; the certificate lists the jerk of these motions as not judged.
     """
 
     witnesses: Mapping[int, Array] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Comparison of a text's actions between its motions with those of the program.
+"""Comparison of the actions between a controller text's motions with those of its program.
 
 The dwells, outputs, waits and branches of a text must be those of the program, in the same order, and at
 rest. The only exception from rest is an output after a motion that flows into the next one: it is set in the
@@ -43,7 +43,7 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
     """Yield the first difference between the actions of the text and those of the program.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         program: the program.
     """
     meant = {output.signal.variable: output.safe for output in program.outputs if output.safe is not None}
@@ -86,7 +86,7 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 
 
 def _watched(watches: tuple[Watch, ...]) -> str:
-    """Return in words the inputs that hold a motion, and the branches that they start."""
+    """Return in words the inputs that stop a motion, with their values and the branches they start."""
     told = (
         (
             f"{one.name} ({one.variable}) for "
@@ -98,14 +98,14 @@ def _watched(watches: tuple[Watch, ...]) -> str:
 
 
 def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
-    """Check the actions of a text without its program.
+    """Check the actions of a controller text as far as possible without its program.
 
-    Outputs and barriers must be at rest or in the middle of a blend. A slow RAPID must lead to the current
-    position.
+    Outputs and barriers (waits, branches and ends of loops) must be at rest or in the middle of a blend. A
+    slow RAPID must lead to the current position.
 
     Args:
-        text: the text that was read.
-        start: (n,) start of the text [deg or mm].
+        text: the controller text, as the judge has read it.
+        start: (n,) joint positions at the start of the text [deg or mm].
         slack: (n,) largest distance between the printed ends of two branches that meet [deg or mm].
     """
     yield from _not_at_rest(text)
@@ -118,9 +118,9 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
 
 
 def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
-    """Check that a motion that an input ends is the only motion between two barriers.
+    """Check that a motion that an input ends (UNTIL) is the only motion between two barriers.
 
-    The input ends all lines that are streamed together.
+    The runtime streams all lines between two barriers together, and the input ends all of them.
     """
     ends = {entry.step: (entry.first or 0, entry.last or 0) for entry in text.entries}
     legs = [leg for leg in _legs(text) if leg]
@@ -134,7 +134,7 @@ def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
 
 
 def _legs(text: ControllerText) -> Iterator[list[int]]:
-    """Yield, for each leg between two barriers, the numbers of the lines that move or set something."""
+    """Yield the numbers of the lines that move or set something, for each part between two barriers."""
     leg: list[int] = []
     for item in (*text.course, None):
         if item is None or isinstance(item, Barred):
@@ -147,9 +147,9 @@ def _legs(text: ControllerText) -> Iterator[list[int]]:
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:
-    """Yield the program's actions in order, with their steps.
+    """Yield the program's actions in order, each with its step.
 
-    Motions of length zero have no lines in the text.
+    Motions of length zero are left out, since they have no lines in the text.
     """
     for number, step in enumerate(program.steps):
         if number in moving:
@@ -241,9 +241,9 @@ def _printable(text: str) -> str:
 
 
 def _behind(run: Run, put: Put, entry: Entry) -> int:
-    """Return the number of segments from a command's end to an output; negative if the output comes first.
+    """Return how many segments after a command's end an output is set; negative if it is set before the end.
 
-    A move line begins the segment that has the line's number in the sequence.
+    An output is set when the next move line's segment begins.
     """
     return int(
         np.searchsorted(run.lines, put.line) - np.searchsorted(run.lines, entry.last or 0, side="right")
@@ -251,8 +251,7 @@ def _behind(run: Run, put: Put, entry: Entry) -> int:
 
 
 def _belongs_after(run: Run, put: Put, entry: Entry, following: Entry | None) -> bool:
-    """Return True if an output is set at the end of a command, and not nearer to the end of the following
-    one.
+    """Return True if an output is set at the end of a command, and not nearer to the next command's end.
 
     The following command may be as short as one segment.
     """
@@ -301,8 +300,8 @@ def _same(found: Deed, deed: Deed) -> bool:
 def _same_number(found: float, meant: float, *, is_time: bool) -> bool:
     """Return True if the text has the program's number.
 
-    A time must agree to the printed precision, and a value to its last decimal: a running program compares
-    the value of a WAIT exactly, so any other value would be another condition.
+    A time must agree to the printed precision, and a value to its last decimal: the runtime compares the
+    value of a WAIT exactly, so any other value would be another condition.
     """
     if is_time:
         return abs(found - meant) <= _SAME_TIME * max(1.0, abs(meant))
@@ -338,7 +337,7 @@ def _out_of_order(text: ControllerText) -> Iterator[Fault]:
 
 
 def _decided_unread(text: ControllerText) -> Iterator[Fault]:
-    """Report decisions by inputs that were not read before.
+    """Report decisions that use inputs as they were read before, but that no earlier decision has read.
 
     Such a decision belongs at the start of the second branch of the decision that reads these inputs.
     """
@@ -360,10 +359,10 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
 
 
 def _after_an_end(text: ControllerText) -> Iterator[Fault]:
-    """Report actions in a branch after the program, or a pass of a loop, has ended in this branch.
+    """Report actions in a branch that come after the end of the program, or of a pass of a loop.
 
-    Such actions would never be streamed. The last barrier of a branch determines whether the branch ends
-    there.
+    Such actions would never be streamed. Whether a branch ends the program or the pass follows from its last
+    barrier.
     """
     ended: Barred | None = None
     for item in text.course:
@@ -378,10 +377,10 @@ def _after_an_end(text: ControllerText) -> Iterator[Fault]:
 
 
 def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
-    """Report positions that do not fit together.
+    """Report places in a text at which joint positions don't match.
 
-    A slow RAPID must lead to the current position; the branches of a WHEN and the exits of a loop must meet;
-    a pass of a loop must end where the first pass begins.
+    A slow RAPID must lead to the current position; the branches of a WHEN and the exits of a loop must end at
+    the same position; a pass of a loop must end where the first pass begins.
     """
     standing = Standing(start)
     for item in text.course:

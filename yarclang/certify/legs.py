@@ -1,8 +1,9 @@
-"""Compare the program that was planned with the one that was asked for.
+"""Comparison of the program that was planned with the program that was asked for.
 
-The planner replaces a line around obstacles (`LineMove.avoids`) by straight legs, and the text is held to
-these. Where the legs lead in between is free: each is proved like any other line. Where they end, and how
-they are made, isn't.
+The planner replaces a line around obstacles (`LineMove.avoids`) by several straight lines, its legs, and the
+judge compares the controller text with these. The planner is free to choose the corners between the legs:
+each leg is proved like any other line. It is not free in where the legs end, in their options and in their
+total duration, which are checked here.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ _EXACT = 1e-9
 
 
 def strayed(asked: Program, planned: Program) -> Diagnostic | None:
-    """Return the finding that a planned program isn't the one that was asked for; None if it is.
+    """Return a finding if a planned program isn't the one that was asked for, else None.
 
     Args:
         asked: the program as it was checked.
-        planned: the program with the legs of lines around obstacles, to which the text is held.
+        planned: the program in which lines around obstacles are replaced by their straight legs.
     """
     if planned is asked:
         return None
@@ -57,7 +58,7 @@ def strayed(asked: Program, planned: Program) -> Diagnostic | None:
 
 
 def _fault(step: LineMove, legs: Sequence[Step]) -> str:
-    """Return what is wrong with the legs of a line; empty if nothing is."""
+    """Return in words what is wrong with the legs that replace a line; empty if nothing is."""
     last = legs[-1] if legs else None
     if not isinstance(last, LineMove) or last.goal is not step.goal:
         return "its legs don't lead to its goal"
@@ -84,7 +85,7 @@ def _fault(step: LineMove, legs: Sequence[Step]) -> str:
 
 
 def _is_pose(goal: object, asked: object) -> bool:
-    """Return True if a goal is a rigid pose of the frame that is asked to move, and claims no more."""
+    """Return True if a goal is a rigid pose of the moving frame of `asked`, without any other property."""
     if not isinstance(goal, PoseGoal) or not isinstance(asked, PoseGoal):
         return False
     if goal.near is not None or goal.told is not None or goal.shifted:

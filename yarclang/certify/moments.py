@@ -1,4 +1,4 @@
-"""Texts in findings for the time of an event in a motion, and for the robot's position at that time."""
+"""Words in findings for the time of an event in a motion, and for the robot's position at that time."""
 
 from __future__ import annotations
 

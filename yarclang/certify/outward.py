@@ -1,4 +1,4 @@
-"""Bounds in other units and with few digits, rounded outwards.
+"""Proved bounds in other units and with few digits, rounded outwards.
 
 A printed bound is never sharper than the proved one.
 """
@@ -11,7 +11,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from yarclang.units import MM
 
 _WIDE = 40
-"""Digits of intermediate values: more than the product of a double with 100 and its rounding need."""
+"""Digits of intermediate decimal values, more than a double times 100 and its rounding need."""
 _DIGITS_OVER = 6
 """Digits of a share slightly above 1."""
 _SLIGHTLY = 1.01
@@ -43,9 +43,9 @@ def _moved(value: float, unit: float, towards: float) -> float:
 
 
 def _product_error(one: float, small: float, product: float) -> float:
-    """Return one * small - product exactly; `small` is an integer of at most 26 bits.
+    """Return the rounding error one * small - product exactly; `small` is an integer of at most 26 bits.
 
-    Veltkamp's splitting of `one` (the constant is 2^27 + 1), then Dekker's product.
+    The method is Veltkamp's splitting of `one` (the constant is 2^27 + 1), then Dekker's product.
     """
     split = 134217729.0 * one
     high = split - (split - one)
@@ -89,7 +89,7 @@ def _digits(value: float, digits: int, rounding: str) -> str:
 
 
 def percent(share: float, decimals: int = 0) -> str:
-    """Return a share of a limit in percent, rounded up, without the sign.
+    """Return a share of a limit in percent, rounded up, without the percent sign.
 
     A share slightly above the limit gets more digits, such as 100.001.
     """

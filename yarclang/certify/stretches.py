@@ -1,8 +1,8 @@
-"""Division of a text into stretches from rest to rest, whose proofs are independent and can be cached.
+"""Division of a controller text into stretches from rest to rest, which are proved and cached one by one.
 
-The proof of a stretch depends on its own numbers and commands only, not on its place in the text. Within a
+The proof of a stretch depends on its own numbers and commands only, not on where in the text it is. Within a
 long stretch, the proof of a motion depends only on a few motions around it, so a long stretch is cut into
-windows.
+windows of consecutive motions.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from yarclang.robot.model import Array
 
 @frozen(eq=False)
 class Proved:
-    """Everything proved about one motion by itself.
+    """Everything that is proved about one motion.
 
     Attributes:
-        loads: loads of joints and motors.
+        loads: loads of joints and motors (shares of their limits).
         deviation: distance from the programmed path.
         speed: speed of the moving frame; None for motions in joint space.
         blended: the blend after the motion, if any.
         apart: distances between bodies.
-        torque: largest load of a motor's effort; None if unknown.
+        torque: the joint that comes nearest to its effort limit; None if the limits are unknown.
     """
 
     loads: Loads
@@ -49,11 +49,11 @@ class Proved:
 
 
 WINDOW = 128
-"""Rows proved together: enough to make whole-array work efficient."""
+"""Number of motions proved together: enough to make whole-array work efficient."""
 AROUND = 3
-"""Rows on either side of a window that take part in its proofs.
+"""Number of motions on either side of a window that take part in its proofs.
 
-Three rows are needed: a motion is cut where it meets its neighbour, the neighbour is cut where it meets the
+Three are needed: a motion is cut where it meets its neighbour, the neighbour is cut where it meets the
 next motion, and that motion begins where the motion before it ends.
 """
 
@@ -62,9 +62,9 @@ Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
 
 @frozen
 class _Window:
-    """Rows that are proved together.
+    """Motions that are proved together, as rows of the layout.
 
-    `own` are the window's rows; `around` adds the neighbours that affect them.
+    `own` are the window's motions; `around` adds the neighbours that affect them.
     """
 
     own: range
@@ -74,17 +74,17 @@ class _Window:
 def recalled(
     memory: Memory, judge: Judge, layout: Layout, claims: Claims, prove: Prove
 ) -> Mapping[int, Proved]:
-    """Return the proofs of all steps, from the cache or new.
+    """Return the proofs of all steps, from the cache or newly computed.
 
     Long texts are proved window by window on all cores. Only proofs without findings are cached. If there is
-    any finding, the whole text is proved again at once, since findings of one kind are counted together.
+    any finding, the whole text is proved again in one piece, since findings of one kind are counted together.
 
     Args:
         memory: cache of proofs.
         judge: collects the findings of `prove`.
         layout: the whole text.
         claims: the planner's claims.
-        prove: proves the motions of a layout and returns the proofs by step.
+        prove: function that proves the motions of a layout and returns the proofs by step.
     """
     forgets = isinstance(memory, Forgetful)
     if forgets and len(layout.places) < 2 * WINDOW:
@@ -130,7 +130,7 @@ def _by_step(layout: Layout, window: _Window, proved: Sequence[Proved]) -> dict[
 def _proved(
     judge: Judge, layout: Layout, windows: Sequence[_Window], prove: Prove
 ) -> list[tuple[Proved, ...]] | None:
-    """Prove windows of a layout; return None if there is any finding."""
+    """Prove the motions of some windows; return None if there is any finding."""
     steps = [[layout.places[row].step for row in window.own] for window in windows]
     apart = judge.of_part({step for own in steps for step in own})
     with within():
@@ -143,7 +143,8 @@ def _proved(
 def _batches(missing: Sequence[tuple[Hashable, _Window]]) -> Iterator[list[tuple[Hashable, _Window]]]:
     """Yield batches of windows that are proved together.
 
-    Short windows share a batch, up to `WINDOW` rows, so that a batch needs about the same time in any text.
+    Short windows share a batch, up to `WINDOW` motions, so that a batch needs about the same time in any
+    text.
     """
     batch: list[tuple[Hashable, _Window]] = []
     rows = 0
@@ -168,10 +169,10 @@ def _windows(layout: Layout) -> Iterator[_Window]:
 
 
 def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
-    """Return the row after the window that begins at row `begin`; None without a suitable place.
+    """Return the row after the window that begins at row `begin`; None if the window can end nowhere.
 
-    The window has between `WINDOW` and 2 `WINDOW` rows. A hash of the goal of a nearby motion chooses one of
-    the possible places, so that an edit elsewhere in the text does not move the cuts.
+    The window has between `WINDOW` and 2 `WINDOW` motions. A hash of the goal of a nearby motion chooses one
+    of the possible ends, so that an edit elsewhere in the text does not move the cuts between windows.
     """
     best, found = -1, None
     for row in range(begin + WINDOW, min(begin + 2 * WINDOW, stop - WINDOW + 1)):
@@ -187,7 +188,7 @@ def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
 
 
 def _end_by_itself(motion: hir.Motion) -> Array | None:
-    """Return a motion's programmed end if it doesn't depend on the motion's start, else None."""
+    """Return a motion's programmed end, or None if the end depends on where the motion starts."""
     match motion:
         case hir.JointMove(goal=hir.JointGoal(q=q)):
             return q
@@ -201,7 +202,10 @@ def _end_by_itself(motion: hir.Motion) -> Array | None:
 
 
 def _stretches(places: Sequence[Place]) -> Iterator[range]:
-    """Yield the rows of each stretch. A stretch begins with a motion that has moves and begins at rest."""
+    """Yield the rows of each stretch from rest to rest.
+
+    A stretch begins with a motion that has moves and begins at rest.
+    """
     begin = 0
     for row, place in enumerate(places):
         if row > begin and place.size and place.before is None:
@@ -223,7 +227,7 @@ def _control(layout: Layout, segments: slice) -> slice:
 
 
 class _Said:
-    """The numbers of a layout as bytes, from which the keys of windows are cut."""
+    """The numbers of a layout as bytes, from which the cache keys of windows are cut."""
 
     def __init__(self, layout: Layout, claims: Claims) -> None:
         self._layout, self._claims = layout, claims
@@ -235,7 +239,7 @@ class _Said:
         self._begins, self._ends = layout.begins.tobytes(), layout.ends.tobytes()
 
     def key(self, rows: range) -> bytes:
-        """Return all values on which the proofs of some rows depend."""
+        """Return the cache key of some rows: all values on which their proofs depend."""
         places, row = self._layout.places[rows.start : rows.stop], self._row
         segments, first, last = _segments(self._layout, rows), rows.start * row, rows.stop * row
         points = _control(self._layout, segments)
@@ -271,7 +275,7 @@ _NUMBER = 8
 
 
 def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
-    """Return a layout of several windows, one directly after the other."""
+    """Return a layout that consists of several windows, one directly after the other."""
     control: list[Array] = [layout.control[:0]]
     at, time, places = [layout.at[:0]], [layout.time[:0]], list[Place]()
     points, segments = 0, 0

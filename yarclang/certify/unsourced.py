@@ -1,5 +1,5 @@
-"""Judgement of a controller text without its program: the program that its map reveals, and a note of the
-rest.
+"""Judgement of a controller text without its program: what the text's map says about the program, and a note
+about what cannot be judged.
 """
 
 from __future__ import annotations
@@ -22,10 +22,12 @@ _MOST = 4
 def told_program(
     content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> hir.Program:
-    """Return the program that the map reveals: its commands, its branches, and the moving commands.
+    """Return what the map of a controller text says about its program.
+
+    This covers the commands, the branches, and which commands move.
 
     Args:
-        content: the text that was read.
+        content: the controller text, as the judge has read it.
         robot: the robot that the text is for.
         source: the file that findings refer to.
         cell: the robot's surroundings.
@@ -85,10 +87,10 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
 def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> Diagnostic:
     """Return a note that lists what cannot be judged without the program.
 
-    It is a warning if the list contains a condition, a register or an output.
+    The note is a warning if the list contains a condition, a register or an output.
 
     Args:
-        content: the text that was read.
+        content: the controller text, as the judge has read it.
         source: the file that the note refers to.
         cell: the robot's surroundings, if known.
     """

@@ -1,4 +1,4 @@
-"""Checks of a whole text (start, times, rests, limits, speeds), and the rows of the certificate."""
+"""Checks of a whole controller text (start, times, rests, limits, speeds), and certificate rows."""
 
 from __future__ import annotations
 
@@ -56,14 +56,14 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
 
 @frozen
 class Judge:
-    """The context of one judgement, and its findings so far.
+    """The judgement of one controller text: its program, its robot, and the findings so far.
 
     Attributes:
         program: the program that the text was compiled from.
         robot: geometry, limits, actuation and controller.
-        tolerance: the general tolerance.
+        tolerance: the general tolerance, for motions without their own.
         findings: the findings so far.
-        lines: for a text judged without its source, the line shown in findings about each step.
+        lines: for a text judged without its source, the line of the text shown in findings about each step.
         only: the steps about which findings are kept; None: all.
     """
 
@@ -76,7 +76,7 @@ class Judge:
     only: Set[int] | None = None
 
     def of_part(self, only: Set[int]) -> Judge:
-        """Return a judge of a part of the text, which keeps findings about some steps only."""
+        """Return a judge of a part of the text, which keeps only findings about the steps `only`."""
         return Judge(self.program, self.robot, self.tolerance, [], self.lines, self._handled, only)
 
     @property
@@ -108,16 +108,17 @@ class Judge:
     def breaks_limits(self) -> bool:
         """True if a limit of joints or motors is broken.
 
-        Bodies are then not examined: this can take long for such a motion, and would add no information.
+        Distances, zones and torques are then not examined: this can take long for such a motion, and would
+        add no information.
         """
         return any(CATALOGUE[one.code].sort == "limits" for one in self.findings)
 
     # Checks of the start, the times and the rests.
 
     def start(self, content: ControllerText) -> Array:
-        """Return the start of the text (n,) [rad or m].
+        """Return the joint positions at the text's start (n,) [rad or m]; report others than the program's.
 
-        It must be the program's start, to the printed decimals.
+        They must agree to the printed decimals.
         """
         robot = self.robot
         start = reader_of(robot.controller).start(content, robot)
@@ -162,7 +163,7 @@ class Judge:
             self.find("Y1194", reason, step)
 
     def claims(self, content: ControllerText, start: Array) -> None:
-        """Compare the start and the duration in the header, which people read, with those of the text."""
+        """Compare the start and the duration in the header, which people read, with the text itself."""
         header, units = content.header, self.robot.axis_units
         said = _numbers(header.start, self.robot.controller.axes)
         place = reader_of(self.robot.controller).start(content, self.robot)
@@ -196,11 +197,11 @@ class Judge:
     def rests(self, content: ControllerText, start: Array, outputs: Set[str] | None) -> None:
         """Check the actions between the motions as far as possible without the program.
 
-        This covers their places, the assignments, and the guard.
+        These checks are about where the actions are, what they assign, and the guard of the buffer.
 
         Args:
-            content: the text that was read.
-            start: (n,) start of the text [rad or m].
+            content: the controller text, as the judge has read it.
+            start: (n,) joint positions at the start of the text [rad or m].
             outputs: variables of the program's outputs; None if the program is unknown.
         """
         units = self.robot.axis_units
@@ -211,11 +212,11 @@ class Judge:
             self.find(fault.code, fault.reason, self._first if fault.at_start else None)
 
     def any_jerk(self, content: ControllerText, free: Set[int]) -> None:
-        """Check that the map lifts the limit of the jerk only for motions for which the program does.
+        """Check that the map marks only the given motions as motions without a jerk limit.
 
         Args:
-            content: the text that was read.
-            free: steps whose profile has no limit of the jerk.
+            content: the controller text, as the judge has read it.
+            free: steps whose profile has no jerk limit.
         """
         for entry in content.entries:
             if entry.any_jerk and entry.step not in free:
@@ -305,9 +306,9 @@ class Judge:
         return loads
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
-        """Return True if a jerk beyond its limit is in a part of the motion that has a jerk limit.
+        """Return True if a jerk beyond the limit is in a part of the motion that has a jerk limit.
 
-        A motion without a jerk limit has none anywhere, and its blends with neighbours have none either.
+        A motion without a jerk limit has no such part, and its blends with neighbours have none either.
         """
         if place.any_jerk:
             return False
@@ -321,7 +322,7 @@ class Judge:
         A speed must be held from when it is first reached to when it is last left.
 
         Args:
-            layout: the commands of the text.
+            layout: the commands of the controller text.
             speeds: proved speeds by step.
         """
         for place in layout.places:
@@ -426,7 +427,7 @@ def _title(origin: hir.Origin) -> str:
 
 
 def _beside_any_jerk(place: Place) -> tuple[int, int]:
-    """Return the numbers of segments at both ends in blends with motions without a jerk limit."""
+    """Return the numbers of segments at both ends of a motion in blends with motions without a jerk limit."""
     before, behind = place.beside_any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 

@@ -1,6 +1,6 @@
 """Proofs of blends, in which one motion flows into the next.
 
 `flows.py` finds the blends, `corner.py` the points where the programmed paths meet, `tangent.py` the times at
-which corners without a blend radius are passed. `ball.py` proves that the frame stays in the ball of a blend,
-and `blend.py` judges each blend by it.
+which the robot passes corners without a blend radius. `ball.py` bounds how far the moving frame gets from
+the corner in a blend, and `blend.py` judges each blend by these bounds.
 """

@@ -1,10 +1,11 @@
 """Proof that a blend stays inside a ball round the programmed corner.
 
-Two things are proved for each blend. First, the executed motion stays in the ball between the point at which
-it leaves the first path and the point at which it joins the second one. Second, the parts of both paths that
-it does not follow stay in the ball as well. The distance from the corner is |e| with e(t) = p(q(t)) - c. On
-a piece of duration d it is at most the largest Bezier point of e's Hermite cubic, plus d^4/384 M4 with a
-bound M4 of |e''''| (see `yarclang.certify.motion.bounds`). Joints have their extremes in closed form.
+Two things are proved for each blend. First, the executed motion stays in the ball from where it leaves the
+first path to where it joins the second one. Second, the parts of both paths that the executed motion does not
+follow stay in the ball as well. The distance from the corner is |e| with e(t) = p(q(t)) - c, where p is the
+position of the moving frame and c the corner. Segments are cut into pieces. On a piece of duration d, |e| is
+at most the largest Bezier point of e's Hermite cubic, plus d^4/384 M4 with a bound M4 of |e''''| (see
+`yarclang.certify.motion.bounds`). The extremes of the joints are known in closed form.
 
 The frame may turn in a blend. Its angle from the corner's orientation is at most the sum of two turns: that
 of the first motion from where its path is left to the corner, and that of the second motion from the corner
@@ -26,7 +27,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
-"""Number of pieces per segment: `_COARSE` first, `_FINE` if the first bound exceeds the ball."""
+"""Number of pieces per segment: `_COARSE` first, and `_FINE` if the first bound exceeds the ball."""
 _SAMPLES = 513
 """Number of points at which a path of the moving frame is sampled."""
 _STEPS = 16
@@ -35,13 +36,13 @@ _STEPS = 16
 
 @frozen(eq=False)
 class Balls:
-    """Balls round the corners of B moving frames.
+    """Balls round the corners of B blends, each with the moving frame that must stay in it.
 
     Attributes:
-        flange_from_moving: (B, 4, 4) frames on the flange.
-        corner: (B, 4, 4) poses of the frames in the corners.
-        radius: (B,) allowed distances [m].
-        angle: (B,) allowed turns [rad].
+        flange_from_moving: (B, 4, 4) moving frames, relative to the flange.
+        corner: (B, 4, 4) poses of the moving frames in the corners.
+        radius: (B,) allowed distances from the corners [m].
+        angle: (B,) allowed turns from the orientations in the corners [rad].
     """
 
     flange_from_moving: Array
@@ -53,11 +54,12 @@ class Balls:
 def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[Array, Array]:
     """Bound the distances (B,) [m] and turns (B,) [rad] of moving frames from their corners, at any instant.
 
-    Where a bound exceeds the ball, a sharper one is computed with finer pieces.
+    Where a bound exceeds the ball, a sharper one is computed from shorter pieces of the segments.
 
     Args:
         cubics: N segments.
-        owner: (N,) ball of each segment, in ascending order; every ball has at least one segment.
+        owner: (N,) index of the ball of each segment, in ascending order; every ball has at least one
+            segment.
         balls: the balls.
         robot: the arm.
     """
@@ -76,7 +78,9 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """Bound distances (N,) [m] and turns (N,) [rad] segment by segment, with `pieces` pieces per segment."""
+    """Bound the distances (N,) [m] and turns (N,) [rad] from the corners, with `pieces` pieces per
+    segment.
+    """
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
@@ -98,7 +102,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
 
 @frozen(eq=False)
 class Away:
-    """Bounds of a part of a programmed path near a corner.
+    """Distance and turn of a part of a programmed path from a corner.
 
     Attributes:
         position: upper bound of the distance from the corner [m].
@@ -113,17 +117,17 @@ class Away:
 def away_on_path(
     paths: FramePaths, own: int, part: tuple[float, float], corner: Array, moving_from_frame: Array
 ) -> Away:
-    """Bound the part of a path of the moving frame that the executed motion does not follow.
+    """Bound the distance from the corner of the part of a programmed Cartesian path that the blend cuts off.
 
-    The path is at most F2 step^2 / 8 from the polygon through some of its points, where F2 bounds its second
-    derivative.
+    The path is at most F2 step^2 / 8 from the polygon through its sampled points, where F2 bounds the path's
+    second derivative.
 
     Args:
         paths: programmed paths.
-        own: index of the path.
-        part: range of the path's parameter.
+        own: index of the path in `paths`.
+        part: range of the path's parameter in the part that is cut off.
         corner: (4, 4) pose of the blend's frame in the corner.
-        moving_from_frame: (4, 4) the blend's frame in the path's moving frame.
+        moving_from_frame: (4, 4) the blend's frame, relative to the path's moving frame.
     """
     offset = moving_from_frame[:3, 3]
     far = float(np.linalg.norm(offset))
@@ -148,8 +152,8 @@ def away_on_path(
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
-    """Return the part of a path in joint space between two shares `low` and `high` as cubics over its
-    parameter.
+    """Return the part of a path in joint space between the shares `low` and `high` of its parameter, as
+    cubics over this parameter.
     """
     end = spline.s[-1]
     # Include the way-points, where the third derivative jumps, so that each piece is one cubic.
@@ -162,15 +166,15 @@ def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
 
 
 def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, robot: Robot) -> Away:
-    """Bound the part of a path in joint space that the executed motion does not follow.
+    """Bound the distance from the corner of the part of a path in joint space that the blend cuts off.
 
     The frame turns by at most the sum of the turns of the revolute joints.
 
     Args:
         spline: the path.
-        end: 0 for the part at its start, 1 for the part at its end.
-        share: the other end of the part, as a share of the path.
-        ball: the ball, which has one frame.
+        end: 0 for the part at the path's start, 1 for the part at its end.
+        share: share of the path at which the part ends (`end` 0) or begins (`end` 1).
+        ball: the ball round the corner; `ball` contains only this one.
         robot: the arm.
     """
     cubics = cubics_of(spline, *((0.0, share) if end == 0 else (share, 1.0)))
@@ -183,13 +187,13 @@ def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, r
 
 
 def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
-    """Return the summed turns (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,)."""
+    """Return the summed angles (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,)."""
     turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
     return turned
 
 
 def radii(blend: hir.Reading, robot: Robot) -> Array:
-    """Return the allowed distance of each joint (n,) from the corner between two joint motions [rad or m]."""
+    """Return how far each joint (n,) may be from the corner of two joint motions [rad or m]."""
     length, angle = blend.length or 0.0, blend.angle or 0.0
     return np.where(robot.chain.is_prismatic, length, angle)
 

@@ -35,8 +35,9 @@ NOTHING = Away(0.0, 0.0)
 
 
 def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Blended]:
-    """Prove each blend and report those that leave their balls; results are keyed by the step before the
-    blend.
+    """Prove each blend, report the blends that leave their balls, and return the proved bounds.
+
+    The bounds are keyed by the step of the motion before the blend.
     """
     found: dict[int, Blended] = {}
     rounded: list[Corner] = []
@@ -81,7 +82,11 @@ def _blend_of(layout: Layout, corner: Corner) -> hir.Reading:
 
 
 def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> Blended:
-    """Judge a blend between two motions in joint space, where each joint must stay near its own corner."""
+    """Judge a blend between two motions in joint space.
+
+    Each joint must stay near its position in the corner, within the blend's angle (revolute) or radius
+    (prismatic).
+    """
     robot = judged.robot
     rows = _overlap(layout, corner)
     middle = proofs.starts.q[corner.second]
@@ -117,8 +122,7 @@ def _how(away: float, left: float, joined: float) -> str:
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
-    """Bound the distance (n,) of the joints from the corner on the part of a path that is not followed [rad
-    or m].
+    """Bound how far each joint (n,) is from the corner where the blend cuts the path off [rad or m].
 
     Args:
         proofs: the proofs so far.
@@ -135,14 +139,14 @@ def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
 
 @frozen(eq=False)
 class _Ball:
-    """The ball of a moving frame at a corner, with the parts of both paths that are not followed.
+    """The ball in which a moving frame must stay, with the parts of both paths that the blend cuts off.
 
     Attributes:
         corner: the corner.
-        flange_from_moving: (4, 4) frame on the flange.
-        pose: (4, 4) pose of the frame in the corner.
-        left: the end of the first path.
-        joined: the start of the second path.
+        flange_from_moving: (4, 4) moving frame, relative to the flange.
+        pose: (4, 4) pose of the moving frame in the corner.
+        left: bounds of the end of the first path, which the blend leaves.
+        joined: bounds of the start of the second path, before the blend joins it.
     """
 
     corner: Corner
@@ -155,7 +159,7 @@ class _Ball:
 def _of_frames(
     judged: Judged, layout: Layout, proofs: Proofs, corners: list[Corner]
 ) -> Iterator[tuple[int, Blended]]:
-    """Judge blends in which a moving frame stays near the corner.
+    """Judge blends in which a moving frame must stay near the corner.
 
     The frame is that of the first motion, or that of the second one if the first is in joint space.
     """
@@ -223,15 +227,15 @@ def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ba
 def _not_followed(
     judged: Judged, proofs: Proofs, row: int, end: int, frame: Array, pose: Array, radius: float
 ) -> Away:
-    """Bound the part of a path that is not followed, at its start (`end` 0) or end (1).
+    """Bound the distance from the corner of the part of a path that the blend cuts off.
 
     Args:
         judged: the context of the judgement.
         proofs: the proofs so far.
         row: the motion's row in the layout.
         end: 0 for the part at the path's start, 1 for the part at its end.
-        frame: (4, 4) the blend's frame on the flange.
-        pose: (4, 4) its pose in the corner.
+        frame: (4, 4) the blend's moving frame, relative to the flange.
+        pose: (4, 4) pose of this frame in the corner.
         radius: allowed distance [m].
     """
     share = float(proofs.covered[row, end])

@@ -1,4 +1,4 @@
-"""Start of each motion's programmed path.
+"""Start point of each motion's programmed path.
 
 A path starts at the current position, or at the programmed end of the motion that flows into it.
 """
@@ -26,9 +26,10 @@ SAME_JOINTS = 1e-9
 _ROUNDS = 20
 """Most iterations of Newton's method."""
 NEARLY_KEPT = 5e-4
-"""Loss of a programmed speed, as a share, up to which a claim of a lower speed is ignored.
+"""Largest loss of programmed speed, as a share of that speed, that counts as none.
 
-The motion must then reach the programmed speed.
+If the planner claims a speed that is lower by no more than this, the claim is ignored: the motion must reach
+the programmed speed.
 """
 
 
@@ -39,13 +40,13 @@ def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
 
 @frozen
 class Judged:
-    """Context in which paths are judged.
+    """What the judge needs to compare programmed paths with executed ones.
 
     Attributes:
         robot: the robot.
-        tolerance: the general tolerance.
+        tolerance: the general tolerance, for motions without their own.
         claims: the planner's claims.
-        find: reports a finding by its code, its message and the step concerned.
+        find: function that reports a finding, given its code, its message and the step concerned.
     """
 
     robot: Robot
@@ -62,7 +63,7 @@ class Judged:
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the share of the programmed speed below which a motion must not fall.
+        """Return the least share of the programmed speed that a motion must keep once it has reached it.
 
         This is `share_of`, or the planner's claim `least` if that is smaller.
         """
@@ -75,11 +76,11 @@ def _share(claimed: float) -> float:
 
 @frozen(eq=False)
 class Starts:
-    """Starts of the programmed paths of P motions.
+    """Start points of the programmed paths of P motions.
 
     Attributes:
         q: (P, n) joint positions [rad or m].
-        flange: (P, 4, 4) flange in {B}.
+        flange: (P, 4, 4) flange poses in {B}.
     """
 
     q: Array
@@ -88,9 +89,9 @@ class Starts:
 
 @frozen(eq=False)
 class _End:
-    """The programmed end of a motion: flange and joints.
+    """The programmed end of a motion: flange pose and joint positions.
 
-    The joints of a Cartesian motion are None until they are needed.
+    The joint positions of a Cartesian motion are None until they are needed.
     """
 
     flange: Array
@@ -98,12 +99,12 @@ class _End:
 
 
 def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
-    """Find the start of every motion's path.
+    """Find the start point of every motion's programmed path.
 
     Args:
         judged: the context of the judgement.
-        layout: the commands of the text.
-        flanges: (P, 4, 4) flange when the robot is at `layout.begins`.
+        layout: the commands of the controller text.
+        flanges: (P, 4, 4) flange poses at the joint positions `layout.begins`.
     """
     q, flange = layout.begins.copy(), flanges.copy()
     end: _End | None = None
@@ -131,8 +132,8 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
     Args:
         judged: the context of the judgement.
         place: the motion.
-        q: (n,) joint positions at its start [rad or m].
-        flange: (4, 4) flange at its start.
+        q: (n,) joint positions at the motion's start [rad or m].
+        flange: (4, 4) flange pose at the motion's start.
     """
     motion, chain = place.motion, judged.robot.chain
     match motion:
@@ -170,7 +171,10 @@ def _inverse(pose: bytes) -> Array:
 
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
-    """Return the joint positions (count, n) claimed by the planner; None without a well-formed claim."""
+    """Return the joint positions (count, n) that the planner claims for a motion.
+
+    None if there is no claim of this shape.
+    """
     claimed = judged.claims.witnesses.get(place.step)
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
         return None
@@ -178,7 +182,7 @@ def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
 
 
 def claimed_way(judged: Judged, place: Place) -> Array | None:
-    """Return the way-points (k, n) of a motion, as claimed by the planner; None without a well-formed claim.
+    """Return the way-points (k, n) that the planner claims for a motion; None without a well-formed claim.
 
     An AvoidMove has as many way-points as the planner claims, a SplineMove as many as are programmed.
     """
@@ -190,10 +194,10 @@ def claimed_way(judged: Judged, place: Place) -> Array | None:
 
 
 def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Array) -> Array:
-    """Return the joints (n,) at the end of a Cartesian motion.
+    """Return the joint positions (n,) at the end of a Cartesian motion.
 
-    These are the joints claimed by the planner, or those nearest to the middle of the blend if it claims
-    none.
+    These are the joint positions that the planner claims. Without a claim, they are the ones nearest to the
+    joint positions in the middle of the blend.
     """
     claimed = claimed_joints(judged, place, 1)
     if claimed is not None:
@@ -212,9 +216,9 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
 
 
 def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
-    """Return joints (n,) that bring the flange to a pose (4, 4), by Newton's method from q.
+    """Return joint positions (n,) that bring the flange to a pose (4, 4), by Newton's method from `q`.
 
-    The result need not be exact: a wrong corner makes the proof fail, and never makes it wrong.
+    The result need not be exact: with a wrong corner the proof fails, but it never accepts a wrong motion.
     """
     for _ in range(_ROUNDS):
         here, jacobian = poses_and_jacobians(robot.chain, q[None], np.eye(4))
@@ -230,10 +234,13 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
 
 
 def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
-    """Return the largest distances of claimed goals from programmed ones [m], [rad]; report those beyond
-    tolerance.
+    """Compare a motion's goals as the planner claims them with the programmed ones.
 
-    Both distances are infinite without a well-formed claim.
+    Differences beyond the tolerance are reported.
+
+    Returns:
+        The largest distance [m] and the largest angle [rad] between claimed and programmed goals; both
+        infinite without a well-formed claim.
     """
     motion = place.motion
     assert isinstance(motion, hir.JointMove | hir.AvoidMove | hir.SplineMove)

@@ -22,7 +22,7 @@ SHORTEST = 1e-6
 """Least time between two passed corners without a blend radius [s]."""
 
 _TOGETHER = 4096
-"""Number of corners computed in one step."""
+"""Number of corners whose passing times are computed in one step."""
 
 IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
 """Motions in joint space."""
@@ -30,7 +30,7 @@ IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
 
 @frozen
 class Corner:
-    """A place at which one motion flows into another.
+    """A corner at which one motion flows into another.
 
     Attributes:
         first: row of the first motion in the layout.
@@ -38,8 +38,8 @@ class Corner:
         segments: number of segments of the blend.
         rounded: True if the corner may be rounded within a ball. Otherwise both paths are followed up to the
             corner.
-        joints: True between two motions in joint space, where each joint has a ball of its own. Otherwise the
-            ball is that of the moving frame.
+        joints: True between two motions in joint space, where each joint has an allowed distance of its own.
+            Otherwise the moving frame must stay in a ball.
     """
 
     first: int
@@ -53,15 +53,20 @@ class Corner:
 class Flows:
     """Segments and corners of P motions.
 
-    A motion without a blend radius at a corner is cut at the time at which it passes the corner.
+    At a corner without a blend radius, both motions are cut: their common segment is divided at the instant
+    at which the robot passes the corner.
 
     Attributes:
         follow: (P, 2) range of the segments that follow the motion's path.
-        free: (P, 2) True if the path is joined after its start, and if it is left before its end.
+        free: (P, 2) True in the first column if a blend joins the path after its start, and in the second
+            column if a blend leaves it before its end.
         corners: the corners, in order.
-        whole: (P, 2) range of all segments to examine: those of the motion, or up to its cuts.
-        since: (P,) time of the first cut after the start of its segment [s]; NaN without a cut.
-        until: (P,) time of the last cut after the start of its segment [s]; NaN without a cut.
+        whole: (P, 2) range of all segments of the motion to examine, blends included, but nothing beyond
+            cuts.
+        since: (P,) time of the cut at the motion's start, from the start of the cut segment [s]; NaN without
+            one.
+        until: (P,) time of the cut at the motion's end, from the start of the cut segment [s]; NaN without
+            one.
     """
 
     follow: NDArray[np.int64]
@@ -72,7 +77,7 @@ class Flows:
     until: Array
 
     def is_cut(self, row: int) -> bool:
-        """Return True if a motion is cut at a corner."""
+        """Return True if a motion is cut at a corner without a blend radius."""
         return bool(np.isfinite(self.since[row]) or np.isfinite(self.until[row]))
 
     def cubics(self, layout: Layout, row: int) -> Cubics:
@@ -83,11 +88,11 @@ class Flows:
     def cut(
         self, cubics: Cubics, rows: NDArray[np.int64], begins: NDArray[np.int64], stops: NDArray[np.int64]
     ) -> Cubics:
-        """Return segments without the parts beyond the cuts of their motions.
+        """Return segments without the parts that lie beyond the cuts of their motions.
 
         Args:
             cubics: all segments.
-            rows: (K,) the motions.
+            rows: (K,) the motions' rows in the layout.
             begins: (K,) index in `cubics` of each motion's first segment.
             stops: (K,) index in `cubics` after each motion's last segment.
         """
@@ -100,26 +105,27 @@ class Flows:
 
 
 def covered_by_balls(free: NDArray[np.bool_]) -> Array:
-    """Return the share (...) of a path that divides it between two balls, if blends cover the whole path.
+    """Return the share (...) at which a path is divided between two balls, if blends cover the whole path.
 
     The ball at the start must contain the path up to this share, and the ball at the end must contain the
     rest. A path that is cut at its start has a ball at its end only, so the share is 0; a path that is cut at
     its end has the share 1.
 
     Args:
-        free: (..., 2) True if the path is joined after its start, and if it is left before its end.
+        free: (..., 2) True in the first column if a blend joins the path after its start, and in the second
+            column if a blend leaves it before its end.
     """
     shares: Array = np.where(free[..., 0], np.where(free[..., 1], 0.5, 1.0), 0.0)
     return shares
 
 
 def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
-    """Find where the motions of a text flow into each other.
+    """Find where the motions of a controller text flow into each other.
 
     Args:
         judged: the context of the judgement.
-        layout: the commands of the text.
-        starts: the starts of the programmed paths.
+        layout: the commands of the controller text.
+        starts: the start points of the programmed paths.
     """
     count = len(layout.places)
     follow = np.array([[place.first, place.last] for place in layout.places], dtype=np.int64).reshape(
@@ -169,8 +175,9 @@ def _corners(layout: Layout, robot: Robot) -> list[Corner]:
 def _passed(
     judged: Judged, layout: Layout, starts: Starts, corners: list[Corner]
 ) -> Iterator[tuple[Corner, tuple[int, float]]]:
-    """Yield each corner without a ball, with the segment that passes it and the time after the segment's
-    start [s].
+    """Yield each corner without a ball, with the instant at which the robot passes it.
+
+    The instant is given as a segment and the time after the start of that segment [s].
     """
     robot, tolerance = judged.robot, judged.tolerance
     # Corners of the same moving frame are computed together.
@@ -199,18 +206,19 @@ def _passed(
 
 
 def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, float]:
-    """Return the weights of distance [1/m] and angle [1/rad] at a corner, from the stricter tolerance of both
-    motions.
+    """Return the weights of distance [1/m] and angle [1/rad] in the search for a corner's passing time.
+
+    They are the reciprocals of the stricter tolerance of both motions.
     """
     one, other = (judged.tolerance_of(layout.places[row].motion) for row in (corner.first, corner.second))
     return 1.0 / min(one.position, other.position), 1.0 / min(one.angle, other.angle)
 
 
 def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
-    """Return the range of segments in which a corner is searched.
+    """Return the range of segments in which the passing time of a corner is searched.
 
-    The range contains the segments of the corner's overlap and one more on either side. It excludes the
-    segments of the corners at the other ends of both motions.
+    The range contains the segments in which both motions overlap at the corner, and one more on either side.
+    It excludes the segments of the corners at the other ends of both motions.
     """
     one, other = layout.places[corner.first], layout.places[corner.second]
     reach = corner.segments // 2 + 1
@@ -219,8 +227,8 @@ def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
 
 
 def frame_of(*motions: hir.Motion) -> Array | None:
-    """Return the moving frame on the flange (4, 4) of the first Cartesian motion; None if all are in joint
-    space.
+    """Return the moving frame (4, 4), relative to the flange, of the first Cartesian motion among `motions`;
+    None if all are in joint space.
     """
     return next((motion.flange_from_moving for motion in motions if motion.leads_frame), None)
 
@@ -241,9 +249,10 @@ class Asked:
     Attributes:
         top: (P, 2) speed limit of the frame's origin [m/s] and of its turn [rad/s]; NaN without a limit.
         share: (P,) share of `top` below which the speed must not fall after `top` has been reached.
-        around: (P, 2) largest speed in the blend before, and in the blend after [m/s].
-        held: (P, 2) True if the motion must have its speed already at its start, and still at its end: there
-            it flows through a corner without a ball, and its neighbour is not slower.
+        around: (P, 2) largest allowed speed in the blend before the motion and in the blend after it [m/s].
+        held: (P, 2) True in the first column if the motion must have its speed already at its start, and in
+            the second column if still at its end. There, it flows through a corner without a ball, and the
+            neighbouring motion is not slower.
     """
 
     top: Array
@@ -253,7 +262,7 @@ class Asked:
 
 
 def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
-    """Return the requirements on the speeds of all motions of a text."""
+    """Return the requirements on the speeds of all motions of a controller text."""
     count = len(layout.places)
     top, share = np.full((count, 2), np.nan), np.ones(count)
     for row, place in enumerate(layout.places):

@@ -1,6 +1,6 @@
-"""Times at which motions pass corners without a blend radius, and go over from one path to the next.
+"""Instants at which the robot passes corners without a blend radius, from one path to the next.
 
-Any time is valid for the proof: the first path is proved up to it, and the second path from it on. A good
+Any instant is valid for the proof: the first path is proved up to it, and the second path from it on. A good
 choice makes the proved bound sharp.
 """
 
@@ -17,11 +17,11 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 _LOOKS = 8
-"""Number of points at which a segment is examined."""
+"""Number of instants at which each segment is examined in the first search for a passing time."""
 _ROUNDS = 48
 """Most rounds of the search for a zero."""
 _FALSE_POSITIONS = 12
-"""Rounds by false position: an almost straight function takes four or five. All later rounds bisect."""
+"""Rounds of false position before bisection takes over; an almost straight function needs four or five."""
 _CLOSE = 1e-9
 """Difference of times that count as equal, as a share of a segment."""
 _LEAST = 1e-7
@@ -30,14 +30,15 @@ _LEAST = 1e-7
 
 @frozen(eq=False)
 class Corners:
-    """K corners: joint positions, or poses of a moving frame.
+    """K corners, all given by joint positions or all by poses of a moving frame.
 
     Attributes:
         q: (K, n) joint positions [rad or m].
         weights: (K, n) weights of the joints [1/rad or 1/m]; for poses (K, 2), weights of a distance [1/m]
             and an angle [1/rad].
-        flange_from_moving: (4, 4) frame on the flange; None for joint positions.
-        poses: (K, 4, 4) poses of the frame; None for joint positions.
+        flange_from_moving: (4, 4) moving frame, relative to the flange; None for corners given by joint
+            positions.
+        poses: (K, 4, 4) poses of the moving frame; None for corners given by joint positions.
     """
 
     q: Array
@@ -46,7 +47,10 @@ class Corners:
     poses: Array | None = None
 
     def away(self, chain: Chain, own: Rows, x: Array) -> Array:
-        """Return the squared weighted distance (N,) of joints `x` (N, n) from the corners `own` (N,)."""
+        """Return the squared weighted distances (N,) of joint positions `x` (N, n) from corners.
+
+        `own` (N,) are the indices of the corners.
+        """
         if self.flange_from_moving is None or self.poses is None:
             square: Array = (((x - self.q[own]) * self.weights[own]) ** 2).sum(axis=1)
             return square
@@ -59,8 +63,8 @@ class Corners:
         return found
 
     def closing(self, chain: Chain, own: Rows, x: Array, v: Array) -> Array:
-        """Return half the rate of the squared weighted distance (N,) from the corners, for joints `x` and
-        velocities `v`.
+        """Return half the rate of change of the squared weighted distances (N,) from the corners, at joint
+        positions `x` with joint velocities `v`.
         """
         if self.flange_from_moving is None or self.poses is None:
             rate: Array = ((x - self.q[own]) * self.weights[own] ** 2 * v).sum(axis=1)
@@ -77,17 +81,21 @@ class Corners:
 
 
 def _sum(values: Array) -> Array:
-    """Return sums (N, ...) over three rows (N, 3, ...); the last bit of a result does not depend on N."""
+    """Return the sums (N, ...) over the three entries of axis 1 of an array (N, 3, ...).
+
+    The order of the additions is fixed, so that the last bit of a result does not depend on N.
+    """
     found: Array = values[:, 0] + values[:, 1] + values[:, 2]
     return found
 
 
 def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tuple[Rows, Array]:
-    """Find the times at which corners are passed.
+    """Find the instants at which corners are passed.
 
     Args:
         cubics: the N segments to search.
-        owner: (N,) corner of each segment, in ascending order; each corner has at least one segment.
+        owner: (N,) index of the corner of each segment, in ascending order; each corner has at least one
+            segment.
         corners: the K corners.
         chain: the arm.
 
@@ -107,11 +115,12 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
     last, own = sizes - 1, np.arange(len(begins))
 
     def rate(rows: Rows, place: Array) -> Array:
-        """Return half the rate of the squared distance from corners.
+        """Return half the rate of change of the squared distance from corners.
 
         Args:
-            rows: (K,) the corners.
-            place: (K,) segments after the corner's first one, plus shares of a segment.
+            rows: (K,) indices of the corners.
+            place: (K,) instants as a number of segments after the corner's first one; the fraction is the
+                share of a segment.
         """
         behind = np.minimum(place.astype(np.int64), last[rows])
         return corners.closing(chain, rows, *_at(cubics, begins[rows] + behind, place - behind))
@@ -127,12 +136,12 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
 
 
 def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high: Array) -> Array:
-    """Find where a rate becomes positive in each row (K,).
+    """Find where the rate of each row (K,) becomes positive.
 
     The method is false position with the Illinois rule, followed by bisection if that is slow.
 
     Args:
-        rate: returns the rates of rows (M,) at places (M,).
+        rate: function that takes rows (M,) and positions (M,) and returns the rates there.
         rows: (K,) the rows.
         low: (K,) start of the search.
         high: (K,) end of the search.

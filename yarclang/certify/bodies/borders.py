@@ -16,14 +16,14 @@ _ALONG = 1.0 - 1e-12
 
 
 def extent(region: Region, directions: Array) -> Array:
-    """Compute the largest d . p over the points p of a region.
+    """Compute how far a region extends in given directions: the largest d . p over its points p.
 
     Args:
         region: a half-space, or a shape in {B}.
         directions: (3, P) unit vectors d in {B}.
 
     Returns:
-        (P,) [m]; infinite if the region is unbounded in this direction.
+        The extents (P,) [m]; infinite in a direction in which the region is unbounded.
     """
     if isinstance(region, HalfSpace):
         # The half-space n . p >= offset is bounded in the direction -n only.
@@ -45,9 +45,9 @@ def extent(region: Region, directions: Array) -> Array:
 
 
 def directions_to(region: Region, points: Array) -> Array:
-    """Return unit directions (3, P) from the nearest point of a region to points (3, P) in {B}.
+    """Return the unit direction from the nearest point of a region to each point (3, P) in {B}, as (3, P).
 
-    For a point inside, the direction leads from the region's axis or center to the point.
+    For a point inside the region, the direction leads from the region's axis or center to the point.
     """
     if isinstance(region, HalfSpace):
         return np.repeat(-region.normal[:, None], points.shape[1], axis=1)
@@ -65,9 +65,9 @@ def directions_to(region: Region, points: Array) -> Array:
 
 
 def _nearest(shape: Box | Sphere | Capsule | Cylinder, own: Array) -> Array:
-    """Return the points of a shape nearest to points (3, P), all in the shape's own axes.
+    """Return the point of a shape nearest to each of the points (3, P), in the axes of the shape.
 
-    For a sphere or capsule these are points of its center or axis, which give the same direction.
+    For a sphere it is the center and for a capsule a point of its axis, which give the same direction.
     """
     if isinstance(shape, Box):
         half = shape.size[:, None] / 2.0

@@ -28,11 +28,11 @@ _EVERYWHERE = HalfSpace(np.array([0.0, 0.0, 1.0]), -1e6)
 
 @frozen(eq=False)
 class _Stretches:
-    """Three stretches of each of P commands: the corner before, the command's own part, the corner after.
+    """The segments of P commands, three ranges for each: corner before it, its own segments, corner after.
 
     Attributes:
-        spans: (3P, 2) range of the segments of each stretch.
-        allowed: (3P,) allowed speed of the frame [m/s].
+        spans: (3P, 2) ranges of segments.
+        allowed: (3P,) allowed speed of the frame in each range [m/s].
     """
 
     spans: NDArray[np.int64]
@@ -42,15 +42,18 @@ class _Stretches:
 def find_ceilings(
     layout: Layout, robot: Robot, moved: dict[int, Moving]
 ) -> tuple[dict[int, ZoneSpeed], list[Diagnostic]]:
-    """Return the frame's speed of every command with a ceiling, by step, and findings about excessive speeds.
+    """Bound the frame's speed in every command with a speed limit of its own (`[V<=250]`, its ceiling).
 
     In a corner between two motions, the larger of both ceilings applies. If one motion has no ceiling, the
     corner has none.
 
     Args:
-        layout: the segments of the text.
-        robot: its links and kinematics.
+        layout: the segments of the controller text.
+        robot: the robot, with its bodies and kinematics.
         moved: for each step, the frame that the motion moves, or its tool.
+
+    Returns:
+        The bounds of the speeds by step, and findings about excessive speeds.
     """
     told: dict[int, ZoneSpeed] = {}
     findings: list[Diagnostic] = []
@@ -104,8 +107,7 @@ def _is_same(one: Moving, other: Moving) -> bool:
 
 
 def _with_neighbours(layout: Layout) -> Iterator[tuple[Place, tuple[float, float]]]:
-    """Yield each command with the ceilings [m/s] of the motion that flows into it, and of the one it flows
-    into.
+    """Yield each command with two ceilings [m/s]: those of the motions before and after it in a chain.
 
     A ceiling is infinite if that motion has none, and 0 if there is no such motion.
     """

@@ -1,4 +1,4 @@
-"""Proof that the bodies of robot and cell stay apart while the text runs, with their least distances."""
+"""Proof that the bodies of robot, load and cell stay apart, with their least distances."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ from yarclang.units import MM
 
 @frozen
 class Apart:
-    """Least distances of bodies during a command.
+    """Least distances between bodies during a command.
 
     Attributes:
         cell: distance of the robot from the cell; None if no body of the cell is compared.
         own: distance of the robot's bodies from each other; None if no such pair is compared.
-        touching: pairs of bodies that are allowed to touch and come nearer to each other than their margin,
-            by their names in upper case.
+        touching: names, in upper case, of the pairs of bodies that are allowed to touch and come nearer to
+            each other than their margin.
     """
 
     cell: Clearance | None
@@ -47,13 +47,16 @@ NOTHING_NEAR = Apart(None, None)
 def find_clearances(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, Apart], list[Diagnostic]]:
-    """Return the least distances of every command by its step, and findings where bodies come too close.
+    """Bound the least distances between bodies during every command.
 
     Args:
-        layout: the segments of the text.
+        layout: the segments of the controller text.
         program: the program that the text was compiled from.
-        robot: its links and kinematics.
+        robot: the robot, with its bodies and kinematics.
         handled: the cell's state during each command.
+
+    Returns:
+        The distances by step, and findings where bodies come too close.
     """
     cell = program.cell
     if not robot.shapes and not handled.cells and not (cell and cell.obstacles):
@@ -124,12 +127,15 @@ def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
 
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:
-    """Return the kinds of those pairs of `own` that must not touch: 1 with the cell, 0 of the robot alone."""
+    """Return which kinds of pairs must be kept apart among the pairs `own`.
+
+    Kind 1 is a pair of a body of the robot and one of the cell, kind 0 a pair of two bodies of the robot.
+    """
     return {int(one) for one in scene.pairs.of_cell[own][~scene.pairs.touching[own]]}
 
 
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
-    """Return the proved clearance of a motion over its pairs of one kind."""
+    """Return the proved least distance in a motion among its pairs of bodies of one kind."""
     near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
     # Distances beyond `KNOWN` are only bounds, whose nearest bodies mean nothing.
     return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
@@ -146,7 +152,7 @@ def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meetin
 def _finding(
     scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
 ) -> Diagnostic:
-    """Return a finding with the figures of a motion's worst pair, and the names of the others."""
+    """Return a finding with the figures of a motion's worst pair of bodies, and the names of all others."""
     worst = min(contacts, key=lambda one: one[1].distance - scene.pairs.margin[one[0].pair])
     pair, found = worst[0].pair, worst[1]
     moving, other = scene.names(pair)

@@ -2,11 +2,12 @@
 
 The planner uses `yarclang.collision.zones.speed` instead; the two modules share no code.
 
-Pieces of segments are halved until each is proved to be outside of the zone, or not faster than the known
-speed, or is too short to decide. Three bounds settle a piece of duration d. A point moves by at most V d. In
-any direction, a point is lower than the lowest of its places at both ends and in the middle by at most A d^2
-/ 32. Its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three
-derivatives of all points of the body (`derivatives`).
+Segments are halved into pieces until each piece is settled: it is proved to be outside of the zone or not
+faster than the largest speed found so far, or it is too short to decide, and its bound counts. Three bounds
+settle a piece of duration d. A point moves by at most V d. In any direction, a point is lower than the lowest
+of its positions at both ends and in the middle by at most A d^2 / 32. Its speed exceeds the larger speed of
+both ends by at most J d^2 / 8. V, A and J bound the first three derivatives of all points of the body
+(`derivatives`).
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ Flags = NDArray[np.bool_]
 SHARP = 2e-4
 """Share of the largest speed by which its bound may exceed it."""
 NEAR = 1e-5
-"""Distance within which a place counts as on a zone's border [m]."""
+"""Distance from a zone's border within which a point counts as on the border [m]."""
 SAME = 1e-10
-"""Differences of joint positions and velocities that count as rounding [rad or m, and per s]."""
+"""Differences of joint positions [rad or m] and velocities [rad/s or m/s] that count as rounding."""
 NEAR_JOINT = 1e-6
 """Distance within which a joint position counts as on the end of a window [rad or m]."""
 
@@ -57,13 +58,14 @@ class Fastest:
 
 @frozen(eq=False)
 class Joints:
-    """Placement and velocity, at P instants, of the bodies moved by the first few joints.
+    """Placement and velocity, at P instants, of the bodies that the first few joints move.
 
     Attributes:
-        turn: (3, 3, P) rotation from the place with all joints at zero.
-        shift: (3, P) translation from the place with all joints at zero [m].
+        turn: (3, 3, P) rotation from the pose with all joints at zero.
+        shift: (3, P) translation from the pose with all joints at zero [m].
         spin: (3, P) angular velocity [rad/s].
-        drift: (3, P) velocity of the body's point at the origin of {B} [m/s].
+        drift: (3, P) velocity of the point, rigidly attached to the bodies, that is at the origin of {B}
+            [m/s].
     """
 
     turn: Array
@@ -72,7 +74,7 @@ class Joints:
     drift: Array
 
     def take(self, rows: Rows) -> Joints:
-        """Return some of the instants."""
+        """Return the placements and velocities at some of the instants."""
         return Joints(self.turn[:, :, rows], self.shift[:, rows], self.spin[:, rows], self.drift[:, rows])
 
     def joined(self, other: Joints) -> Joints:
@@ -85,14 +87,14 @@ class Joints:
         )
 
     def point(self, own: Array) -> Array:
-        """Return the places (3, P) [m] of a body's point (3,), given by its place with all joints at zero."""
+        """Return the positions (3, P) [m] of a body's point; `own` (3,) is its position with all joints at
+        zero.
+        """
         placed: Array = np.tensordot(self.turn, own, axes=(1, 0)) + self.shift
         return placed
 
     def lowest(self, item: Item, directions: Array) -> Array:
-        """Compute the smallest dot product d.p (P,) [m] over the points p of a body, for unit vectors d (3,
-        P).
-        """
+        """Compute the smallest d . p (P,) [m] over the points p of a body, for unit vectors d (3, P)."""
         own = (self.turn * directions[:, None, :]).sum(axis=0)
         low = (item.points @ own).min(axis=0) + (directions * self.shift).sum(axis=0) - item.radius
         if item.disc:
@@ -100,8 +102,9 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Bound the speeds (P,) [m/s] of a body's points; the bound is exact for a body without round
-        parts.
+        """Bound the speeds (P,) [m/s] of all points of a body.
+
+        The bound is exact for a body without round parts.
         """
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
@@ -124,9 +127,9 @@ class Motions:
 
     @cached_property
     def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
-        """Compute the arm at the begins of all segments, and at those ends that differ from the next begin.
+        """Compute the arm at the start of each segment, and at its end if that differs from the next start.
 
-        The second value has the segments of these ends.
+        The second value is, for each segment, the index of its end among the computed instants.
         """
         before, after = self.cubics.at(np.zeros(len(self.cubics.h))), self.cubics.at(self.cubics.h)
         count = len(self.cubics.h)
@@ -141,7 +144,7 @@ class Motions:
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return the bodies moved by the first `joint` joints, at the begins and at the ends of all
+        """Return the bodies that the first `joint` joints move, at the starts and at the ends of all
         segments.
         """
         found, stops = self._ends
@@ -149,8 +152,8 @@ class Motions:
         return arm.take(np.arange(len(stops))), arm.take(stops)
 
     def at(self, joint: int, segment: Rows, time: Array) -> Joints:
-        """Return the bodies moved by the first `joint` joints, at times (P,) after the starts of segments
-        (P,).
+        """Return the placements of the bodies that the first `joint` joints move, at the times `time` (P,)
+        after the starts of the segments `segment` (P,).
         """
         return _of(motions(self.chain, *self.cubics.take(segment).at(time)), joint)
 
@@ -161,7 +164,7 @@ def _of(found: tuple[Array, Array, Array], joint: int) -> Joints:
 
 
 def fastest_in(motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> Fastest:
-    """Bound the speed of a body in a slow zone on each motion.
+    """Bound the speed of a body in a slow zone during each motion.
 
     Args:
         motions_: the segments, and the range of each motion.
@@ -173,7 +176,7 @@ def fastest_in(motions_: Motions, region: Region | JointWindow, margin: float, i
 
 
 class _Search:
-    """Search for the largest speed of one body on all motions."""
+    """Search for the largest speed of one body in all motions."""
 
     def __init__(self, motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> None:
         self.all, self.region, self.margin, self.item = motions_, region, margin, item
@@ -184,7 +187,7 @@ class _Search:
         self.segment = np.full(count, -1, dtype=np.int64)
 
     def found(self) -> Fastest:
-        """Halve pieces until all are settled, and return the bounds."""
+        """Halve pieces of segments until all are settled, and return the bounds of the speeds."""
         segment = np.arange(len(self.all.cubics.h))
         begin, end = np.zeros(len(segment)), self.all.cubics.h
         arms = self.all.ends(self.item.joint)
@@ -217,15 +220,15 @@ class _Search:
         return Fastest(np.where(self.segment >= 0, self.best * (1.0 + SHARP), 0.0), self.segment, self.time)
 
     def _known(self, segment: Rows) -> Array:
-        """Return the speeds that pieces must exceed to be examined further: the largest known ones, plus
-        `SHARP`.
+        """Return the speeds that pieces must exceed to be examined further: the largest one found in their
+        motion, increased by the share `SHARP`.
         """
         known: Array = self.best[self.motion[segment]] * (1.0 + SHARP)
         return known
 
     def _is_far(self, segment: Rows, begin: Array, end: Array, arms: tuple[Joints, Joints]) -> Flags:
-        """Return True for pieces that are outside, as shown by a ball around the body or by the joints'
-        ranges.
+        """Return True for pieces on which the body stays outside of the zone, as shown by a ball around the
+        body or by the ranges of the joints.
         """
         region, long = self.region, end - begin
         if isinstance(region, JointWindow):
@@ -249,7 +252,9 @@ class _Search:
     def _where(
         self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
     ) -> tuple[Flags, Flags]:
-        """Return True for pieces that are completely outside, and True for pieces whose middle is inside."""
+        """Return two masks of pieces: the body stays outside of the zone; the body is inside in the
+        middle.
+        """
         region = self.region
         if isinstance(region, JointWindow):
             q = self.all.cubics.take(segment).at(half)[0]
@@ -270,9 +275,9 @@ class _Search:
     def _beyond(
         self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
     ) -> tuple[Flags, Array]:
-        """Return True for pieces beyond planes, and the gaps (P,) [m] in the middles of all pieces.
+        """Return on which pieces planes keep the body out of the zone, and the gaps (P,) [m] in the middles.
 
-        `toward` (3, P) are the normals of the planes.
+        `toward` (3, P) are the normals of the planes, one for each piece.
         """
         # The lowest value of d . p at both ends and in the middle, less the largest value in the region, is
         # the gap.
@@ -286,7 +291,7 @@ class _Search:
         return least > self.margin, seen
 
     def _proposed(self, region: Region, arm: Joints) -> Array:
-        """Return normals (3, P) proposed by coal.
+        """Return normals (3, P) of separating planes, proposed by coal.
 
         A wrong normal does no harm, since `_beyond` proves the gap along it.
         """
@@ -298,7 +303,7 @@ class _Search:
         return np.ascontiguousarray(normal.T)
 
     def _learn(self, segment: Rows, time: Array, speed: Array) -> None:
-        """Store the largest speed of each motion, and where it occurs."""
+        """Store the largest speed found so far in each motion, and where it occurs."""
         motion = self.motion[segment]
         most = self.best.copy()
         np.maximum.at(most, motion, speed)
@@ -313,10 +318,10 @@ class _Search:
 def derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array, Array]:
     """Bound |p'|, |p''| and |p'''| of all points p of a body on N segments, (N,) each [m/s, m/s^2, m/s^3].
 
-    A point is the sum of steps from axis to axis, each of a fixed length and turned by the joints before it.
-    Its derivatives are at most its length times W, W^2 + A and W^3 + 3 W A + J, with the sums W, A and J of
-    these joints' largest velocities, accelerations and jerks. A step along a sliding joint also changes its
-    length; Leibniz' rule gives its derivatives.
+    The position of a point is a sum of vectors from one joint axis to the next, each of a fixed length and
+    turned by the joints before it. The derivatives of such a vector are at most its length times W, W^2 + A
+    and W^3 + 3 W A + J, with the sums W, A and J of these joints' largest velocities, accelerations and
+    jerks. A vector along a sliding joint also changes its length; Leibniz' rule gives its derivatives.
     """
     lines = axes_of(chain)
     peaks = (

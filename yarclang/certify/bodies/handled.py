@@ -1,6 +1,4 @@
-"""Places of the cell's parts while a text runs, and checks that parts are picked up and put down
-correctly.
-"""
+"""Poses of the cell's parts while a controller text runs, and checks of picking up and putting down."""
 
 from __future__ import annotations
 
@@ -23,20 +21,21 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 ON = 5e-3
-"""Distance [m] from the nearest body, in addition to the margin, beyond which a released part counts as
-falling.
+"""Distance [m], in addition to the margin, up to which a released part counts as lying on the nearest body.
+
+A part that is farther away would fall.
 """
 
 
 @frozen(eq=False)
 class Handled:
-    """The cell's state during each motion, and the parts that the robot carries.
+    """The cell's state and the parts that the robot carries, during each motion.
 
     Attributes:
-        cell: the program's cell.
+        cell: the program's cell, as it is before the first motion.
         cells: the cell's state by the step of the motion; empty if the state never changes.
         carried: names of the carried parts by the step of the motion; empty without parts.
-        allowances: the lines that allow bodies to touch, of the program or of the cell, by the step.
+        allowances: for each step, the lines of program or cell that allow bodies to touch.
     """
 
     cell: Cell | None
@@ -50,12 +49,12 @@ class Handled:
 
 
 def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled, list[Diagnostic]]:
-    """Follow the parts of the program's cell through a text, using the real ends of its motions.
+    """Follow the parts of the program's cell through a controller text, from where its motions really end.
 
     Args:
         layout: the whole text; in a partial plan, motions may be missing.
         program: the program. Its steps set outputs, and its cell defines which outputs move grippers.
-            `yarclang.certify.flow` proves that the text sets the same outputs at the same places.
+            `yarclang.certify.flow` proves that the text sets the same outputs between the same motions.
         robot: the robot whose flange carries the parts.
     """
     if program.cells is not None:
@@ -113,8 +112,9 @@ def _findings(
 
 
 def _computed(handling: Handling) -> list[Diagnostic]:
-    """Return findings about SET lines with computed values that move parts: the parts' places are then
-    unknown.
+    """Return findings about SET lines that move grippers by a computed value.
+
+    Where the parts are afterwards is unknown.
     """
     found = []
     cell = handling.cell
@@ -136,9 +136,9 @@ def _computed(handling: Handling) -> list[Diagnostic]:
 
 
 def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagnostic]:
-    """Return findings about loops that leave a part in a place other than at their begin.
+    """Return findings about loops that leave a part elsewhere than where it was when the loop began.
 
-    Later passes of such a loop would differ from the pass that is proved.
+    A later pass of such a loop would differ from the one pass that is proved.
     """
     found = []
     for number, name in unlike.items():
@@ -180,8 +180,8 @@ def _nothing(grasp: Grasp, origin: hir.Origin) -> Diagnostic:
 
 
 def _taken(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
-    """Return findings about picked parts: one that is in the air or inside a body, or that overlaps its
-    gripper.
+    """Return findings about the parts that a gripper picks up: a part in the air or inside a body, or one
+    that overlaps its gripper.
     """
     cell = handling.cell
     if cell is None:

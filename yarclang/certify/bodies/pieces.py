@@ -1,11 +1,11 @@
-"""Proof that the convex pieces of a mesh contain it.
+"""Proof that the convex pieces of a mesh contain the mesh.
 
-The judge cuts the mesh a second time, by a method that differs from that of the division. Each piece has a
-cell, a box that is made a little smaller here. The judge computes all points that can be extreme points of
-the solid's part in the cell: corners of triangles inside the cell, points where edges of triangles meet the
-cell's borders, points where the cell's edges meet triangles, and those corners of the cell that are inside
-the solid. A piece is convex: if it contains all of these points, it contains the solid's part in its cell.
-The cells must fill the box around the mesh without overlapping.
+The judge checks the division by a method of its own. Each piece belongs to a cell, a box that is made a
+little smaller here. The judge computes all points that can be extreme points of the part of the solid in this
+cell: corners of triangles inside the cell, points where edges of triangles meet the cell's borders, points
+where the cell's edges meet triangles, and those corners of the cell that are inside the solid. A piece is
+convex: if it contains all of these points, it contains the part of the solid in its cell. The cells must fill
+the box around the mesh without overlapping.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from yarclang.units import MM
 ALLOWED = 1e-8
 """Distance by which a point may be outside of its piece because of rounding [m]."""
 _BORDER = 1e-6
-"""Thickness of the borders between cells, where nothing is proved [m].
+"""Thickness of the borders between the cells of a mesh, where nothing is proved [m].
 
 It is no larger than the error of computed distances.
 """
@@ -72,10 +72,10 @@ def _off(shape: Mesh) -> float:
 
 
 def lacking(triangles: Array, pieces: tuple[Geometry, ...]) -> float:
-    """Return the largest distance [m] by which the solid leaves its pieces.
+    """Return the largest distance [m] by which a solid sticks out of its convex pieces.
 
     Args:
-        triangles: (T, 3, 3), which enclose the solid.
+        triangles: (T, 3, 3) triangles, which enclose the solid.
         pieces: the convex pieces, each with its cell.
 
     Returns:
@@ -113,7 +113,7 @@ def _fill(low: Array, high: Array, lower: Array, upper: Array) -> bool:
 
 
 def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> float:
-    """Return the largest distance [m] by which the solid's part in a cell leaves the cell's piece."""
+    """Return the largest distance [m] by which the solid in one cell sticks out of the cell's piece."""
     border = np.minimum(_BORDER, (high - low) / 4.0)
     low, high = low + border, high - border
     near = ((triangles.max(axis=1) >= low) & (triangles.min(axis=1) <= high)).all(axis=1)
@@ -124,7 +124,10 @@ def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> floa
 
 
 def _points(triangles: Array, low: Array, high: Array) -> Array:
-    """Return the points (P, 3) of triangles' surfaces that can be extreme points of their part in a cell."""
+    """Return the points (P, 3) of triangles that can be extreme points of the part of the solid in a cell.
+
+    Corners of the cell inside the solid are not among them.
+    """
     found = [triangles.reshape(-1, 3)]
     # Points at which edges of triangles cross the planes of the cell's faces.
     for axis, at in product(range(3), (low, high)):
@@ -174,7 +177,7 @@ def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
 
 
 def _is_filled(triangles: Array, point: Array) -> bool:
-    """Return True if a point is inside a solid: its triangles' solid angles add up to 4 pi.
+    """Return True if a point is inside a solid: then the solid angles of its triangles add up to 4 pi.
 
     A triangle's solid angle is 2 atan2(volume, rest) (Van Oosterom and Strackee 1983).
     """

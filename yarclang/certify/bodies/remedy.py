@@ -16,14 +16,14 @@ _EDGE = 1e-6
 def remedy(
     motion: hir.Motion, otherwise: str, when: tuple[float, float], lasts: float
 ) -> tuple[str, Fix | None]:
-    """Return a remedy for a motion that comes too close to something, and a fix if there is one.
+    """Return a remedy for a motion that comes too close to something, and an edit (fix) if there is one.
 
-    A way round helps only if the motion is clear at its start and at its end.
+    A path around the obstacle helps only if the motion is clear at its start and at its end.
 
     Args:
         motion: the motion.
-        otherwise: the remedy other than going round.
-        when: range of the time after its start in which it is too close [s].
+        otherwise: the remedy other than a path around the obstacle.
+        when: interval in which the motion is too close, from its start [s].
         lasts: duration of the motion [s].
     """
     origin = motion.origin
@@ -50,15 +50,17 @@ def remedy(
 
 
 def _correction(otherwise: str) -> str:
-    """Return the remedy that doesn't move the motion: the part after the last semicolon, or the whole
-    text.
+    """Return the part of a remedy that doesn't change the motion's path: what follows the last semicolon, or
+    the whole text without one.
     """
     return otherwise.rpartition("; ")[2].removeprefix("or ")
 
 
 def round_it(motion: hir.Motion) -> Fix | None:
-    """Return a fix that adds _AVOID to a motion that is straight in joint space or on a line to a pose; None
-    for other motions.
+    """Return a fix that adds _AVOID to a motion's name, so that the planner finds a path around obstacles.
+
+    None for motions that have no such form: only motions to a goal, straight in joint space or in space, have
+    it.
     """
     origin = motion.origin
     if not isinstance(motion, hir.JointMove | hir.LineMove) or motion.search is not None:

@@ -1,10 +1,11 @@
 """A second proof of the clearances of convex bodies that `yarclang.collision.proof` reports.
 
 The proof uses the judge's own placements, support functions and bounds. It compares each pair of bodies on
-pieces of a motion, in the frame of the first body. Three bounds settle a piece of duration d: the gap between
-spheres around both bodies, less the motion of the joints between them; the gap of a plane in the middle, less
-that motion; and the smallest gap of the plane at both ends and in the middle, less A d^2 / 32. Unsettled
-pieces are halved. If bodies are closer than reported anywhere, the first proof is wrong.
+pieces of a motion's time, in the frame of the first body. Three bounds settle a piece of duration d: the gap
+between spheres around both bodies, less the distance that the joints between them move the second body; the
+gap at a separating plane in the middle of the piece, less that distance; and the smallest gap at the plane at
+both ends and in the middle, less A d^2 / 32, where A bounds the acceleration of all points. Unsettled pieces
+are halved. If bodies are closer than reported anywhere, the first proof is wrong.
 """
 
 from __future__ import annotations
@@ -25,16 +26,18 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Chain
 
 STEP = 0.08
-"""Largest motion of a joint on a piece before any halving [rad or m]."""
+"""Largest motion of a joint on a piece of a motion's time, before any piece is halved [rad or m]."""
 EQUAL = 5e-6
-"""Allowed disagreement between both proofs [m]; coal's distances are off by less than a tenth of it."""
+"""Allowed disagreement between both proofs [m], more than ten times the error of distances by coal."""
 SHORT = 2e-4
-"""Pieces on which nothing moves by more than this [m] are not halved: the distance in the middle decides."""
+"""If nothing moves farther than this [m] on a piece, the piece isn't halved: the distance in its middle
+decides.
+"""
 
 
 @frozen
 class Nearer:
-    """A place that refutes a clearance.
+    """An instant of a motion at which a pair of bodies is nearer than the first proof reports.
 
     Attributes:
         motion: index of the motion.
@@ -54,17 +57,17 @@ class Nearer:
 def refuted(
     scene: Scene, course: Course, spans: NDArray[np.int64], found: Clearances, own: list[Rows] | None
 ) -> list[Nearer]:
-    """Prove clearances again and return the places that refute them, at most one for each motion and pair.
+    """Prove clearances again, and return the instants that refute them, at most one for each motion and pair.
 
-    Pairs that may touch, meshes that are not their own hulls, and motions that are rejected anyway because of
-    their meetings are not examined.
+    Not examined are pairs that may touch, meshes that are not their own convex hulls, and motions that are
+    rejected anyway because the first proof found bodies too close.
 
     Args:
-        scene: bodies and pairs.
+        scene: bodies and pairs of bodies.
         course: segments of all motions.
         spans: (G, 2) range of the segments of each motion.
-        found: the reported clearances.
-        own: pairs of each motion; None for all pairs.
+        found: the clearances that the first proof reports.
+        own: for each motion the pairs to examine; None for all pairs.
     """
     pairs, count = scene.pairs, len(spans)
     if own is None:
@@ -104,7 +107,7 @@ class _Second:
         self.refuting: dict[tuple[int, int], Nearer] = {}
 
     def found(self, spans: NDArray[np.int64]) -> list[Nearer]:
-        """Halve pieces until all pairs are settled, and return the places that refute clearances."""
+        """Halve pieces of time until all pairs are settled; return the instants that refute clearances."""
         course = self.course
         begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
         way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
@@ -128,7 +131,7 @@ class _Second:
         return list(self.refuting.values())
 
     def _left(self, motion: Rows, begin: Array, end: Array, at: Rows, pair: Rows) -> Rows:
-        """Return the rows of `at` and `pair` that are not settled."""
+        """Return which combinations of a piece (`at`) and a pair of bodies (`pair`) are not settled yet."""
         chain, course = self.scene.chain, self.course
         half = (begin + end) / 2.0
         # Bound the motion of a pair on either half of a piece by that of the joints between its bodies.
@@ -192,7 +195,7 @@ class _Second:
     def _settled(
         self, pair: int, arms: list[Joints], way: Array, sag: Array, least: Array
     ) -> tuple[NDArray[np.bool_], Array]:
-        """Return True where planes prove a pair apart, and upper bounds of its distances in the middles [m].
+        """Return on which pieces planes prove a pair apart, and bounds of its distances in the middles [m].
 
         A bound is infinite if the first plane already proves the pair apart.
         """
@@ -222,13 +225,13 @@ class _Second:
 
 
 def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
-    """Return the placements of bodies moved by `other` joints, in the frame of bodies moved by `one` joints.
+    """Return the placements of some bodies relative to others, by the numbers of joints that move them.
 
     Args:
-        placed: placements of the bodies that 0, 1, ... joints move, at all instants.
-        one: number of joints that move the observing body.
-        other: number of joints that move the observed body.
-        pieces: the instants.
+        placed: placements in {B} of the bodies that 0, 1, ... joints move, at all instants.
+        one: number of joints that move the reference bodies.
+        other: number of joints that move the bodies to place.
+        pieces: indices of the instants.
     """
     base, arm = placed[one][:, :, pieces], placed[other][:, :, pieces]
     # Relative placement: B' A for the rotations, B' (a - b) for the translations.
@@ -239,7 +242,7 @@ def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
 
 
 def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
-    """Compute by coal the unit directions (3, P) between two bodies, and their distances (P,) [m].
+    """Compute by coal the unit directions (3, P) from one body to another, and their distances (P,) [m].
 
     A distance is not positive if the bodies overlap.
     """
@@ -264,17 +267,17 @@ def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
 
 
 def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Array]:
-    """Compute bounds of the motion of a body, in the frame of the bodies that the first `base` joints move.
+    """Bound how far the joints move a body, in the frame of the bodies that the first `base` joints move.
 
     Args:
-        chain: n joints.
-        base: number of joints that move both bodies, and so don't count.
+        chain: the arm, with n joints.
+        base: number of joints that move both bodies alike, and so don't count.
         item: the body.
         far: (n,) largest |q| [rad or m].
 
     Returns:
-        The lengths (n,) of the steps from axis to axis, slides included [m], and the largest distance (n,) by
-        which a point of the body moves per unit of each joint [m].
+        Two arrays (n,). The lengths of the vectors from one joint axis to the next, slides included [m]; and
+        the largest distance by which a point of the body moves per unit of each joint [m/rad or m/m].
     """
     lines, ways = axes_of(chain), _ways(chain, item)
     lengths, reach = np.zeros(chain.size), np.zeros(chain.size)
@@ -292,10 +295,9 @@ def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Arra
 
 @lru_cache(maxsize=512)
 def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
-    """Return the distances (n,) [m] from axis to axis at zero; the last one leads to the body's farthest
-    point.
+    """Return the distances (n,) [m] from each turning axis to the next, with all joints at zero.
 
-    Cached by the identity of chain and item.
+    The last one leads to the body's farthest point. Results are cached by the identity of chain and item.
     """
     lines = axes_of(chain)
     found = [0.0] * chain.size

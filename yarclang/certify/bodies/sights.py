@@ -1,18 +1,20 @@
-"""Proof that points stay in cones (KEEP ... FACING, KEEP ... SEEN) while the text runs.
+"""Proof that points stay in cones (KEEP ... FACING, KEEP ... SEEN) while a controller text runs.
 
 It shares no code with `yarclang.collision.zones.sights`, which the planner uses: it has the judge's own
 kinematics.
 
-The way v from the apex of the cone to the point has |v'| <= V and |v''| <= A on a segment, since one of the
-two stands still and the other is a point of the flange. On a piece of duration d, v differs from its chord by
-at most A d^2 / 8, so that its length r is at least that of the chord's nearest place less this, and at least
-half of the sum of its values at both ends less V d. For u = v / r, the component of u'' along u is -|u'|^2,
-and the one across is the one of (v'' - 2 r' u') / r. With r'^2 + r^2 |u'|^2 <= V^2 this gives |u'| <= V / r
-and
-|u''| <= A / r + 2 V^2 / r^2. The axis a of the cone has |a'| <= W and |a''| <= B, or stands still. The angle
-between both therefore changes no faster than W + V / r, and the second derivative of its cosine is at most
-B + 2 W V / r + |u''|. Pieces are halved until one of the two bounds settles them. Where r isn't proved to be
-positive, there is no bound: a rule always has a least distance.
+The vector v from the apex of the cone to the point has |v'| <= V and |v''| <= A on a segment, since one of
+apex and point stands still and the other is a point of the flange. On a piece of duration d, v differs from
+its chord by at most A d^2 / 8. Therefore the length r of v is at least the chord's least distance from the
+apex, less A d^2 / 8. It is also at least half of (the sum of its values at both ends, less V d).
+
+For u = v / r, the component of u'' along u is -|u'|^2, and the component across is that of
+(v'' - 2 r' u') / r. With r'^2 + r^2 |u'|^2 <= V^2 this gives |u'| <= V / r and
+|u''| <= A / r + 2 V^2 / r^2. The axis a of the cone has |a'| <= W and |a''| <= B, or stands still.
+The angle between u and a therefore changes no faster than W + V / r, and the second derivative of its
+cosine is at most B + 2 W V / r + |u''|. Pieces are halved until one of these two bounds of the angle
+settles them. Where r isn't proved to be positive, there is no bound; this does no harm, since a rule always
+has a least distance.
 """
 
 from __future__ import annotations
@@ -32,12 +34,14 @@ from yarclang.robot.model import Array, Chain
 
 @frozen(eq=False)
 class Sighted:
-    """Where a point is in a cone, for each of G motions.
+    """Proved position of a point relative to a cone, during each of G motions.
 
     Attributes:
-        most: (G,) upper bounds of the angle [rad]. Infinite for a motion that breaks the rule.
-        least: (G,) lower bounds of the distance [m]; 0 for a motion that breaks the rule.
-        farthest: (G,) upper bounds of the distance [m]. Infinite for a motion that breaks the rule.
+        most: (G,) upper bounds of the angle from the cone's axis [rad]; infinite for a motion that breaks the
+            rule.
+        least: (G,) lower bounds of the distance from the apex [m]; 0 for a motion that breaks the rule.
+        farthest: (G,) upper bounds of the distance from the apex [m]; infinite for a motion that breaks the
+            rule.
         when: (G,) the time of the worst sample after the start of the first segment [s].
         exceeds: (G,) True for motions that break the rule, or aren't proved to keep it.
     """
@@ -51,8 +55,10 @@ class Sighted:
 
 @frozen(eq=False)
 class Aim:
-    """Where a point is in a cone at P instants: `angle` (P,) [rad], `distance` (P,) [m] and `way` (3, P)
-    [m].
+    """Position of a point relative to a cone at P instants.
+
+    These are the `angle` (P,) from the cone's axis [rad], the `distance` (P,) from its apex [m], and the
+    vector `way` (3, P) from the apex to the point [m].
     """
 
     angle: Array
@@ -60,7 +66,7 @@ class Aim:
     way: Array
 
     def take(self, rows: NDArray[np.int64]) -> Aim:
-        """Return some of the instants."""
+        """Return the positions at some of the instants."""
         return Aim(self.angle[rows], self.distance[rows], self.way[:, rows])
 
     def joined(self, other: Aim) -> Aim:
@@ -73,7 +79,7 @@ class Aim:
 
 
 def seen_at(chain: Chain, sight: Sight, q: Array) -> tuple[float, float]:
-    """Return the angle [rad] and the distance [m] of a point in a cone at a joint position (n,)."""
+    """Return the angle [rad] and the distance [m] of a point relative to a cone, at a joint position (n,)."""
     flange = flange_poses(chain, q[None])[0]
     carried, spot = flange[:3, :3] @ np.array(sight.own) + flange[:3, 3], np.array(sight.spot)
     axis = flange[:3, :3] @ np.array(sight.axis) if sight.is_carried else np.array(sight.axis)
@@ -83,7 +89,7 @@ def seen_at(chain: Chain, sight: Sight, q: Array) -> tuple[float, float]:
 
 
 class _Cone:
-    """A rule for the arm of some motions, with the bounds of each of their segments."""
+    """A rule about a cone, for the segments of some motions, with bounds of their derivatives."""
 
     def __init__(self, motions: Motions, sight: Sight) -> None:
         chain, cubics = motions.chain, motions.cubics
@@ -102,7 +108,7 @@ class _Cone:
         self.speed, self.strength, _ = derivatives(chain, cubics, point)
 
     def aim(self, arm: Joints) -> Aim:
-        """Return where the point is at the instants of an arm."""
+        """Return the point's position relative to the cone, for placements of the arm."""
         carried = arm.point(self.own)
         if self.sight.is_carried:
             way, axis = self.spot - carried, np.tensordot(arm.turn, self.axis, axes=(1, 0))
@@ -118,9 +124,7 @@ class _Cone:
         return Aim(angle, np.sqrt(way[0] ** 2 + way[1] ** 2 + way[2] ** 2), way)
 
     def excess(self, aim: Aim) -> Array:
-        """Return by how much the rule is exceeded at each instant (P,) [rad or m]; not positive if it is
-        kept.
-        """
+        """Return the amounts (P,) [rad or m] by which the rule is exceeded; not positive where it is kept."""
         sight = self.sight
         found: Array = np.maximum.reduce(
             [aim.angle - sight.limit, sight.near - aim.distance, aim.distance - sight.far]
@@ -130,7 +134,9 @@ class _Cone:
     def bounds(
         self, segment: NDArray[np.int64], long: Array, before: Aim, after: Aim
     ) -> tuple[Array, Array, Array]:
-        """Return the largest angle [rad], the least and the largest distance [m] on pieces, (P,) each."""
+        """Return the largest angle [rad] and the least and the largest distance [m] on each piece, (P,)
+        each.
+        """
         speed, sag = self.speed[segment] * long, self.strength[segment] * long**2 / 8.0
         step = after.way - before.way
         size, toward = (step**2).sum(axis=0), -(before.way * step).sum(axis=0)
@@ -155,7 +161,7 @@ class _Cone:
 
 
 def sighted(motions: Motions, sight: Sight) -> Sighted:
-    """Bound the angle and the distance of a point in a cone on each motion.
+    """Bound the angle and the distance of a point relative to a cone, during each motion.
 
     Args:
         motions: the segments, and the range of each motion; none is empty.

@@ -1,4 +1,4 @@
-"""Motions of a text in chunks, prepared for the checks of bodies and zones."""
+"""Motions of a controller text in groups, prepared for the checks of bodies and zones."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from yarclang.frozen import frozen
 
 @frozen(eq=False)
 class Sweep:
-    """Consecutive commands.
+    """Consecutive commands with their segments, prepared for the checks of bodies and zones.
 
     Attributes:
         places: the M commands.
-        cubics: their segments.
-        course: their segments in the form that distances need.
+        cubics: segments of all commands.
+        course: the same segments in the form that the checks of distances need.
         spans: (M, 2) range of the segments of each command.
     """
 
@@ -38,7 +38,7 @@ class Sweep:
         return begin, end
 
     def starts(self, row: int) -> float:
-        """Return the start of a command [s]."""
+        """Return the start of a command, after the start of the first one [s]."""
         return float(self.course.begins[self.spans[row, 0]])
 
     def lasts(self, row: int) -> float:
@@ -47,7 +47,7 @@ class Sweep:
 
 
 def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | None, list[Place]]]:
-    """Yield the commands with moves, in chunks, each with the cell's state during these commands."""
+    """Yield the commands with moves in groups, each with the cell's state, which is constant in a group."""
     moving = [place for place in layout.places if place.size]
     for _, group in groupby(moving, lambda place: id(handled.at(place.step))):
         for places in chunks(list(group)):
@@ -55,7 +55,7 @@ def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | Non
 
 
 def sweep_of(layout: Layout, places: list[Place]) -> Sweep:
-    """Prepare consecutive commands."""
+    """Prepare consecutive commands for the checks of bodies and zones."""
     base = places[0].first
     cubics = layout.cubics(base, places[-1].last)
     return Sweep(

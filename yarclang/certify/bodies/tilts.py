@@ -1,10 +1,10 @@
-"""Proof that axes of the flange stay within their angles (KEEP ... UPRIGHT) while the text runs.
+"""Proof that axes of the flange stay within their allowed angles (KEEP ... UPRIGHT).
 
 The planner uses `yarclang.collision.zones.tilts` instead; this proof shares no code with it, and uses the
 judge's own kinematics.
 
-The axis is a unit vector u that turns about the axes of the turning joints, which have length 1. Its
-derivatives with respect to the joints are nested cross products with these axes, so |u'| <= W and
+The flange's axis is a unit vector u that turns about the axes of the turning joints. Its derivatives with
+respect to the joints are nested cross products with the unit vectors of these axes, so |u'| <= W and
 |u''| <= W^2 + A. W and A are the sums of the joints' largest velocities and accelerations on a segment.
 Two bounds follow for a piece of duration d. The angle to a fixed direction is at most half of the sum of
 W d and the angles at both ends. The cosine is never more than (W^2 + A) d^2 / 8 below that of the larger
@@ -26,7 +26,7 @@ from yarclang.robot.model import Array
 SLACK = 1e-5
 """Angle by which an axis may exceed its limit and still count as within it [rad]."""
 KNOWN = 0.1
-"""Share of the limit below which an angle is not bounded more sharply."""
+"""An angle that is proved to be below this share of the limit is not bounded more sharply."""
 SHARP = 0.02
 """Share of the largest sampled angle by which the bound may exceed it."""
 MOST = 1_000_000
@@ -35,10 +35,10 @@ MOST = 1_000_000
 
 @frozen(eq=False)
 class Tilted:
-    """The angles of an axis from its direction, for each of G motions.
+    """The angle of an axis from its prescribed direction, during each of G motions.
 
     Attributes:
-        most: (G,) upper bounds [rad]. Infinite for a motion that exceeds the limit.
+        most: (G,) upper bounds [rad]; infinite for a motion that exceeds the limit.
         seen: (G,) the largest sampled angle [rad].
         when: (G,) the time of that sample after the start of the first segment [s].
         exceeds: (G,) True for motions that exceed the limit, or aren't proved to keep it.
@@ -51,7 +51,7 @@ class Tilted:
 
 
 def tilted(motions: Motions, tilt: Tilt) -> Tilted:
-    """Bound the angle of an axis on each motion.
+    """Bound the angle of an axis from its prescribed direction, during each motion.
 
     Args:
         motions: the segments, and the range of each motion; none is empty.
@@ -87,7 +87,7 @@ def tilted(motions: Motions, tilt: Tilt) -> Tilted:
     when, exceeds = np.zeros(count), np.zeros(count, np.bool_)
 
     def learn(rows: NDArray[np.int64], angle: Array, time: Array) -> None:
-        """Store the largest angle of each motion and its time."""
+        """Store the largest sampled angle of each motion, and the time of this sample."""
         order = np.argsort(angle, kind="stable")
         own = motion[rows[order] - first]
         larger = angle[order] > seen[own]

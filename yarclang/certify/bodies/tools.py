@@ -1,4 +1,4 @@
-"""Checks of tool changes in a text: which tool is on the flange at each motion, as the program says."""
+"""Checks of the tool changes in a controller text: is the tool on the flange that the program says?"""
 
 from __future__ import annotations
 
@@ -59,17 +59,16 @@ def _away(name: str, grasp: Grasp) -> str:
 def tool_findings(
     handling: Handling, found: Followed, robot: Robot, again: Mapping[int, str]
 ) -> list[Diagnostic]:
-    """Return findings about the tools of a text.
+    """Return findings about the tools of a controller text.
 
     There are three kinds: TOOL lines that are not true, branches that meet with different tools on the
-    flange, and frames of tools that aren't on the flange.
+    flange, and uses of frames of tools that aren't on the flange.
 
     Args:
         handling: the program.
         found: the cell's states that result from the text's motions.
         robot: the robot.
-        again: the tool on the flange during each motion, by its step, as `yarclang.certify.read.tools`
-            computes it.
+        again: for each step of a motion, the tool on the flange as `yarclang.certify.read.tools` computes it.
     """
     if handling.cell is None or not handling.cell.tools:
         return []
@@ -125,8 +124,9 @@ def dropped_at_stops(program: hir.Program) -> Iterator[Diagnostic]:
 def _contradicted(
     handling: Handling, before: Mapping[int, Parts], again: Mapping[int, str]
 ) -> Iterator[Diagnostic]:
-    """Yield a finding for the first motion at which the second computation finds another tool on the
-    flange.
+    """Yield a finding for the first motion for which two computations disagree about the tool on the flange.
+
+    The second computation is that of `yarclang.certify.read.tools`.
     """
     for number in sorted(before):
         step, on = handling.steps[number], before[number].tools
@@ -158,9 +158,7 @@ def _not_agreed(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
 
 
 def _frames(handling: Handling, before: Mapping[int, Parts], robot: Robot) -> Iterator[Diagnostic]:
-    """Yield findings about frames of tools that aren't on the flange, but that a motion moves or a zone
-    watches.
-    """
+    """Yield findings about moved or watched frames of tools that aren't on the flange."""
     cell = handling.cell
     assert cell is not None  # it has tools
     owners: dict[str, set[str]] = {}

@@ -1,4 +1,4 @@
-"""Joint torques along the text's segments: compared with efforts, and bounded between the sampled points."""
+"""Joint torques along a controller text's segments: bounded between samples, compared with limits."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ from yarclang.units import UNITS
 from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
-"""Approximate share of an effort up to which the bound between sampled points may add to a torque."""
+"""Share of an effort limit that the bound between sampled points may add; finer grids aim at it."""
 PARTS = 64
 """Most parts into which a segment is cut."""
 ROOM = 0.03
-"""Share that is added to a proposed time.
+"""Share by which a proposed duration is increased.
 
-The law of a longer motion has another number of segments and other ramps, so the torques don't scale exactly.
+A longer motion has another number of segments and other ramps, so its torques don't scale exactly.
 """
 
 
 @frozen(eq=False)
 class _Samples:
-    """Torques at S instants of G motions with one load.
+    """Torques at S instants of G motions that carry the same load.
 
     Attributes:
         row: (S,) segment of each instant.
-        time: (S,) time after the begin of the segment [s].
+        time: (S,) time after the start of the segment [s].
         q: (S, n) joint positions [rad or m].
         torque: (S, n) torques [N m or N].
         bound: (S, n) amount by which |torque| may be larger up to the next instant [N m or N].
-        share: (S, n) torque with bound as a share of the effort.
+        share: (S, n) torque with bound as a share of the effort limit.
         first: (G,) first instant of each motion.
     """
 
@@ -59,12 +59,12 @@ class _Samples:
 
 
 def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
-    """Return the most used effort of every command by its step, and findings about exceeded efforts.
+    """Return the joint nearest to its effort limit for every step, and findings about exceeded limits.
 
     Args:
-        layout: the segments of the text.
-        robot: its masses and efforts; without them, nothing is judged.
-        handled: the cell's state during each command, with the parts that grippers hold.
+        layout: the segments of the controller text.
+        robot: the robot's masses and effort limits; without them, nothing is judged.
+        handled: the cell's state during each command, with the parts that grippers carry.
     """
     dynamics = robot.dynamics
     if dynamics is None or not dynamics.is_checked:
@@ -91,7 +91,7 @@ def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynam
 def _judge_load(
     layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
 ) -> None:
-    """Judge the torques of commands with one load. If a command has several loads, the worst one is kept."""
+    """Judge the torques of commands with one load. Of several loads of a command, the worst one counts."""
     dynamics, (loads, findings) = robot.dynamics, found
     assert dynamics is not None  # torques are only judged with dynamics
     cubics = layout.cubics_of(np.concatenate([np.arange(place.first, place.last) for place in places]))
@@ -111,8 +111,9 @@ def _judge_load(
 
 
 def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
-    """Compute torques on a grid: finer in segments whose bound could exceed the largest torque of their
-    motion.
+    """Compute torques on a grid of instants.
+
+    The grid is finer in segments whose bound could exceed the largest torque of their motion.
     """
     lower, upper = cubics.position_range()
     travel = np.maximum(np.abs(lower), np.abs(upper))
@@ -143,8 +144,8 @@ def _looked_at(
     Args:
         cubics: N segments.
         starts: first segment of each motion.
-        whole: (N, n) amount that the bound adds on a whole segment.
-        parts: (N,) number of parts of each segment.
+        whole: (N, n) amount by which |torque| may exceed its values at both ends of an undivided segment.
+        parts: (N,) number of parts into which each segment is divided.
         robot: the robot.
     """
     dynamics = robot.dynamics
@@ -219,8 +220,9 @@ def _unit(robot: Robot, joint: int) -> str:
 
 
 def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
-    """Return the factor by which a motion must be slower to keep all efforts; infinite if no factor is
-    enough.
+    """Return the factor by which a motion must last longer to respect all effort limits.
+
+    It is infinite if no factor is enough.
 
     On the same path with s times the duration, all torques except gravity's are s^2 times smaller.
     """
@@ -235,12 +237,12 @@ def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) 
 
 
 def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | None]:
-    """Return a remedy and a fix for a motion that must take longer.
+    """Return a remedy in words, and a fix if there is one, for a motion that must take longer.
 
     Args:
         place: the motion.
-        duration: its duration [s].
-        longer: factor by which it must take longer.
+        duration: the motion's duration [s].
+        longer: factor by which the duration must grow.
     """
     if not math.isfinite(longer):
         return f"no time works: {_TOO_HEAVY}", None

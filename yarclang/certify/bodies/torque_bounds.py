@@ -1,10 +1,11 @@
 """Bounds of the second time derivatives of torques while every joint has constant jerk, without sampling.
 
-The torque of joint k is the sum over the bodies i after it of z.(r x F) + z.N. Here z is the axis, r leads
-from a point on it to the body's centre of mass, F is mass times (acceleration minus gravity), and N is the
-rate of the angular momentum. Each derivative with respect to a turning joint adds one cross product with a
-unit vector, so the derivatives of each factor are at most its length times Bell polynomials of the joints'
-rates; those of the product follow by Leibniz' rule. docs/certificate.md has the full derivation.
+The torque of joint k is the sum over the bodies i after it of z.(r x F) + z.N. Here z is the joint's axis, r
+leads from a point on the axis to the body's centre of mass, F is mass times (acceleration minus gravity), and
+N is the rate of the angular momentum. Each derivative with respect to a turning joint adds one cross product
+with a unit vector, so the derivatives of each factor are at most the factor's length times Bell polynomials
+of the joints' rates. The derivatives of the products follow by Leibniz' rule. docs/certificate.md has the
+full derivation.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Dynamics
 
 LEAST_LENGTH = 0.1
-"""Least length in chains with sliding joints [m].
+"""Least length of a vector between axes or to a body's centre of mass, in chains with sliding joints [m].
 
-A larger length is still a bound, and a slide counts as a turn by its distance over this length.
+Relative to such a vector, a slide counts as a turn by its distance over the vector's length. A larger length
+still gives a valid bound.
 """
 
 Derivatives = tuple[Array, ...]
@@ -25,11 +27,11 @@ Derivatives = tuple[Array, ...]
 
 
 def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[Array, Array, Array]) -> Array:
-    """Bound |second derivative of the torque| of each joint (N, n) on N pieces [N m/s^2 or N/s^2].
+    """Bound |second time derivative of the torque| of each joint (N, n) on N pieces [N m/s^2 or N/s^2].
 
     Args:
         chain: the arm.
-        dynamics: its masses.
+        dynamics: the arm's masses and inertias.
         travel: (N, n) largest |q| of each sliding joint on the pieces [m]; not used for other joints.
         peaks: largest |velocity|, |acceleration| and |jerk| of each joint on the pieces, (N, n) each.
     """
@@ -73,7 +75,7 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
 
 @frozen(eq=False)
 class _Rates:
-    """Sums of the largest rates over some joints, (N,) each.
+    """Sums of the largest rates over some joints on N pieces of time, (N,) each.
 
     Attributes:
         w: sum of |velocity| of the turning joints [rad/s].
@@ -92,9 +94,9 @@ class _Rates:
     j_slide: Array
 
     def grown(self, length: Array | float) -> Derivatives:
-        """Return the Bell polynomials (N,) of order 0 to 4 for a vector of `length` [m].
+        """Bound the derivatives of order 0 to 4 of a vector of `length` [m], as multiples of its length (N,).
 
-        They bound the vector's derivatives as multiples of its length.
+        They are the Bell polynomials of the rates.
         """
         # Relative to the vector's length, a slide acts like a turn by its distance over this length.
         scale = 1.0 / np.maximum(length, 1e-9)  # lengths of slides are at least LEAST_LENGTH
@@ -117,8 +119,7 @@ def _bell(w: Array, a: Array, j: Array) -> Derivatives:
 
 
 def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
-    """Bound the rate of a body's angular momentum about its centre, and the first two derivatives of this
-    rate.
+    """Bound a body's rate of angular momentum about its centre of mass, and two derivatives of this rate.
 
     Args:
         stiff: largest moment of inertia of the body [kg m^2].
@@ -144,13 +145,13 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
 
 
 def _product(one: Derivatives, other: Derivatives) -> Array:
-    """Return the second derivative of a product of two factors (Leibniz)."""
+    """Bound the second derivative of a product from bounds of both factors (Leibniz' rule)."""
     total: Array = one[2] * other[0] + 2.0 * one[1] * other[1] + one[0] * other[2]
     return total
 
 
 def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
-    """Return the second derivative of a product of three factors (Leibniz)."""
+    """Bound the second derivative of a product from bounds of its three factors (Leibniz' rule)."""
     both: Derivatives = (
         one[0] * two[0],
         one[1] * two[0] + one[0] * two[1],
@@ -160,9 +161,10 @@ def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
 
 
 def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Array]:
-    """Bound the distance of a body's centre from each turning axis before it, on N pieces.
+    """Bound the distance of a body's centre of mass from each turning axis before it, on N pieces of time.
 
-    The method is that of `reaches` in bounds.py. The entry of a sliding joint is that of the joint after it.
+    The method is that of `reaches` in bounds.py. A sliding joint has the bound of the joint after it, plus
+    its own travel.
 
     Returns:
         One bound (N,) [m] for each of the `body` + 1 joints.

@@ -1,6 +1,6 @@
-"""Pairs of bodies that are allowed to touch, and that really come closer than their margins on a motion.
+"""Pairs of bodies that are allowed to touch, and that really come closer than their margins during a motion.
 
-They show which allowances are needed.
+They show which of the program's allowances are needed.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from yarclang.units import MM
 def find_touching(
     sweep: Sweep, scenes: Sequence[Scene]
 ) -> tuple[Mapping[int, frozenset[tuple[str, str]]], list[Diagnostic]]:
-    """Find the pairs that are allowed to touch and come closer to each other than their margins.
+    """Find the pairs of bodies that are allowed to touch and come closer to each other than their margins.
 
     Args:
         sweep: the M commands.
         scenes: the bodies during each of the commands.
 
     Returns:
-        The names of these pairs by the number of the command, in the form of `allowed_name`, and a warning
-        about each pair of bodies of the robot.
+        For each command's index, the names of its pairs in the form of `allowed_name`; and a warning about
+        each pair of two bodies of the robot.
     """
     found: dict[int, set[tuple[str, str]]] = {}
     warnings: list[Diagnostic] = []
@@ -54,7 +54,7 @@ def find_touching(
 
 
 def _of_itself(scene: Scene, sweep: Sweep, row: int, meeting: Meeting) -> Diagnostic:
-    """Return the warning about two bodies of the robot that collide and are allowed to."""
+    """Return the warning about two bodies of the robot that collide, and that an allowance lets collide."""
     moving, other = scene.names(meeting.pair)
     origin = sweep.places[row].motion.origin
     found = contact(scene, sweep.course, sweep.span(row), meeting)
@@ -74,8 +74,8 @@ def may_touch(handled: Handled, step: int, touching: frozenset[tuple[str, str]])
     """Yield the pairs of bodies whose distance isn't checked during a command.
 
     Args:
-        handled: the cell's state during each command, and the lines that allow the pairs. In a partial plan,
-            the line may be outside of the planned part.
+        handled: the cell's state during each command, and the lines that allow pairs to touch. In a partial
+            plan, such a line may be outside of the planned part.
         step: the step of the command.
         touching: the pairs that come closer than their margins.
     """

@@ -1,8 +1,8 @@
 """A second check of zones, except slow ones, with the judge's own placements and distances.
 
-It examines only the ends of segments, so it can refute the proof of `yarclang.collision.zones.proof`, which
-the planner uses too, but it proves nothing itself. What it reports beyond a border is certain: it examines
-points of the watched bodies, and balls around these points.
+It examines only the ends of segments. Therefore it proves nothing itself, but it can refute the proof of
+`yarclang.collision.zones.proof`, which the planner uses too. What it reports beyond a border is certain: it
+examines points of the watched bodies, and balls around these points.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ _MOST = 1 << 22
 
 @frozen
 class Seen:
-    """A place beyond a border.
+    """An instant at which a watched body or joint is beyond the border of a zone.
 
     Attributes:
         beyond: distance beyond the border [m, or rad or m of a joint].
-        segment: the segment.
+        segment: index of the segment.
         at_end: True at the end of the segment, False at its start.
     """
 
@@ -44,8 +44,7 @@ class Seen:
 
 
 def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
-    """Return, for each motion, the place farthest beyond a zone's border among the ends of segments; None
-    without one.
+    """Return each motion's segment end that is farthest beyond a zone's border; None if none is beyond.
 
     Args:
         motions: the segments, and the range of each motion.
@@ -74,8 +73,9 @@ def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
 
 
 def _joints_beyond(watch: Watch, q: Array) -> Array:
-    """Return the distance (N,) by which joints (N, n) are certainly beyond a window; not positive if
-    inside.
+    """Return by how much joints `q` (N, n) certainly violate a window of joint positions (N,) [rad or m].
+
+    A distance is not positive if the window is respected.
     """
     region = watch.zone.region
     assert isinstance(region, JointWindow)
@@ -84,7 +84,10 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 
 
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
-    """Return the distance (N,) [m] by which a body is certainly beyond a border; not positive otherwise."""
+    """Return by how far a body is certainly beyond a zone's border (N,) [m]; not positive if it isn't.
+
+    In a zone with a posture, they are distances of the joints from the posture's window [rad or m].
+    """
     zone, region = watch.zone, watch.zone.region
     assert not isinstance(region, Unplaced)
     points = _points(item)
@@ -111,7 +114,7 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
 
 
 def _points(item: Item) -> Array:
-    """Return points of a body (K, 3) in {B} with all joints at zero; for a round face, points on its rim."""
+    """Return points (K, 3) of a body in {B} with all joints at zero; points on the rims of round faces."""
     if not item.disc:
         return item.points
     across = np.cross(item.axis, np.eye(3)[int(np.argmin(np.abs(item.axis)))])
@@ -123,7 +126,7 @@ def _points(item: Item) -> Array:
 
 
 def distances(region: Region, points: Array) -> Array:
-    """Return the signed distances (N,) [m] of points (3, N) in {B} from a region; negative inside.
+    """Return the signed distances (N,) [m] from a region to points (3, N) in {B}; negative for points inside.
 
     A distance inside is that from the nearest border of the region.
     """

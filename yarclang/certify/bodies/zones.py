@@ -38,12 +38,13 @@ from yarclang.units import DEG, MM
 
 @frozen
 class InZones:
-    """Proved bounds of a command in relation to zones.
+    """Proved distances, speeds and rules of a command in relation to zones.
 
     Attributes:
         clearance: distance of the watched bodies from borders that they must not cross; None without such
             zones.
-        speed: speed in the slow zone in which it is nearest to its limit; None if the command enters none.
+        speed: speed in that slow zone in which the command comes nearest to the speed limit; None if it
+            enters none.
         kept: the rules of KEEP to which the command keeps, with the proved bounds.
     """
 
@@ -56,12 +57,15 @@ NO_ZONES = InZones(None, None)
 
 
 def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, InZones], list[Diagnostic]]:
-    """Return the bounds of every command by its step, and findings about broken zones and ceilings.
+    """Prove the zones, and the speed limits that motions have of their own (`[V<=250]`).
 
     Args:
-        layout: the segments of the text.
-        robot: its links and kinematics.
-        handled: the cell's state during each command; it has the zones.
+        layout: the segments of the controller text.
+        robot: the robot, with its bodies and kinematics.
+        handled: the cell's state during each command, with its zones.
+
+    Returns:
+        The proved bounds of every command by its step, and findings about broken zones and speed limits.
     """
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
@@ -94,7 +98,7 @@ def find_zones(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int
 
 
 def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Place]]]:
-    """Yield runs of consecutive commands that move the same frame, which zones watch as the tool."""
+    """Yield runs of consecutive commands that move the same frame, which is the tool that zones watch."""
     run: list[Place] = []
     before: Moving | None = None
     for place in places:
@@ -146,7 +150,7 @@ class _Judge:
         }
 
     def _kept(self) -> list[tuple[KeptRule, ...]]:
-        """Return the rules of KEEP for each command, and report the commands that break one."""
+        """Return the rules of KEEP with their proved bounds for each command, and report broken rules."""
         told: list[list[KeptRule]] = [[] for _ in self.places]
         for zone in dict.fromkeys(one.zone for one in self.watches if one.zone.keep is not None):
             rule = zone.keep
@@ -164,9 +168,7 @@ class _Judge:
         return [tuple(one) for one in told]
 
     def _keep_in_sight(self, rule: Keep, sight: Sight, told: list[list[KeptRule]]) -> None:
-        """Add the bounds of a rule about a cone to those of each command, and report the commands that
-        break it.
-        """
+        """Add the proved bounds of a rule about a cone to `told`, and report commands that break the rule."""
         found = sighted(self.motions, sight)
         for row in range(len(self.places)):
             least, farthest = float(found.least[row]), float(found.farthest[row])
@@ -175,7 +177,7 @@ class _Judge:
                 self._out_of_sight(row, rule, sight, float(found.when[row]))
 
     def _out_of_sight(self, row: int, rule: Keep, sight: Sight, when: float) -> None:
-        """Report a command on which a point leaves a cone, with the part of the way and the worst place."""
+        """Report a command during which a point leaves a cone: in which interval, and where it is worst."""
         place, watch = self.places[row], next(one for one in self.watches if one.zone.keep is rule)
         stay = beyond(self.scene, self.course, self.sweep.span(row), watch, when)
         q = self._at(self.sweep.starts(row) + stay.worst)
@@ -253,7 +255,7 @@ class _Judge:
         return clearances
 
     def _look_again(self, watches: Sequence[Watch], broken: Container[tuple[int, str]]) -> None:
-        """Check borders again by arithmetic that the proof does not use.
+        """Check zone borders again by arithmetic that the proof does not use.
 
         A violation that only this check finds is a bug of yarclang.
         """
@@ -395,7 +397,7 @@ def _called(watch: Watch) -> str:
 
 
 def _remedy(code: str, rule: Keep | None) -> str:
-    """Return the remedy of a finding; that of a rule names the place where it stands."""
+    """Return the remedy for a finding; for a rule of the cell, it points to cell.toml."""
     told = _REMEDIES[code]
     return told.replace("in the KEEP", "in [[keep]] of the cell.toml") if rule and rule.of_cell else told
 

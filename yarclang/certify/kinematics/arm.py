@@ -1,7 +1,7 @@
 """Forward kinematics of the judge.
 
-Each joint turns or slides along the z axis of its own frame; constant transforms lead from one of these
-frames to the next. Samples are the last dimension of arrays, and are computed in blocks.
+Each joint turns about, or slides along, the z axis of its own frame; constant transforms lead from one joint
+frame to the next. Samples are the last dimension of arrays, and are computed in blocks.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _BLOCK = 1024
 _NO_PITCH = 1e-11
 """Largest pitch [m/rad] of a joint that counts as turning only.
 
-If its axis is more than 1 m from the origin of {B}, the limit is this share of the distance.
+For an axis more than 1 m from the origin of {B}, this is a share of the distance.
 
 No joint of a URDF both turns and slides. Rounding leaves a small pitch, such as 1e-14 m for an arm 100 m from
 its URDF's root.
@@ -30,7 +30,7 @@ its URDF's root.
 
 @frozen(eq=False)
 class _Steps:
-    """Constants of a chain of n joints.
+    """Constant transforms of a chain of n joints.
 
     Attributes:
         lines: the axes.
@@ -70,7 +70,7 @@ def _steps(chain: Chain) -> _Steps:
 
 @lru_cache(maxsize=256)
 def axes_of(chain: Chain) -> Lines:
-    """Return the axes of a chain.
+    """Return the joint axes of a chain with all joints at zero.
 
     The axis of a screw (v, w) with w not zero is along w, through w x v / |w|^2.
     """
@@ -92,7 +92,7 @@ def axes_of(chain: Chain) -> Lines:
 
 
 def steps_of(chain: Chain) -> tuple[Array, ...]:
-    """Return the constant transforms (4, 4) of a chain.
+    """Return the constant transforms (4, 4) of a chain between the movements of its joints.
 
     They lead from {B} to the first joint's frame, from each joint's frame to the next, and from the last to
     the flange. Each joint turns about the z axis of its frame, or slides along it.
@@ -102,15 +102,15 @@ def steps_of(chain: Chain) -> tuple[Array, ...]:
 
 
 def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
-    """Compute the frames of a chain, from the base to the flange.
+    """Compute the joint frames and the flange of a chain at P joint positions.
 
     Args:
         chain: n joints.
         q: (n, P) joint positions [rad or m].
 
     Returns:
-        The joint frames (n, 4, 3, P), each without the movement of its own joint, as three axes and the
-        origin, and the flange (4, 3, P), all in {B}.
+        The joint frames (n, 4, 3, P), each without the movement of its own joint, and the flange (4, 3, P),
+        all in {B}. The four rows of a frame are its three axes and its origin.
     """
     steps = _steps(chain)
     turns, slides = steps.lines.turn, steps.lines.slide
@@ -146,18 +146,18 @@ def flange_poses(chain: Chain, q: Array) -> Array:
 
 
 def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
-    """Return base_from_tool (P, 4, 4) [m] for joint positions (P, n) and a frame (4, 4) on the flange."""
+    """Return base_from_tool (P, 4, 4) [m] at joint positions (P, n), for flange_from_tool (4, 4)."""
     found: Array = flange_poses(chain, q) @ flange_from_tool
     return found
 
 
 def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
-    """Compute the poses of a frame on the flange and its geometric Jacobians.
+    """Compute the poses of a tool frame and its geometric Jacobians.
 
     Args:
         chain: n joints.
         q: (P, n) joint positions [rad or m].
-        flange_from_tool: (4, 4) frame on the flange.
+        flange_from_tool: (4, 4) tool frame, relative to the flange.
 
     Returns:
         base_from_tool (P, 4, 4), and the Jacobians (P, 6, n). A column is the velocity of the frame's origin
@@ -190,7 +190,7 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
 
 
 def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
-    """Compute the placements and velocities of the bodies that the first k joints move, for each k.
+    """Compute the placements and velocities of the bodies that the first k joints move, for k = 0 to n.
 
     Args:
         chain: n joints.
@@ -199,7 +199,8 @@ def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
 
     Returns:
         Placements as in `Kinematics.placements`, angular velocities (n + 1, 3, P) [rad/s], and velocities (n
-        + 1, 3, P) [m/s] of the body's point at the origin of {B}, in the axes of {B}.
+        + 1, 3, P) [m/s] of the point, rigidly attached to the bodies, that is at the origin of {B}. All are
+        in the axes of {B}.
     """
     placed = KINEMATICS.placements(chain, q)
     lines, count = axes_of(chain), len(q)
@@ -227,7 +228,10 @@ class Kinematics:
     __slots__ = ()
 
     def placements(self, chain: Chain, q: Array) -> Array:
-        """Return the transforms (n + 1, 3, 4, P) of the links from their places at zero to `q` (P, n)."""
+        """Return the transforms (n + 1, 3, 4, P) of the links in {B} from all joints at zero to `q` (P, n).
+
+        Row k is for the link that the first k joints move.
+        """
         count = len(q)
         frames = _hinged(chain, np.ascontiguousarray(q.T))
         steps = _steps(chain)
@@ -250,7 +254,7 @@ class Kinematics:
         return axes_of(chain)
 
     def elbow(self, chain: Chain) -> tuple[int, Array] | None:
-        """Return the joint of the elbow and its point (3,) [m]; None without an elbow."""
+        """Return the index of the elbow's joint and the elbow's point (3,) [m]; None without an elbow."""
         return find_elbow(axes_of(chain), chain.base_from_flange[:3, 3])
 
 

@@ -1,8 +1,8 @@
-"""The judge's description of a robot, read from the texts of robot.toml and the URDF.
+"""The judge's description of a robot, read from the contents of robot.toml and of the URDF.
 
-The judge has its own readers and conventions. The texts come with the robot (`Robot.written`) as they were
-first read, so that a later change of the files has no effect. The numbers of a robot without files are
-used as they are, with the judge's own kinematics.
+The judge has its own readers and conventions. The contents come with the robot (`Robot.written`) as they were
+first read, so that a later change of the files has no effect. A robot without files has only numbers, which
+are used as they are, with the judge's own kinematics.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class _Joint:
         kind: type of the joint in the URDF.
         parent: name of the parent link.
         child: name of the child link.
-        parent_from_joint: (4, 4) place of the joint with the joint at zero [m].
+        parent_from_joint: (4, 4) frame of the joint in the parent link, with the joint at zero [m].
         axis: (3,) unit vector of the axis.
     """
 
@@ -65,11 +65,11 @@ class _Joint:
 
 @frozen(eq=False)
 class _Tree:
-    """A URDF.
+    """The content of a URDF, by links.
 
     Attributes:
-        above: for each link, the joint above it.
-        shapes: for each link, its collision shapes with their places in the link (4, 4); None in place of a
+        above: for each link, the joint that connects it to its parent.
+        shapes: for each link, its collision shapes with their poses in the link (4, 4); None in place of a
             mesh.
         efforts: effort limits of the joints that have one [N m or N].
     """
@@ -94,17 +94,17 @@ def ends_of(written: Written) -> Ends:
 
 
 class ContradictionError(Exception):
-    """A contradiction between the robot and its texts; the message names it."""
+    """The robot contradicts the contents of its files; the message says where."""
 
 
 @lru_cache(maxsize=64)
 def own_robot(robot: Robot) -> Robot:
-    """Return the robot as the judge reads it from the texts, with the judge's own kinematics.
+    """Return the robot as the judge reads it from its files, with the judge's own kinematics.
 
     Geometry, frames, tools, limits and actuation are read again.
 
     Raises:
-        ContradictionError: the texts describe another robot, or cannot be read.
+        ContradictionError: the files describe another robot, or cannot be read.
     """
     if robot.written is None:
         chain = Chain(robot.chain.screws, robot.chain.base_from_flange, KINEMATICS)
@@ -220,7 +220,7 @@ def _between(tree: _Tree, base: str, flange: str) -> list[_Joint]:
 
 
 def _place(tree: _Tree, link: str) -> tuple[Array, tuple[str, ...]]:
-    """Return root_from_link (4, 4) with all joints at zero, and the names of the joints above the link."""
+    """Return root_from_link (4, 4) with all joints at zero, and the names of the joints in between."""
     placed, names = np.eye(4), []
     while link in tree.above:
         joint = tree.above[link]
@@ -246,8 +246,9 @@ def _link_shapes(
     moving: tuple[str, ...],
     pieces: Mapping[str, int],
 ) -> tuple[LinkShape, ...]:
-    """Compute the places and sizes of the links' shapes again. Only the content of meshes is taken from
-    `known`.
+    """Compute the poses and sizes of the collision shapes of all links again.
+
+    Only the content of meshes is taken from the `known` shapes.
     """
     count: dict[str, int] = {}
     found = []
@@ -294,7 +295,7 @@ def _in_millimetres(entry: Mapping[str, Any]) -> Array:
 
 
 def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str, Array]) -> tuple[Tool, ...]:
-    """Compute again the places of tools and of their shapes, and their masses."""
+    """Compute the poses of tools and of their shapes, and the masses of tools, again."""
     tables = {name.upper(): tool for name, tool in table.get("tools", {}).items()}
     bodies: dict[str, list[Array]] = {name: [] for name in tables}
     for body in table.get("bodies", ()):
@@ -331,7 +332,7 @@ def _limits(table: Mapping[str, Any], names: Sequence[str], units: Array) -> Lim
     Args:
         table: the content of robot.toml.
         names: names of the joints.
-        units: (n,) units of the joints [rad or m].
+        units: (n,) axis unit of each joint, deg or mm, in SI units [rad or m].
     """
     rows = [table["joints"][name] for name in names]
     ends = np.array([row.get("position", (-np.inf, np.inf)) for row in rows], dtype=np.float64)
@@ -360,9 +361,9 @@ def _dynamics(
     moving: Sequence[_Joint],
     base_from_root: Array,
 ) -> Dynamics | None:
-    """Return the known masses with gravity and efforts read again.
+    """Return the `known` masses, with gravity and effort limits read again.
 
-    The masses are compared with Pinocchio's, motion by motion.
+    The masses are checked elsewhere: torques are compared with Pinocchio's, motion by motion.
     """
     if known is None:
         return None
@@ -379,7 +380,7 @@ def _dynamics(
 
 
 def _actuation(table: Mapping[str, Any], size: int) -> Actuation:
-    """Return K, J, a0 and the largest motor speeds [counts/s], which robot.toml gives in counts/ms."""
+    """Return K, J, a0 and the largest motor speeds [counts/s] from robot.toml, which has counts/ms."""
     said = table["actuation"]
     return Actuation(
         _sealed(np.array(said["K"], dtype=np.float64)),

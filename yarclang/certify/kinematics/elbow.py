@@ -1,4 +1,4 @@
-"""The elbow as docs/cells.md defines it.
+"""The elbow of an arm as docs/cells.md defines it.
 
 It is on the turning axis that is farthest from both shoulder and flange, with all joints at zero.
 """
@@ -47,9 +47,10 @@ def _foot(lines: Lines, joint: int, point: Array) -> Array:
 
 
 def _shoulder(lines: Lines, one: int, other: int) -> Array:
-    """Return the point of one axis that is nearest to another axis.
+    """Return the shoulder: the point of one axis that is nearest to another axis.
 
-    For parallel axes, this is the foot of the other axis's point nearest to the base's origin.
+    If the axes are parallel, the other axis's point nearest to the base's origin is projected onto the first
+    axis.
     """
     first, second = lines.axes[one], lines.axes[other]
     cosine = float(first @ second)

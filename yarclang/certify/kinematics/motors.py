@@ -17,7 +17,10 @@ _MILLIMETRE = 1e-3
 
 @lru_cache(maxsize=64)
 def counts_per_joint(robot: Robot) -> Array:
-    """Return the counts of each motor (row) per rad or m of each joint (column), (n, n), read-only."""
+    """Return the counts that each motor (row) moves per rad or m of each joint (column), (n, n).
+
+    The array is read-only.
+    """
     actuation, size = robot.actuation, robot.size
     found = np.empty((size, size))
     for motor in range(size):
@@ -30,7 +33,7 @@ def counts_per_joint(robot: Robot) -> Array:
 
 @lru_cache(maxsize=64)
 def joints_per_count(robot: Robot) -> Array:
-    """Return the rad or m of each joint (row) per count of each motor (column), (n, n), read-only."""
+    """Return the rad or m that each joint (row) moves per count of each motor (column), (n, n), read-only."""
     size = robot.size
     found = np.asarray(np.linalg.solve(counts_per_joint(robot), np.eye(size)), dtype=np.float64)
     found.setflags(write=False)

@@ -1,8 +1,8 @@
-"""Comparison with Pinocchio at a few points of each motion.
+"""Comparison of the judge's kinematics and dynamics with Pinocchio's, at a few instants of each motion.
 
-Pinocchio must place all links in the same way and compute the same torques.
+Pinocchio must place all joints and the flange in the same way, and compute the same torques.
 
-The points are the begin of each motion, the knot in its middle, and the end of the last motion. The
+The instants are the start of each motion, a knot in its middle, and the end of the last motion. The
 comparison takes about 0.1 ms for each motion.
 """
 
@@ -22,7 +22,7 @@ from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Array, Robot
 
 SAME_PLACE = 1e-9
-"""Largest difference of equal transforms in each entry [m].
+"""Largest difference between entries of two transforms that count as equal [m].
 
 For an arm longer than 1 m, this is a share of its length.
 """
@@ -36,12 +36,12 @@ class _Witness:
 
     Attributes:
         model: the model.
-        data: its working data.
-        joints: (n,) indices of the arm's joints.
-        columns: (n,) indices of their velocities.
+        data: Pinocchio's working data for the model.
+        joints: (n,) indices of the arm's joints in the model.
+        columns: (n,) indices of the joints' velocities in the model.
         base: index of the base's frame.
         flange: index of the flange's frame.
-        at_zero: (n + 1, 4, 4) joints and flange in {B} with all joints at zero.
+        at_zero: (n + 1, 4, 4) frames of joints and flange in {B} with all joints at zero.
     """
 
     model: Any
@@ -54,11 +54,11 @@ class _Witness:
 
 
 def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
-    """Yield the first step at which Pinocchio disagrees, with the reason.
+    """Yield the first step at which Pinocchio's result differs from the judge's, with the reason.
 
     Args:
-        layout: the commands of the text.
-        robot: the robot as the judge reads it. Without the texts of its files, nothing can be compared.
+        layout: the commands of the controller text.
+        robot: the robot as the judge reads it. For a robot without files, nothing can be compared.
     """
     witness = _witness_of(robot)
     moving = [place for place in layout.places if place.size]
@@ -104,7 +104,7 @@ def _joined(placed: Array) -> Array:
 
 
 def _asked(witness: _Witness, motion: tuple[Array, Array, Array], *, loaded: bool) -> tuple[Array, Array]:
-    """Return Pinocchio's places (n + 1, 4, 4) of joints and flange, and the torques (n,).
+    """Return Pinocchio's frames of joints and flange (n + 1, 4, 4) in {B}, and the joint torques (n,).
 
     The torques are zero unless `loaded`.
     """
@@ -132,7 +132,7 @@ def _asked(witness: _Witness, motion: tuple[Array, Array, Array], *, loaded: boo
 
 @lru_cache(maxsize=64)
 def _witness_of(robot: Robot) -> _Witness | None:
-    """Build Pinocchio's model of a robot; None if the robot has no texts."""
+    """Build Pinocchio's model of a robot; None if the robot has no files."""
     if robot.written is None:
         return None
     import pinocchio as pin

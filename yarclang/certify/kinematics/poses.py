@@ -1,4 +1,4 @@
-"""Comparison of the program's poses with the written numbers, by the judge's own transforms."""
+"""Comparison of a program's poses with the numbers that its author wrote, by the judge's own transforms."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ from yarclang.certify.kinematics.rotations import of_numbers
 from yarclang.robot.model import Array, Robot
 
 SAME = 1e-9
-"""Largest difference of equal transforms in each entry [m].
+"""Largest difference between entries of two transforms that count as equal [m].
 
-For a frame farther than 1 m, this is a share of its distance.
+For a frame farther than 1 m from the origin, this is a share of its distance.
 """
 
 
 def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None, str]]:
-    """Yield the steps whose poses are wrong, and the wrong places of the cell, each with the reason.
+    """Yield where poses differ from the numbers that were written, each with the difference in words.
+
+    These are steps of the program, and, with None instead of a step, bodies, frames and zones of the cell.
 
     Args:
         program: the program.
@@ -122,12 +124,12 @@ class _Frames:
 
 
 def _is_region(keep: Keep, carried: Array, standing: Array) -> bool:
-    """Return True if a rule has the points and axes that its frames have.
+    """Return True if the points and axes in a rule (KEEP) are those of the rule's two frames.
 
     Args:
         keep: the rule.
-        carried: flange_from_frame (4, 4) [m].
-        standing: base_from_frame (4, 4) [m].
+        carried: flange_from_frame (4, 4) [m] of the frame that the robot carries.
+        standing: base_from_frame (4, 4) [m] of the frame that stands still.
     """
     pairs: list[tuple[tuple[float, ...], Array]]
     match keep.kind, keep.region:
@@ -148,7 +150,7 @@ def _is_region(keep: Keep, carried: Array, standing: Array) -> bool:
 
 
 def _wrong_cell_rules(cell: Cell, robot: Robot) -> Iterator[str]:
-    """Yield the rules of a cell whose frames aren't where they are in cell and robot."""
+    """Yield the rules of a cell whose points and axes are not those of their frames in cell and robot."""
     for keep in cell.rules:
         placed = []
         for name, is_carried in ((keep.frame, True), (keep.of, False)):
@@ -202,7 +204,7 @@ def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
 
 
 def _wrong_tools(cell: Cell, robot: Robot) -> Iterator[str]:
-    """Yield the tools of a cell that differ from the cell's numbers, or from the tools of the robot."""
+    """Yield the tools of a cell that differ from the numbers in cell.toml, or from the robot's tools."""
     known = {one.name: one for one in robot.tools}
     for part in cell.parts:
         rack, body = part.rack, part.body
@@ -231,7 +233,7 @@ def _wrong_tools(cell: Cell, robot: Robot) -> Iterator[str]:
 
 
 def _followed(told: tuple[Array, ...]) -> Array:
-    """Return the product (4, 4) of places that are given relative to each other."""
+    """Return the product (4, 4) of poses, each given relative to the one before."""
     own = np.eye(4)
     for numbers in told:
         own = own @ of_numbers(numbers)
@@ -244,7 +246,7 @@ def _are_one(one: Array, other: Array) -> bool:
 
 
 def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
-    """Return True (n,) for pairs of transforms (n, 4, 4) that are equal up to rounding.
+    """Return for pairs of transforms (n, 4, 4) whether they are equal up to rounding (n,).
 
     A pair with a value that isn't finite is not equal.
     """

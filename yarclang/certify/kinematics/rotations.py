@@ -10,7 +10,7 @@ from yarclang.robot.model import Array
 def cross_matrix(vectors: Array) -> Array:
     """Return the matrices (..., 3, 3) [v]x that compute the cross product v x y for vectors v (..., 3).
 
-    Column i is the product with unit vector i.
+    Column i is the cross product of v with unit vector i.
     """
     return np.cross(vectors[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
@@ -26,7 +26,7 @@ def turn(axis: Array, angle: Array) -> Array:
 
 
 def of_roll_pitch_yaw(angles: Array) -> Array:
-    """Return the rotations (..., 3, 3) of angles (..., 3) [rad].
+    """Return the rotation matrices (..., 3, 3) of roll, pitch and yaw angles (..., 3) [rad].
 
     They turn about the fixed x axis by roll, then about the fixed y axis by pitch, then about the fixed z
     axis by yaw.
@@ -36,7 +36,7 @@ def of_roll_pitch_yaw(angles: Array) -> Array:
 
 
 def of_quaternion(quaternions: Array) -> Array:
-    """Return the rotations (..., 3, 3) of quaternions (..., 4), real part last, of any length but zero."""
+    """Return the rotation matrices (..., 3, 3) of nonzero quaternions (..., 4) with the real part last."""
     length = np.einsum("...i,...i->...", quaternions, quaternions)[..., None, None]
     spin, real = cross_matrix(quaternions[..., :3]), quaternions[..., 3, None, None]
     made: Array = np.eye(3) + (2.0 / length) * (real * spin + spin @ spin)
@@ -44,9 +44,9 @@ def of_quaternion(quaternions: Array) -> Array:
 
 
 def of_numbers(numbers: Array) -> Array:
-    """Return the transforms (..., 4, 4) of written numbers.
+    """Return the transforms (..., 4, 4) of poses given by six or seven numbers.
 
-    They are x y z and roll pitch yaw (..., 6) [m, rad], or x y z and quaternions (..., 7).
+    The numbers are x y z and roll pitch yaw (..., 6) [m, rad], or x y z and a quaternion (..., 7).
     """
     made = np.zeros((*numbers.shape[:-1], 4, 4))
     angles = numbers[..., 3:]

@@ -1,11 +1,11 @@
-"""Closed forms and theorems that the proofs are based on. All of them work on whole arrays, without sampling.
+"""Closed forms and theorems on which the proofs are based, for whole arrays, without sampling.
 
 Hermite remainder: let e be a function on an interval of length d, and c the cubic with the same values and
 derivatives at both ends. Then |e - c| <= d^4/384 max|e''''|. A jump G of e''' inside the interval adds at
 most d^3/192 |G|. These are the deflections of a beam clamped at both ends, under an even load and under a
-load in its middle. The derivatives differ by at most sqrt(3)/216 d^3 max|e''''| (Birkhoff and Priver 1967).
-The cubic itself stays in the convex hull of its four Bezier points. All of this holds for vectors and
-matrices in any norm that comes from an inner product.
+load in its middle. The derivatives of e and c differ by at most sqrt(3)/216 d^3 max|e''''| (Birkhoff and
+Priver 1967). The cubic itself stays in the convex hull of its four Bezier points. All of this is true for
+vectors and matrices in any norm that comes from an inner product.
 """
 
 from __future__ import annotations
@@ -30,15 +30,16 @@ UNIT = 2.0**-53
 
 @frozen(eq=False)
 class Fuzz:
-    """Upper bounds of the rounding errors of segments' peaks, in units of `UNIT`.
+    """Upper bounds of the rounding errors in the peaks (largest values) of segments, in units of `UNIT`.
 
-    A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers of a
-    text are known to 3 M (decimal number, unit, product). The third difference has 8 such errors, plus
-    roundings of the steps by 4 + 4 + 4 S and a relative one of 12. With h known to 2, the jerk is off by less
-    than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns. In the same way, the
-    acceleration at the start is off by (16 M + 128 S) / h^2, the velocity by (4 M + 32 S) / h and the
-    position by 8 M. A peak is a value of the polynomial with these coefficients somewhere in [0, h]. Its
-    error is at most the sum of the errors of the coefficients, plus the rounding of its own evaluation.
+    A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers in a
+    controller text are exact up to 3 M (decimal number, unit, product). The third difference has 8 such
+    errors, plus roundings of the steps by 4 + 4 + 4 S and a relative one of 12. With the duration h exact up
+    to 2, the jerk is off by less than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns.
+    In the same way, the acceleration at the start is off by (16 M + 128 S) / h^2, the velocity by (4 M + 32
+    S) / h and the position by 8 M. A peak is a value of the polynomial with these coefficients somewhere in
+    [0, h]. The peak's error is at most the sum of the errors of the coefficients, plus the rounding of its
+    own evaluation.
 
     Attributes:
         size: (N, n) the sizes M.
@@ -60,7 +61,7 @@ class Fuzz:
         return Fuzz(self.size[rows], self.step[rows], self.h[rows])
 
     def mapped(self, matrix: Array) -> Fuzz:
-        """Return the bounds for y = matrix x."""
+        """Return the bounds of the rounding errors of y = matrix x."""
         m = np.abs(matrix).T
         return Fuzz(self.size @ m, self.step @ m, self.h)
 
@@ -72,7 +73,7 @@ class Fuzz:
 
     @property
     def acceleration(self) -> Array:
-        """Bound for the peak acceleration (N, n).
+        """Bound of the rounding error of the peak acceleration (N, n).
 
         It is the sum of the bound for the acceleration at the start, h times that for the jerk, and 32 S for
         the evaluation.
@@ -82,7 +83,7 @@ class Fuzz:
 
     @property
     def velocity(self) -> Array:
-        """Bound for the peak velocity (N, n).
+        """Bound of the rounding error of the peak velocity (N, n).
 
         It is the sum of the bound for the velocity at the start, h times that for the acceleration, h^2 / 2
         times that for the jerk, and 64 S for the evaluation.
@@ -92,7 +93,7 @@ class Fuzz:
 
     @property
     def position(self) -> Array:
-        """Bound for the least and the greatest position (N, n).
+        """Bound of the rounding error of the least and the greatest position (N, n).
 
         It includes 8 M for the evaluation and for the time of the extremes.
         """
@@ -102,7 +103,7 @@ class Fuzz:
 
 @frozen(eq=False)
 class Cubics:
-    """N segments of motion, each with constant jerk.
+    """N segments of motion, each with constant jerk, so that every joint follows a cubic.
 
     Attributes:
         x: (N, n) positions at the start.
@@ -110,7 +111,7 @@ class Cubics:
         a: (N, n) accelerations at the start [per s^2].
         j: (N, n) jerks [per s^3].
         h: (N,) durations [s].
-        fuzz: rounding errors, which the peaks include; None if the values are exact.
+        fuzz: bounds of the rounding errors, which the peaks include; None if the values are exact.
     """
 
     x: Array
@@ -219,7 +220,7 @@ class Cubics:
 
 
 def _roots(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array]:
-    """Return both roots of a t^2 + b t + c, moved into [0, h].
+    """Return both roots of a t^2 + b t + c, each moved to the nearest value in [0, h].
 
     With q = -(b + sign(b) sqrt(b^2 - 4 a c)) / 2, which avoids cancellation, the roots are q / a and c / q.
     Moving a root is harmless: the caller evaluates the position there, which is within the range at any time
@@ -241,7 +242,7 @@ def fourth(w: Array, a: Array, j: Array) -> Array:
 
 
 def path_fourth(bounds: Array, w: Array, a: Array, j: Array) -> Array:
-    """Compute Faa di Bruno's bound of the fourth time derivative of a path P(s(t)) with a cubic s(t).
+    """Bound the fourth time derivative of a path P(s(t)) with a cubic s(t), by Faa di Bruno's formula.
 
     Args:
         bounds: (N, 4) bounds of the first to fourth derivative of P over s. The first has no effect, as s''''
@@ -257,7 +258,7 @@ def path_fourth(bounds: Array, w: Array, a: Array, j: Array) -> Array:
 
 @frozen(eq=False)
 class FourthDerivatives:
-    """Bounds of the fourth time derivatives of the arm.
+    """Bounds of the fourth time derivatives of the tool's position and rotation on N segments.
 
     Attributes:
         origin: (N,) bounds for the tool's origin [m/s^4].
@@ -272,8 +273,8 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
     """Bound the tool's fourth time derivatives while every joint has constant jerk.
 
     A partial derivative of the tool's origin over some joints is a chain of cross products with their axes,
-    innermost the one nearest to the tool. Its length is at most the distance of that joint's axis from the
-    tool. Summed over the joint m nearest to the tool, this gives R_m (B_m - B_{m-1}) with B the sum of
+    innermost the axis of the joint nearest to the tool. Its length is at most the distance of that axis from
+    the tool. Summed over the joint m nearest to the tool, this gives R_m (B_m - B_{m-1}) with B the sum of
     `fourth` over the joints up to m.
 
     A prismatic joint enters at most once, and innermost (what is farther out only turns a free vector), with
@@ -281,9 +282,9 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
     Frobenius norm is at most sqrt 2.
 
     Args:
-        reach: (n,) from `reaches`; not used for a prismatic joint.
+        reach: (n,) distances from `reaches`; not used for a prismatic joint.
         prismatic: (n,) True for joints that slide.
-        w: (N, n) largest |velocity| of each joint on the piece [rad/s or m/s].
+        w: (N, n) largest |velocity| of each joint on a segment [rad/s or m/s].
         a: (N, n) largest |acceleration| [rad/s^2 or m/s^2].
         j: (N, n) largest |jerk| [rad/s^3 or m/s^3].
     """
@@ -308,13 +309,13 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
 def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
     """Bound the distance of the tool's origin from each revolute axis, over all joint positions.
 
-    Going from the tool towards the base, take the point of each axis nearest to the point taken before. The
-    lengths between these points add up (triangle inequality: the part between two axes only turns); a
+    Going from the tool towards the base, take on each axis the point nearest to the point taken before. The
+    distances between these points add up (triangle inequality: the vector between two axes only turns); a
     prismatic joint adds its travel.
 
     Args:
         chain: the arm.
-        flange_from_tool: (4, 4) tool on the flange.
+        flange_from_tool: (4, 4) tool frame, relative to the flange.
         travel: (n,) largest |q| of each prismatic joint in the motion [m].
 
     Returns:
@@ -338,7 +339,9 @@ def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
 
 
 def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -> tuple[Array, ...]:
-    """Return the four Bezier points of cubics with values e and derivatives `rate` at both ends of d."""
+    """Return the four Bezier points of cubics with values `e` and derivatives `rate` at both ends of an
+    interval of duration `d`.
+    """
     third = d / 3.0
     return e0, e0 + third * rate0, e1 - third * rate1, e1
 
@@ -346,15 +349,16 @@ def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -
 def catch_up(
     bezier: Array, group: NDArray[np.int64], end: float = 1.0, covered: Array | None = None
 ) -> Array:
-    """Bound the distance of a path parameter from a parameter that covers the whole path and never decreases.
+    """Bound the distance of a path parameter s(t) from one that covers the whole path and never decreases.
 
     This second parameter is defined by its Bezier points. They are those of s(t), clipped to the path, each
-    replaced by the largest one so far, with the first moved to the path's start and the last to its end. Its
-    distance from s(t) is at most that of the Bezier points. A deviation at this parameter is therefore a
-    deviation from the whole path in order of time (Frechet distance), not from the nearest point.
+    replaced by the largest one so far, with the first moved to the path's start and the last to its end. The
+    distance between the parameters is at most that of the Bezier points. A deviation at the second parameter
+    is therefore a deviation from the whole path in order of time (Frechet distance), not from the nearest
+    point.
 
     Args:
-        bezier: (P, 4) Bezier points of s on each piece, in order of time.
+        bezier: (P, 4) Bezier points of s on each piece of time, in order.
         group: (P,) command of each piece, in order, from 0 on.
         end: value of s at the end of the path.
         covered: (C, 2) shares of the path at which each command joins and leaves it; None: 0 and 1.
@@ -379,6 +383,6 @@ def catch_up(
 
 
 def segment_max(values: Array, first: NDArray[np.int64]) -> Array:
-    """Return the maximum over the rows of each group. Groups begin at the rows `first`; none is empty."""
+    """Return the maximum of each group of rows. Groups begin at the rows `first`; none is empty."""
     result: Array = np.maximum.reduceat(values, first, axis=0)
     return result

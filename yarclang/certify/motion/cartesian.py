@@ -1,4 +1,4 @@
-"""Deviation of the moving frame from its programmed path, and its speed."""
+"""Deviation of the moving frame from its programmed path, and the frame's speed."""
 
 from __future__ import annotations
 
@@ -31,22 +31,23 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
-"""Share of the tolerance that the remainder of the proof may take; pieces are short enough for it."""
+"""Share of the tolerance that the remainder of the proof may take. It determines the number of pieces."""
 _AT_ONCE = 8_192
-"""Pieces that are bounded in one step, so that memory does not grow with the length of a motion."""
+"""Number of pieces that are bounded in one step, so that memory does not grow with the length of a motion."""
 MOST_PIECES = 32
 """Largest number of pieces of a segment. A motion that needs more is far beyond any limit."""
 
 
 @frozen(eq=False)
 class Stretch:
-    """The segments of C commands, one command after the other.
+    """The segments of C Cartesian commands, one command after the other, with what is asked of them.
 
     Attributes:
         cubics: all segments.
         first: (C,) first segment of each command.
         follow: (C, 2) range of the segments that follow the programmed path; the others belong to a blend.
-        free: (C, 2) True if the path is joined after its start, and if it is left before its end.
+        free: (C, 2) True in the first column if a blend joins the path after its start, and in the second
+            column if a blend leaves it before its end.
         tolerance: (C,) distance for which the proof should be sharp [m].
         angle: (C,) angle for which the proof should be sharp [rad].
         speed: the programmed speeds.
@@ -63,7 +64,7 @@ class Stretch:
 
 @frozen(eq=False)
 class Followed:
-    """Proved bounds for C commands.
+    """Proved deviations and speeds of C commands.
 
     Attributes:
         position: (C,) largest deviations in position [m].
@@ -90,20 +91,19 @@ def follow(
     *,
     is_way: bool = False,
 ) -> Followed:
-    """Bound the deviation from programmed paths of the moving frame.
+    """Bound the deviation of moving frames from their programmed paths.
 
     For any parameter s(t) that grows from 0 to 1, the distance at equal t bounds the distance between the
-    paths. Here s(t) is piecewise cubic. At the points between pieces it is the projection of the executed
-    pose onto the programmed path, with position and angle weighted by their tolerances; between them it is
-    the cubic Hermite interpolation.
+    paths. Here s(t) is piecewise cubic. At the points between pieces, s is the projection of the executed
+    pose onto the programmed path, with position and angle weighted by their tolerances. On a piece, s(t) is
+    the cubic Hermite interpolation of these values.
 
     On a piece, e(t) = p(q(t)) - P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4. M4
     is the sum of the bounds for the arm's fourth derivative and for the path's, which is zero for a line.
     Where s passes a jump of P''', e''' jumps by s'^3 times that jump. For the turn, D = R(q(t)) - R*(s(t))
     has the Frobenius norm 2 sqrt 2 sin(angle/2), and pieces are bounded in that norm.
 
-    If a command flows out of another, or into another, s runs from where the path is joined to where it is
-    left.
+    If a blend precedes or follows a command, s runs from where the path is joined to where it is left.
 
     Args:
         stretch: the segments of all C commands.
@@ -115,7 +115,7 @@ def follow(
             then starts from them.
 
     Returns:
-        The bounds for all C commands.
+        The deviations and speeds of all C commands.
     """
     cubics = stretch.cubics
     arm = _arm_bounds(stretch, paths, robot)
@@ -139,7 +139,7 @@ def follow(
 
 @frozen(eq=False)
 class _Law:
-    """A claimed law: `claims` and `is_way` as in `follow`."""
+    """The planner's claim about s(t) of a motion: `claims` and `is_way` as in `follow`."""
 
     claims: tuple[Array, int] | None
     is_way: bool
@@ -147,7 +147,7 @@ class _Law:
 
 @frozen(eq=False)
 class _Arm:
-    """Bounds of the arm's motion on N segments.
+    """Bounds of the arm's motion on N segments, from which the number of pieces follows.
 
     Attributes:
         command: (N,) command of each segment.
@@ -243,7 +243,7 @@ def _bounds(
     motion: Motion,
     law: _Law,
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Bound the commands that have pieces.
+    """Bound the deviations of those commands that have pieces outside of blends.
 
     Returns:
         Deviations of position and angle, their remainders, and the range of the path that was followed.
@@ -288,7 +288,7 @@ def _bounds_of(
     behind: Array,
     which: slice,
 ) -> tuple[Array, Array, Array, Array]:
-    """Bound the deviations and remainders of position and angle on some consecutive pieces.
+    """Bound the deviations of position and angle, and their remainders, on some consecutive pieces.
 
     Args:
         paths: the programmed paths.
@@ -297,7 +297,7 @@ def _bounds_of(
         motion: the frames at the points between the pieces.
         law: s and its rate at these points, (N,) each.
         bezier_s: (P, 4) Bezier points of s on all pieces.
-        behind: (P,) result of `catch_up`.
+        behind: (P,) distances of s from a parameter that never decreases, by `catch_up`.
         which: the pieces to bound.
     """
     # Take only the points of these pieces.
@@ -342,8 +342,8 @@ def _bounds_of(
 
 
 def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, Array, Array]:
-    """Return the errors, executed minus programmed, of position (N, 3) and rotation (N, 9), each with its
-    rate.
+    """Return the errors of position (N, 3) and rotation (N, 9), executed minus programmed, and their
+    rates.
     """
     e = motion.p - path.p
     # Chain rule: d/dt P(s(t)) = s' P'(s), and R' = [omega]x R.
@@ -355,7 +355,7 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
 
 
 def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]:
-    """Return the remainders of position and rotation (P,) due to the curvature of the path itself."""
+    """Return the remainders of position and rotation (P,) as far as the programmed path causes them."""
     # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
@@ -374,7 +374,7 @@ def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]
 
 
 def _claimed(control: Array, begins: int, cut: Pieces, h: Array) -> tuple[Array, Array]:
-    """Return the values and derivatives of a claimed cubic B-spline at the points between pieces.
+    """Return the values and derivatives of a claimed cubic B-spline s(t) at the points between pieces.
 
     Args:
         control: control values of the B-spline.

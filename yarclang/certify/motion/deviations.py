@@ -1,4 +1,4 @@
-"""Deviation of every command from its programmed path, proved by the method for its kind of motion."""
+"""Deviation of every command from its programmed path, by the method for its kind of motion."""
 
 from __future__ import annotations
 
@@ -140,9 +140,9 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
 
 
 def _frame_off(judged: Judged, layout: Layout, place: Place, off: Array) -> float:
-    """Return the deviation of the moving frame [m] in a joint motion with a tolerance of its own.
+    """Bound the deviation of the moving frame [m] in a joint motion that has a tolerance of its own.
 
-    Zero for other motions.
+    The bound is zero for other motions.
     """
     motion = place.motion
     if motion.tolerance is None or not place.size or not np.isfinite(off).all():

@@ -21,11 +21,11 @@ from yarclang.robot.model import Array
 Rows = list[tuple[int, Place]]
 
 NO_WAY = 1e-6
-"""Length [m] and turn [rad] below which a path counts as having length zero."""
+"""Length [m] and turn [rad] below which a path counts as a single point."""
 STILL = 1e-9
-"""Distance [m] below which the origin of a frame counts as standing still.
+"""Distance [m] that a frame's origin moves below which the origin counts as standing still.
 
-The frame's speed is then its angular speed.
+The speed of such a frame is its angular speed.
 """
 
 
@@ -171,7 +171,7 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
 
 
 def moving_frame(motion: hir.Motion) -> Array:
-    """Return the moving frame of a motion on the flange (4, 4).
+    """Return the moving frame of a motion, relative to the flange (4, 4).
 
     This is the frame of the motion's goals, or the frame named on its line, or the flange itself.
     """

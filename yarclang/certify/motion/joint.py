@@ -16,7 +16,9 @@ def joint_weights(robot: Robot, tolerance: Tolerance) -> Array:
 
 
 def by_kind(deviations: Array, robot: Robot) -> tuple[float, float]:
-    """Return the largest deviation (n,) of the prismatic joints [m], and of the revolute joints [rad]."""
+    """Return the largest deviation among the prismatic joints [m], and the largest among the revolute joints
+    [rad], for deviations (n,) of all joints.
+    """
     prismatic = robot.chain.is_prismatic
     return float(deviations[prismatic].max(initial=0.0)), float(deviations[~prismatic].max(initial=0.0))
 
@@ -26,9 +28,10 @@ class JointLines:
     """C straight lines in joint space.
 
     Attributes:
-        start: (C, n) [rad or m].
-        goal: (C, n) [rad or m].
-        free: (C, 2) True if the motion joins the line after its start, and if it leaves it before its end.
+        start: (C, n) start points [rad or m].
+        goal: (C, n) goals [rad or m].
+        free: (C, 2) True in the first column if a blend joins the line after its start, and in the second
+            column if a blend leaves it before its end.
     """
 
     start: Array
@@ -39,21 +42,21 @@ class JointLines:
 def straight_deviations(
     control: Array, first: NDArray[np.int64], lines: JointLines, robot: Robot, tolerance: Tolerance
 ) -> tuple[Array, Array]:
-    """Compute proved bounds of the deviation from straight lines in joint space.
+    """Bound the deviation of joint motions from straight lines in joint space.
 
     The control points are S + s_i D + r_i, with the start S, the vector D to the goal, and residuals r_i.
     Every point of the motion is a convex combination of control points. At any instant it is therefore the
     point S + s D of the line, with s a combination of the s_i, plus a combination of the r_i, which is at
-    most max |r_i|. The s_i are kept in [0, 1], never decrease and end with 1, and a spline with growing
-    control points grows. So the bound holds in order of time and for the whole line. If the motion flows on,
-    it holds for the part of the line between its first and its last s.
+    most max |r_i|. The s_i are clipped to [0, 1], never decrease and end with 1, and a spline with growing
+    control points grows. So the bound is valid in order of time and for the whole line. If a motion flows
+    into the next one, the bound is valid for the part of the line between the first and the last s.
 
     Args:
         control: (G, n) control points of C commands, one command after the other [rad or m].
         first: (C,) index of each command's first control point.
         lines: the programmed paths.
         robot: the arm.
-        tolerance: weights of the joints in the projection.
+        tolerance: tolerances of the joints, whose reciprocals are weights in the projection onto the lines.
 
     Returns:
         The largest deviation of each joint (C, n) [rad or m], and the range of each line's parameter that was
@@ -84,21 +87,22 @@ def straight_deviations(
 
 
 def _knot(s: Array, at: NDArray[np.int64]) -> Array:
-    """Return the values at knots of the cubic B-spline with control values `s`; a knot depends on `at` to
-    `at` + 2.
+    """Return the values at knots of the cubic B-spline with control values `s`.
+
+    The value at a knot depends on the control values `at` to `at` + 2.
     """
     value: Array = (s[at] + 4.0 * s[at + 1] + s[at + 2]) / 6.0
     return value
 
 
 def frame_off(off: Array, flange_from_moving: Array, travel: Array, robot: Robot) -> float:
-    """Bound the displacement of a frame on the flange [m] while the joints deviate.
+    """Bound how far a frame [m] moves when the joints deviate.
 
-    Each revolute joint moves the frame by at most its reach times its angle.
+    Each revolute joint moves the frame by at most the frame's reach times the joint's deviation.
 
     Args:
         off: (n,) largest deviations of the joints [rad or m].
-        flange_from_moving: (4, 4) frame on the flange.
+        flange_from_moving: (4, 4) frame, relative to the flange.
         travel: (n,) largest |q| of prismatic joints [m].
         robot: the arm.
     """

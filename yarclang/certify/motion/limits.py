@@ -1,6 +1,7 @@
 """Limits at every instant: position, velocity, acceleration and jerk of joints, speed of motors.
 
-The jerk is constant on a segment, so each quantity has its extremes in closed form; nothing is sampled.
+The jerk is constant on a segment, so the extremes of each quantity are known in closed form; nothing is
+sampled.
 """
 
 from __future__ import annotations
@@ -21,18 +22,18 @@ from yarclang.robot.model import Array, Robot
 RELATIVE = 1e-9
 """Excess over a limit that is accepted as rounding, as a share of the limit."""
 POSITION_UNITS = 1e-9
-"""Excess over a limit of the position that is accepted as rounding, in axis units (deg or mm)."""
+"""Excess over a position limit that is accepted as rounding, in axis units (deg or mm)."""
 
 
 @frozen
 class Excess:
-    """The worst place at which one command breaks a limit.
+    """The largest excess of one command over one limit.
 
     Attributes:
         quantity: the limited quantity.
         name: name of the joint or motor.
         text: the excess in words.
-        time: start of the worst segment after the start of the command [s].
+        time: start of the worst segment, after the start of the command [s].
     """
 
     quantity: Quantity
@@ -47,10 +48,10 @@ NO_LOADS = Loads(None, 0)
 def check_limits(
     layout: Layout, places: list[Place], cubics: Cubics, robot: Robot
 ) -> list[tuple[Loads, tuple[Excess, ...]]]:
-    """Return the loads of neighbouring commands, and the limits that they break.
+    """Return the loads of neighbouring commands (used shares of limits), and the limits that they break.
 
     Args:
-        layout: the segments of the text.
+        layout: the segments of the controller text.
         places: consecutive commands, each with segments.
         cubics: all segments of these commands.
         robot: defines the limits.
@@ -107,7 +108,7 @@ def _names(quantity: Quantity, robot: Robot) -> tuple[str, ...]:
 
 
 def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
-    """Return the largest of the shares (N, n) of each command."""
+    """Return the largest of the shares (N, n) of each command and quantity, with its joint or motor."""
     all_shares = np.array([shares[quantity] for quantity in QUANTITIES])
     joints = np.argmax(all_shares, axis=2)
     most = np.take_along_axis(all_shares, joints[:, :, None], axis=2)[:, :, 0]
@@ -118,12 +119,12 @@ def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
 def _excess(
     quantity: Quantity, joints: NDArray[np.bool_], measure: Array, robot: Robot, segment_time: float
 ) -> Excess:
-    """Return the worst place of one broken limit.
+    """Return the joint or motor, the segment and the amount of the largest excess over a limit.
 
     Args:
         quantity: the limited quantity.
         joints: (n,) True for joints or motors that break the limit.
-        measure: (segments, n) shares of the limit; for positions, axis units beyond it.
+        measure: (segments, n) shares of the limit; for positions, axis units beyond the limit.
         robot: defines the limits.
         segment_time: duration of a segment [s].
     """

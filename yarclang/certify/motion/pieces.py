@@ -1,4 +1,4 @@
-"""Segments of a motion cut into pieces, with the moving frames between the pieces and bounds on them."""
+"""Segments of a motion cut into pieces of time, with the moving frames between the pieces and bounds."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _AT_ONCE = 8_192
 
 @frozen(eq=False)
 class Pieces:
-    """P pieces of segments in order of time, with the N points between them.
+    """P pieces of segments in order of time, with the N instants ("points") between them.
 
     Piece k lies between the points `left`[k] and `left`[k] + 1. Each command has one point more than pieces.
 
@@ -25,7 +25,7 @@ class Pieces:
         segment: (P,) segment of each piece.
         d: (P,) duration of each piece [s].
         command: (P,) command of each piece.
-        left: (P,) point at which each piece begins.
+        left: (P,) index of the point at which each piece begins.
         owner: (N,) command of each point.
         q: (N, n) joint positions at the points [rad or m].
         rate: (N, n) joint velocities at the points [rad/s or m/s].
@@ -41,7 +41,7 @@ class Pieces:
 
     @staticmethod
     def cut(cubics: Cubics, command: Rows, pieces: Rows) -> Pieces:
-        """Cut segments into equal pieces.
+        """Cut each segment into pieces of equal duration.
 
         Args:
             cubics: N segments.
@@ -69,12 +69,12 @@ class Pieces:
 
 
 def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion:
-    """Compute the moving frames at the points between pieces.
+    """Compute the poses and velocities of the moving frames at the points between pieces.
 
     Args:
         chain: the arm.
         cut: the pieces.
-        flange_from_moving: (C, 4, 4) moving frame of each command on the flange.
+        flange_from_moving: (C, 4, 4) moving frame of each command, relative to the flange.
     """
     count = len(cut.q)
     motion = Motion(
@@ -96,12 +96,12 @@ def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion
 
 
 def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: Robot) -> tuple[Array, Array]:
-    """Bound the fourth time derivatives (N,) of the frames' origins and rotations, segment by segment.
+    """Bound the fourth time derivatives (N,) of the moving frames' origins and rotations, segment by segment.
 
     Args:
         cubics: N segments.
         command: (N,) command of each segment.
-        flange_from_moving: (C, 4, 4) moving frame of each command on the flange.
+        flange_from_moving: (C, 4, 4) moving frame of each command, relative to the flange.
         robot: the arm.
     """
     size = robot.chain.size
@@ -128,13 +128,13 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
 
 
 def hull(e: Array, rate: Array, left: Rows, right: Rows, d: Array) -> Array:
-    """Return the largest norm of the Bezier points of the error's Hermite cubic on each piece (P,).
+    """Return the largest norm (P,) of the Bezier points of the error's Hermite cubic on each piece.
 
     Args:
-        e: (N, m) errors at the points.
-        rate: (N, m) their time derivatives.
-        left: (P,) point at which each piece begins.
-        right: (P,) point at which each piece ends.
+        e: (N, m) errors at the points between pieces.
+        rate: (N, m) time derivatives of the errors.
+        left: (P,) index of the point at which each piece begins.
+        right: (P,) index of the point at which each piece ends.
         d: (P,) duration of each piece [s].
     """
     ends = np.linalg.norm(e, axis=1)

@@ -8,7 +8,7 @@ from yarclang.robot.model import Array
 
 
 def angle_of_chord(norm: Array) -> Array:
-    """Return the angle [rad] between rotations whose matrices differ by `norm` in the Frobenius norm.
+    """Return the angle [rad] between two rotations whose matrices differ by `norm` in the Frobenius norm.
 
     For rotations A and B by `angle` from each other, |A - B| = 2 sqrt 2 sin(angle / 2).
     """

@@ -2,10 +2,10 @@
 
 Position and quaternion are natural cubic splines; the quaternion is then normalised.
 
-The rotation is R = M(Q) / n with n = |Q|^2, where M and n are polynomials of degree 6 on a span. Let M_k and
-N_k bound their derivatives, and n >= n_min. Leibniz' rule for R n = M then bounds the derivatives of R one
-after the other: G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min. All bounds are those of
-Bernstein coefficients on cells of each span.
+The rotation matrix is R = M(Q) / n with n = |Q|^2, where M and n are polynomials of degree 6 on the span
+between two poses. Let M_k and N_k bound their derivatives, and n >= n_min. Leibniz' rule for R n = M then
+bounds the derivatives of R one after the other: G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min.
+All bounds are those of Bernstein coefficients on cells, into which each span is divided.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ FEWEST_CELLS, CELLS = 4, 16
 """Least and largest number of cells into which a span is cut."""
 
 CELLS_IN_ALL = 16_384
-"""Number of cells of a whole curve, if that gives each span between `FEWEST_CELLS` and `CELLS`.
+"""Number of cells of a whole curve, as far as each span between two way-points has `FEWEST_CELLS` to `CELLS`.
 
 The more way-points there are, the shorter and straighter are the spans.
 """
 
 _CELLS_AT_ONCE = 1_024
-"""Cells that are bounded in one step, so that their polynomials stay in the processor's cache."""
+"""Number of cells that are bounded in one step, so that their polynomials stay in the processor's cache."""
 SAME = 1e-6
 """Length [m] of a chord up to which neighbouring poses count as one."""
 STILL = 1e-9
@@ -47,15 +47,16 @@ class PoseSpline:
     """A curve of poses over s = u / u_total, with K cells on its m - 1 spans.
 
     Attributes:
-        flange_from_moving: (1, 4, 4) moving frame on the flange.
+        flange_from_moving: (1, 4, 4) moving frame, relative to the flange.
         goal: (1, 4, 4) last pose.
         spline: position and quaternion (x, y, z, w) as (m, 7) over u.
         cells: (K + 1, 4, 2) bounds of the first to fourth derivative over u of position and rotation on each
             cell. All spans have the same number of cells; the last row is a copy of the one before.
         jumps: (m + 1, 2) for each way-point, the jumps of the third derivatives of position and rotation,
             summed over all way-points before it.
-        lawful: (1,) True if the curve is defined.
-        free: True if the curve is joined after its start, and if it is left before its end.
+        lawful: (1,) True if the curve is uniquely defined, without a half turn between neighbouring poses.
+        free: first value True if a blend joins the curve after its start, second value True if a blend leaves
+            it before its end.
     """
 
     flange_from_moving: Array
@@ -70,12 +71,13 @@ class PoseSpline:
     def through(
         poses: Array, flange_from_moving: Array, free: tuple[bool, bool] = (False, False)
     ) -> PoseSpline | None:
-        """Return the curve through poses of a frame on the flange; None if all poses are equal.
+        """Return the curve of a moving frame through poses; None if all poses are equal.
 
         Args:
             poses: (m, 4, 4) poses.
-            flange_from_moving: (4, 4) frame on the flange.
-            free: True if the curve is joined after its start, and if it is left before its end.
+            flange_from_moving: (4, 4) moving frame, relative to the flange.
+            free: first value True if a blend joins the curve after its start, second value True if a blend
+                leaves it before its end.
         """
         q = _aligned(_quaternions(poses[:, :3, :3]))
         # The angle between neighbouring quaternions is half the turn between them. The tangent of half that
@@ -102,7 +104,7 @@ class PoseSpline:
 
     @property
     def total(self) -> float:
-        """The last value of u [m]."""
+        """The value of the curve's parameter u at its end [m]."""
         return float(self.spline.s[-1])
 
     def at(self, owner: Rows, s: Array) -> Poses:  # noqa: ARG002 - there is only one
@@ -129,7 +131,9 @@ class PoseSpline:
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
 
     def _lengths(self) -> tuple[Array, Array]:
-        """Return parameters s (N,) and the origin's approximate path length up to each [m] (Simpson)."""
+        """Return parameters s (N,), and the approximate path length of the origin up to each [m]
+        (Simpson).
+        """
         s = places_of(self.spline.s / self.total)
         way = np.zeros(len(s))
         for begin in range(0, len(s) - 1, _AT_ONCE):
@@ -141,9 +145,9 @@ class PoseSpline:
         return s, np.cumsum(way)
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - there is only one
-        """Return the largest bounds of the cells between `low` and `high` (P,).
+        """Bound the derivatives of the curve between the parameters `low` and `high` (P,), from its cells.
 
-        The curve continues beyond its ends. Its bounds there hold within a small margin, and are infinite
+        The curve continues beyond its ends. The bounds are finite within a small margin there, and infinite
         farther out.
         """
         count = len(self.cells) - 1
@@ -205,12 +209,12 @@ BEYOND = 1e-3
 """Margin beyond the ends of a curve within which it is bounded, as a share of the whole."""
 
 BEYOND_SHORT = 1e-4
-"""Least margin [m] at an end whose span is short, unless `BEYOND` gives less: beyond an end, cubics grow
-without bound.
+"""Least margin [m] at an end of a curve whose last span is short, unless `BEYOND` gives less: beyond an end,
+cubics grow without bound.
 """
 
 BEYOND_LEAST, BEYOND_SPAN = 1e-5, 0.01
-"""Least margin [m] of a short curve, unless this share of its end span is less.
+"""Least margin [m] of a short curve, unless this share of the span at its end is less.
 
 A frame that speeds up from rest begins some micrometres before the path, however short the path is. A cubic
 hardly grows in a hundredth of its span.
@@ -233,7 +237,7 @@ class _Weighed:
 
 
 def _quaternions(rotations: Array) -> Array:
-    """Return unit quaternions (m, 4), (x, y, z, w), of rotations (m, 3, 3).
+    """Return unit quaternions (m, 4), as (x, y, z, w), of rotation matrices (m, 3, 3).
 
     Each is the eigenvector of a symmetric matrix for its largest eigenvalue, 3 (Bar-Itzhack 2000, without the
     factor 1/3).
@@ -261,7 +265,7 @@ def _aligned(q: Array) -> Array:
 
 
 def _matrix(a: Array, b: Array) -> Array:
-    """Return the symmetric bilinear form (..., 3, 3) of quaternions (..., 4).
+    """Return the symmetric bilinear form (..., 3, 3) of quaternions `a` and `b` (..., 4).
 
     For a = b = q it is |q|^2 times the rotation matrix of q.
     """
@@ -292,7 +296,9 @@ def _cells(spline: NaturalSpline) -> Array:
 
 
 def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
-    """Bound the derivatives on `each` cells of the spans from `first` up to `last` (not included)."""
+    """Bound the derivatives as `_cells` does, on `each` cells of the spans `first` up to `last`
+    (excluded).
+    """
     go_on()
     widths = np.diff(spline.s[first : last + 1])
     edge = np.arange(each + 1) / each
@@ -353,7 +359,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
 
 
 def _margins(spline: NaturalSpline) -> tuple[float, float]:
-    """Return the margins in u beyond the start and the end of a curve, within which its bounds hold."""
+    """Return the margins in u beyond both ends of a curve within which the bounds are valid."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
     before, behind = (
@@ -381,7 +387,7 @@ def _bernstein(power: Array) -> Array:
 def _jumps(spline: NaturalSpline) -> Array:
     """Return the jumps of the third derivatives of position and rotation at the way-points (m, 2).
 
-    They are zero at the ends, where the cubics continue.
+    They are zero at the first and last way-point, beyond which the cubics continue.
     """
     third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
     jumps = np.zeros((len(spline.s), 2))
@@ -396,7 +402,7 @@ def _jumps(spline: NaturalSpline) -> Array:
 
 
 def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
-    """Return, for each pair, the largest entries of a table's rows from `first` up to `last` (not included).
+    """Return the largest entries of a table's rows from `first` up to `last` (not included), for each pair.
 
     The table has one extra row at its end, so that `last` is always a valid row.
     """

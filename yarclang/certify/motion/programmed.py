@@ -1,6 +1,6 @@
 """Programmed paths of the moving frame over a parameter s from 0 to 1.
 
-One object contains many commands of one kind.
+One object contains the paths of many commands of one kind.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from yarclang.robot.model import Array
 Rows = NDArray[np.int64]
 
 SMALLEST_CIRCLE = 1e-6
-"""Distance of three points from each other [m], or from a line [rad], below which they define no circle."""
+"""Least distance of three points from each other [m], and from a line [rad], to define a circle."""
 
 
 @frozen(eq=False)
 class Motion:
-    """Moving frames at N points in time.
+    """Poses and velocities of moving frames at N instants ("points").
 
     Attributes:
         p: (N, 3) positions [m].
@@ -60,7 +60,7 @@ class Poses:
 
 @frozen(eq=False)
 class Bounds:
-    """Bounds of derivatives of P parts of paths over s.
+    """Bounds of the derivatives over s of P parts of programmed paths.
 
     Attributes:
         position: (P, 4) first to fourth derivative of the position [m].
@@ -68,7 +68,7 @@ class Bounds:
         position_jump: (P,) sum of the jumps of the position's third derivative; None: no jumps.
         rotation_jump: (P,) sum of the jumps of the rotation's third derivative; None: no jumps.
         straight: True if all derivatives of the position but the first are zero.
-        everywhere: True if the bounds hold for any s.
+        everywhere: True if the bounds are valid for any s.
     """
 
     position: Array
@@ -111,7 +111,7 @@ class FramePaths(Protocol):
     def project(
         self, motion: Motion, owner: Rows, position: Array, angle: Array, share: Array | None = None
     ) -> tuple[Array, Array]:
-        """Choose a good s and s' (N,) for each point of an executed motion.
+        """Choose the path parameter s and its rate s' (N,) for each point of an executed motion.
 
         Any choice gives a valid proof; a good one gives a sharp bound.
 
@@ -175,10 +175,10 @@ class Turns:
 
 @frozen(eq=False)
 class Lines:
-    """C straight lines, each with a turn about a fixed axis.
+    """C straight lines of moving frames, each with a turn about a fixed axis.
 
     Attributes:
-        flange_from_moving: (C, 4, 4) moving frames on the flange.
+        flange_from_moving: (C, 4, 4) moving frames, relative to the flange.
         goal: (C, 4, 4) goals.
         origin: (C, 3) start points [m].
         way: (C, 3) vectors from start to goal [m].
@@ -208,7 +208,7 @@ class Lines:
         return Poses(self.origin[owner] + s[:, None] * way, way, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """Return bounds that hold for any s; all derivatives of the position but the first are zero."""
+        """Return bounds of the derivatives for any s; the position has only a first derivative."""
         position = np.zeros((len(owner), 4))
         position[:, 0] = np.linalg.norm(self.way, axis=1)[owner]
         return Bounds(position, self.turns.bounds(owner), straight=True, everywhere=True)
@@ -239,10 +239,10 @@ class Lines:
 
 @frozen(eq=False)
 class Arcs:
-    """C circular arcs, each with a turn about a fixed axis in proportion to the arc length.
+    """C circular arcs of moving frames, each with a turn about a fixed axis in proportion to the arc length.
 
     Attributes:
-        flange_from_moving: (C, 4, 4) moving frames on the flange.
+        flange_from_moving: (C, 4, 4) moving frames, relative to the flange.
         goal: (C, 4, 4) goals.
         centre: (C, 3) centres of the circles [m].
         normal: (C, 3) unit axes of the circles.
@@ -250,7 +250,7 @@ class Arcs:
         side: (C, 3) normal x spoke [m].
         sweep: (C,) angles of the arcs [rad].
         turns: the turns.
-        lawful: (C,) True for each arc that is defined.
+        lawful: (C,) True for each arc whose points define a circle.
     """
 
     flange_from_moving: Array
@@ -295,7 +295,7 @@ class Arcs:
         return Poses(self.centre[owner] + cos * spoke + sin * side, along, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """Return bounds that hold for any s: radius times sweep^k."""
+        """Return bounds of the derivatives that are valid for any s: radius times sweep^k."""
         radius = np.linalg.norm(self.spoke, axis=1)[owner, None]
         position = radius * self.sweep[owner, None] ** np.arange(1.0, 5.0)
         return Bounds(position, self.turns.bounds(owner), everywhere=True)
@@ -308,7 +308,7 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s as the weighted mean of its values from position and turn.
+        """Choose s for each point of an executed motion, as the weighted mean of s by position and s by turn.
 
         The weights are the squared lengths of arc and turn, each in units of its tolerance.
         """
@@ -366,7 +366,7 @@ def _angle_about(rotation: Array, axis: Array) -> Array:
 
 
 def goal_pose(goal: hir.PoseGoal | hir.PoseDelta, base_from_flange: Array) -> tuple[Array, Array]:
-    """Return the start and the end of a line.
+    """Return the poses of the moving frame at the start and at the end of a line.
 
     Args:
         goal: the programmed goal.

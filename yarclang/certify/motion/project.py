@@ -1,4 +1,4 @@
-"""Choice of a parameter s(t) for a motion along a curve.
+"""Choice of a path parameter s(t) for a motion along a curve.
 
 Any choice gives a valid proof; a good one gives a sharp bound.
 """
@@ -16,7 +16,7 @@ from yarclang.robot.model import Array
 _STIFFNESS = 1e-3
 """Weight of third differences of s, relative to the curve's pace."""
 _PLACES, _BETWEEN = 1024, 4
-"""Number of equal intervals of a curve's table, and least number of intervals between two way-points."""
+"""Number of equal intervals in a table of a curve's length; least number between two way-points."""
 _AT_ONCE = 8_192
 """Points of a curve that are computed in one step."""
 _ROUNDS = 5
@@ -32,17 +32,17 @@ class Curve(Protocol):
 
 
 def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: Array) -> tuple[Array, Array]:
-    """Choose values and derivatives (N,) of s(t) at the points of a motion.
+    """Choose values and derivatives (N,) of s(t) at the points of a motion, so that y(s) is near each point.
 
     The method is a Gauss-Newton iteration for the least squares of y - y(s), starting from a guess in order
     of time. Where a curve turns back on itself, y' is zero and the position does not determine s. A small
     stiffness against third differences, which has almost no effect elsewhere, carries s smoothly through such
-    a place.
+    a point.
 
     Args:
         curve: the curve, with each coordinate divided by its tolerance.
         y: (N, m) points of the motion, in order of time.
-        rate: (N, m) their velocities.
+        rate: (N, m) velocities at these points.
         guess: (N,) approximate s.
         pace: typical |y'(s)|.
         d: (N - 1,) durations between the points [s].
@@ -82,9 +82,7 @@ def _parts(count: int) -> Iterator[slice]:
 
 
 def _third_differences(size: int) -> Array:
-    """Return the lower bands (4, size) of the symmetric matrix that gives the sum of squared third
-    differences.
-    """
+    """Return the lower bands (4, size) of the matrix that gives the sum of squared third differences."""
     kernel = np.array([-1.0, 3.0, -3.0, 1.0])
     bands = np.zeros((4, size))
     for band in range(4):
@@ -103,7 +101,7 @@ def _times(bands: Array, x: Array) -> Array:
 
 
 def table_of_lengths(curve: Curve, s: Array) -> Array:
-    """Return the approximate length of the curve up to each of `s` (N,), measured along a polygon."""
+    """Return the approximate length of a curve up to each parameter in `s` (N,), along a polygon."""
     lengths, behind = np.zeros(len(s)), 0.0
     for begin in range(0, len(s) - 1, _AT_ONCE):
         go_on()
@@ -116,14 +114,17 @@ def table_of_lengths(curve: Curve, s: Array) -> Array:
 def guess_by_length(
     curve: Curve, y: Array, knots: Array, free: tuple[bool, bool] = (False, False)
 ) -> tuple[Array, float]:
-    """Guess s from the distance covered so far; return s (N,) and the curve's typical pace |y'(s)|.
+    """Guess s at the points of a motion from the distance covered so far.
 
     Args:
         curve: the curve, from s = 0 to the last of `knots`.
         y: (N, m) points of the motion, in order of time.
         knots: (k,) parameters of the curve's way-points, from 0 on.
-        free: True if the motion joins the curve after its start (in its first half), and if it leaves it
-            before its end.
+        free: first value True if a blend joins the curve after its start (in its first half), second value
+            True if a blend leaves it before its end.
+
+    Returns:
+        s (N,), and the curve's typical pace |y'(s)|.
     """
     end = float(knots[-1])
     s = places_of(knots)
@@ -142,7 +143,7 @@ def guess_by_length(
 
 
 def places_of(knots: Array) -> Array:
-    """Return parameters (N,) that show the shape of a curve with way-points at `knots` (k,).
+    """Return parameters (N,) at which the points of a curve show its shape, for way-points at `knots` (k,).
 
     The parameters are equally spaced. If there are many way-points, some parameters between each two of them
     are added.

@@ -1,4 +1,4 @@
-"""Common data of the proofs of a text's motions."""
+"""Data that the proofs of a controller text's motions share."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from yarclang.robot.model import Array
 
 @dataclass(slots=True, eq=False)
 class Proofs:
-    """Proofs of all motions, with the paths that they are about.
+    """Proved deviations and speeds of all motions, with the paths that the proofs are about.
 
     Attributes:
         starts: where each motion starts.
@@ -40,9 +40,10 @@ class Proofs:
 
 
 def law_of(judged: Judged, place: Place) -> tuple[Array, int] | None:
-    """Return the claimed law of a motion and the number of its first segment; None without a usable claim.
+    """Return the path parameter over time (law) that the planner claims for a motion, and its first segment.
 
-    The law covers the command's own segments and half of each blend's segments on either side.
+    The first segment is counted from the motion's own first segment. The law covers the motion's own segments
+    and half of each blend's segments on either side. None without a usable claim.
     """
     law = judged.claims.laws.get(place.step)
     lead, trail = (place.before or 0) // 2, (place.behind or 0) // 2

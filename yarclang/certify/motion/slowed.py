@@ -1,7 +1,7 @@
 """Warnings about programmed speeds that are not reached.
 
-There is one warning for each region of a chain. It names the slowest place, and the limit that is used up
-there.
+There is one warning for each run of consecutive motions in a chain that don't reach their speed. It names the
+slowest motion, and the limit that is used up there.
 """
 
 from __future__ import annotations
@@ -16,9 +16,7 @@ from yarclang.hir import Origin
 from yarclang.written import slower
 
 TOLD = 0.99
-"""Share of a programmed speed above which there is no warning: a rounded corner takes a little of the
-speed.
-"""
+"""Share of a programmed speed above which there is no warning: rounded corners cost a little speed."""
 
 _USED_UP = 0.85
 """Least share of a limit, at the slowest place, that makes this limit the reason."""
@@ -37,13 +35,13 @@ def slowed(
     shares: Callable[[int], float],
     loads: Mapping[int, Loads],
 ) -> tuple[Diagnostic, ...]:
-    """Return a warning for each region in which a programmed speed is not reached.
+    """Return a warning for each run of consecutive motions in which a programmed speed is not reached.
 
     Args:
-        layout: the commands of the text.
+        layout: the commands of the controller text.
         speeds: proved speeds by step.
-        shares: returns the share of its programmed speed that a motion must reach, by its step.
-        loads: loads of the limits by step.
+        shares: function that takes a step and returns the share of its programmed speed that it must reach.
+        loads: loads (shares of the limits that are used) by step.
     """
 
     def share_of(place: Place) -> float:
@@ -83,8 +81,9 @@ def _stretches(layout: Layout) -> Iterator[list[Place]]:
 
 
 def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]:
-    """Return the range of motions between the ramps at both ends; a ramp counts only if it takes several
-    motions.
+    """Return the range of motions between the ramps (speeding up, slowing down) of a stretch.
+
+    A ramp counts only if it takes several motions.
     """
     first, last = 0, len(stretch)
     if max(shares) <= TOLD:

@@ -13,7 +13,7 @@ from yarclang.robot.model import Array
 KEPT = 1e-3
 """Largest relative deviation of the cruise speed from the programmed one."""
 SHARP = 1e-4
-"""Share of a programmed speed by which its bounds may be off; pieces are short enough for it."""
+"""Share of a programmed speed by which its bounds may be off. It determines the number of pieces."""
 MOST_PIECES = 32
 
 _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2, 0], [1, 4, 6, 4, 1]]) / [
@@ -25,7 +25,7 @@ _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2
 ]
 _RIGHT = _LEFT[::-1, ::-1]
 _QUARTERS = np.concatenate([one @ other for other in (_LEFT, _RIGHT) for one in (_LEFT, _RIGHT)])
-"""Matrix (20, 5) from five Bernstein coefficients to those of the four quarters (de Casteljau)."""
+"""Matrix (20, 5) from five Bernstein coefficients to those on the four quarters (de Casteljau)."""
 
 
 @frozen(eq=False)
@@ -35,12 +35,13 @@ class Programmed:
     Speeds are those of the frame's origin [m/s], or, with `turns`, angular speeds [rad/s].
 
     Attributes:
-        cruise: (C,) least speed from when it is first reached to when it is last left; NaN if none is
+        cruise: (C,) least allowed speed from when it is first reached to when it is last left; NaN if none is
             programmed.
-        top: (C,) largest speed; NaN if none is programmed.
+        top: (C,) largest allowed speed; NaN if none is programmed.
         turns: (C,) True if the path only turns the frame.
-        around: (C, 2) largest speed in the blend before, and in the blend after.
-        held: (C, 2) True if the speed is held from the begin, and up to the end.
+        around: (C, 2) largest allowed speed in the blend before the command and in the blend after it.
+        held: (C, 2) True in the first column if the motion must have its speed from its start, and in the
+            second column if up to its end.
     """
 
     cruise: Array
@@ -62,8 +63,8 @@ class Speeds:
         turns: (C,) True if the path only turns the frame.
         programmed: (C,) programmed cruise speeds.
         largest: (C,) largest speeds.
-        least: (C,) least speeds while the cruise speed is held.
-        most: (C,) largest speeds while the cruise speed is held.
+        least: (C,) least speeds during this time.
+        most: (C,) largest speeds during this time.
         beyond: (C,) largest ratios of the speed to the allowed speed; at most 1 + `KEPT` if no speed is
             exceeded.
     """
@@ -79,13 +80,13 @@ class Speeds:
 def finer_for_speed(
     pieces: Rows, h: Array, origin: Array, rotation: Array, wanted: Programmed, command: Rows
 ) -> Rows:
-    """Return the numbers of pieces that make the bounds of programmed speeds sharp.
+    """Return the numbers of pieces of each segment that make the bounds of programmed speeds sharp.
 
     Args:
-        pieces: (N,) pieces of each segment that the path needs.
+        pieces: (N,) number of pieces of each segment that the proof of the path needs.
         h: (N,) durations of the segments [s].
         origin: (N,) bounds of the fourth derivative of the frame's origin [m/s^4].
-        rotation: (N,) bounds of the fourth derivative of its rotation matrix [1/s^4].
+        rotation: (N,) bounds of the fourth derivative of the frame's rotation matrix [1/s^4].
         wanted: the programmed speeds.
         command: (N,) command of each segment.
     """
@@ -104,7 +105,7 @@ def speed_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[A
 
     Args:
         motion: the frame at the points between pieces.
-        left: (P,) point at which each piece begins.
+        left: (P,) index of the point at which each piece begins.
         d: (P,) duration of each piece [s].
         fourth: (P,) bounds of the fourth derivative of the origin [m/s^4].
     """
@@ -123,7 +124,7 @@ def turn_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[Ar
 
 
 def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> tuple[Array, Array]:
-    """Bound |x'| (P,) on pieces from below and above.
+    """Bound |x'| (P,) from below and above on pieces of time, for a position or rotation matrix x.
 
     x' is the derivative of the Hermite cubic, a parabola, plus a remainder. The squared length of the
     parabola has degree 4, and its five Bernstein coefficients bound it.
@@ -154,7 +155,7 @@ def _dot(a: Array, b: Array) -> Array:
 
 
 def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, wanted: Programmed) -> Speeds:
-    """Bound the speeds of commands from the speeds of their pieces.
+    """Bound the speeds of commands from the speeds on their pieces.
 
     Args:
         low: (P,) least speed on each piece.
@@ -206,7 +207,7 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
 
 
 def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the least and the largest speed of a command that has its programmed speed on no whole piece.
+    """Return the least and the largest speed of a command without a whole piece at its programmed speed.
 
     Both are NaN if the command never reaches the programmed speed.
 
@@ -214,8 +215,8 @@ def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.boo
         low: (P,) least speed on each piece outside of blends.
         high: (P,) largest speed on each piece outside of blends.
         cruise: the programmed speed.
-        held: (2,) True if the speed is held from the begin to the place where it is reached, and from there
-            to the end.
+        held: (2,) True if the speed must be held from the command's start to the fastest piece, and from that
+            piece to the command's end.
     """
     peak = float(high.max())
     if peak < cruise * (1.0 - KEPT):

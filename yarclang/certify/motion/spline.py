@@ -12,7 +12,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
-"""Share of the tolerance that the remainder of the proof may take; pieces are short enough for it."""
+"""Share of the tolerance that the remainder of the proof may take. It determines the number of pieces."""
 MOST_PIECES = 16
 """Largest number of pieces of a segment."""
 SAME = 1e-9
@@ -36,7 +36,7 @@ class NaturalSpline:
 
     @staticmethod
     def through(points: Array) -> NaturalSpline:
-        """Return the spline through `points` (m, n) over the chord length; equal neighbours count as one."""
+        """Return the spline through `points` (m, n) over chord length; equal neighbours count as one."""
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > SAME
         y = points[np.concatenate([[True], apart])]
         return NaturalSpline.over(np.linalg.norm(np.diff(y, axis=0), axis=1), y)
@@ -54,8 +54,9 @@ class NaturalSpline:
         return NaturalSpline(s, y, bend)
 
     def span(self, s: Array) -> NDArray[np.int64]:
-        """Return the span that contains each `s`; the first span also counts before the start, the last
-        after the end.
+        """Return the index of the span between way-points that contains each `s`.
+
+        The first span also counts before the start, the last one after the end.
         """
         return np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
 
@@ -76,7 +77,7 @@ class NaturalSpline:
 
 
 def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
-    """Solve a symmetric tridiagonal system; its dominant diagonal makes pivoting unnecessary.
+    """Solve a symmetric tridiagonal system; pivoting is unnecessary, since the diagonal is dominant.
 
     Args:
         beside: (m - 1,) entries beside the diagonal.
@@ -95,11 +96,11 @@ def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
 
 @frozen(eq=False)
 class SplineBound:
-    """Proved deviation from a spline.
+    """Proved deviation of the joints from a spline.
 
     Attributes:
         deviation: (n,) largest deviation of each joint [rad or m].
-        remainder: (n,) part of it that bounds the error between computed points [rad or m].
+        remainder: (n,) part of `deviation` that bounds the error between computed points [rad or m].
         covered: (2,) range of the spline's parameter that was followed, as shares.
     """
 
@@ -115,7 +116,7 @@ def spline_deviation(
     law: Array | None = None,
     free: tuple[bool, bool] = (False, False),
 ) -> SplineBound:
-    """Bound the deviation from the natural spline through way-points.
+    """Bound the deviation of a motion from the natural spline through way-points.
 
     The error of each joint is e(t) = q(t) - y(s(t)), with s(t) piecewise cubic. As q'''' = 0 and y'''' = 0,
     |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|. Where s passes a way-point, e'''
@@ -128,7 +129,8 @@ def spline_deviation(
         weights: (n,) reciprocal of the tolerance of each joint.
         law: (segments + 3,) share of the path over time that the planner claims, as control values of a cubic
             B-spline. A wrong claim does no harm: any s(t) from start to end gives a valid bound.
-        free: True if the motion joins the spline after its start, and if it leaves it before its end.
+        free: first value True if a blend joins the spline after its start, second value True if a blend
+            leaves it before its end.
     """
     spline = NaturalSpline.through(waypoints)
     if len(spline.y) == 1:
@@ -146,7 +148,7 @@ def spline_deviation(
 def _proved(
     cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None, free: tuple[bool, bool]
 ) -> SplineBound:
-    """Compute the bound with pieces so short that the remainder is a small share of the tolerance."""
+    """Compute the bound from pieces so short that the remainder is a small share of the tolerance."""
     pieces = 1 if len(cubics.h) >= 4 else 4  # third differences need four points
     while True:
         go_on()
@@ -211,12 +213,12 @@ def _bound(
 
 
 def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
-    """Return values and derivatives of a cubic B-spline at the points between pieces.
+    """Return values and derivatives of a claimed cubic B-spline s(t) at the points between pieces.
 
     Args:
         control: (segments + 3,) control values.
         h: duration of a segment [s].
-        pieces: pieces of each segment.
+        pieces: number of pieces of each segment.
     """
     count = (len(control) - 3) * pieces + 1
     k = np.minimum(np.arange(count) // pieces, len(control) - 4)
@@ -263,7 +265,7 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
 
 
 def _steepest(spline: NaturalSpline, beyond: float) -> Array:
-    """Return max |y'| of each joint (n,) on the spline and up to `beyond` outside of it.
+    """Return max |y'| of each joint (n,) on the spline, and up to `beyond` before and after it.
 
     The Bezier points of y' bound it.
     """

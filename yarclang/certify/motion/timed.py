@@ -1,9 +1,10 @@
-"""Deviation of all joints from a timetable at the same time.
+"""Deviation of all joints from a timetable, compared at equal times.
 
-The timetable defines a polynomial in time between two rows, and each segment of the text is a polynomial too.
-On an interval without a row or a knot inside, their difference is therefore a polynomial, and its Bezier
-points bound it; nothing is sampled. If the bound exceeds the allowed deviation, the interval is halved, which
-makes the bound sharper, unless the difference itself already exceeds the allowed deviation at an end.
+The timetable defines a polynomial in time between two rows, and each segment of the controller text is a
+polynomial too. On an interval without a row or a knot inside, their difference is therefore a polynomial, and
+its Bezier points bound it; nothing is sampled. If the bound exceeds the allowed deviation, the interval is
+halved, which makes the bound sharper, unless the difference itself already exceeds the allowed deviation at
+an end.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot, Tolerance
 
 LATE = 1e-3
-"""Largest difference between the durations of the text and of the timetable [s].
+"""Largest difference between the durations of the controller text's motion and of the timetable [s].
 
-The judge scales all times of the timetable to the text's duration.
+The judge scales all times of the timetable to the duration in the text.
 """
 
 HALVINGS = 8
@@ -78,7 +79,7 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
 
 
 def _velocities_of_clamped(h: Array, q: Array) -> Array:
-    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` that rests at both ends.
+    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` that is at rest at both ends.
 
     The tridiagonal system has the second derivatives as unknowns (the clamped spline); the velocities follow
     from them.
@@ -102,11 +103,11 @@ def _velocities_of_clamped(h: Array, q: Array) -> Array:
 
 
 def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array, Array]:
-    """Bound the deviation of the joints from a timetable at the same time.
+    """Bound the deviation of the joints from a timetable, compared at equal times.
 
     Args:
         cubics: the segments of one command.
-        way: the motion of the timetable; its times are scaled to the duration of the segments.
+        way: the motion that the timetable defines; its times are scaled to the duration of the segments.
         allowed: (n,) allowed deviation [rad or m]. Smaller bounds need not be sharp.
 
     Returns:
@@ -153,11 +154,11 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
 
 
 def _shares(borders: Array, number: Array, begin: Array, end: Array) -> tuple[Array, Array]:
-    """Return the shares (N,) of their pieces at which intervals begin, and at which they end.
+    """Return where intervals begin and end in the pieces that contain them, as shares (N,) of each piece.
 
     Args:
         borders: (k + 1,) borders of the pieces [s].
-        number: (N,) piece of each interval.
+        number: (N,) piece that contains each interval.
         begin: (N,) begin of each interval [s].
         end: (N,) end of each interval [s].
     """
@@ -176,7 +177,10 @@ def _bezier_of(cubics: Cubics) -> Array:
 
 
 def _part(bezier: Array, begin: Array, end: Array) -> Array:
-    """Return the Bezier points (N, d + 1, n) between two shares (N,) of each polynomial (de Casteljau)."""
+    """Return the Bezier points (N, d + 1, n) of a part of each polynomial, between two shares (N,).
+
+    The method is de Casteljau's.
+    """
     left = bezier.copy()
     u = end[:, None, None]
     for level in range(1, bezier.shape[1]):  # the part before `end`
@@ -208,7 +212,7 @@ def _halves(bezier: Array) -> tuple[Array, Array]:
 def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
     """Return the tolerance of a timed motion for prismatic and for revolute joints.
 
-    Each is the largest `within` value of the joints of this kind.
+    It is the largest allowed deviation (`within`) of the prismatic joints, and that of the revolute joints.
     """
     position, angle = by_kind(motion.within, robot)
     default = robot.tolerance

@@ -1,4 +1,4 @@
-"""Variables that a text may assign: each has a reason, and all others are rejected."""
+"""Which of a controller's variables a text may assign: each has a reason, and all others are rejected."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from yarclang.robot.model import Robot
 
 
 def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | None) -> Iterator[str]:
-    """Yield the variables that a text must not assign or wait for, with reasons.
+    """Yield, for each variable that a text must not assign or wait for, the reason why not.
 
-    Only outputs may be assigned here. The reader accepts other assignments in fixed places only: the marks of
-    the buffer (I16, I17) and the guard's flag (P8100), which are judged with the guard; and P8101, P8102 and
-    a timer, in lines of a program buffer that are fixed to the last character.
+    Only outputs may be assigned here. The reader accepts other assignments only in lines where they belong:
+    the marks of the rotary buffer (I16, I17) and the guard's flag (P8100), which are judged with the guard;
+    and P8101, P8102 and a timer, in lines of a program buffer that are fixed to the last character.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         robot: the robot; the variables in which it reports its positions are not outputs.
         outputs: variables of the program's outputs; None if the program is unknown, to allow any variable
             that an output may have.

@@ -1,4 +1,4 @@
-"""Reading of the text between the start and CLOSE: sequences of moves, dwells, outputs, barriers."""
+"""Reading of a controller text from the start to CLOSE: sequences of moves, dwells, outputs, barriers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.robot.model import Array
 LARGEST_TM_MS = 4096
 
 CONDITION = re.compile(r"([MPQ][0-9]{1,4})=(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
-"""A variable with the value that it is given, or compared with."""
+"""Assignment or comparison of a variable, such as M5=1, with the variable and the value as groups."""
 
 _TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
@@ -35,7 +35,7 @@ def read_course(
     """Read everything from the first TM up to CLOSE.
 
     Returns:
-        The course, and the lines that arm and disarm the guard.
+        The actions of the text in order (its course), and the lines that arm and disarm the guard.
     """
     course, arms = _Course(), list[Armed]()
     while True:
@@ -75,7 +75,7 @@ def read_course(
 
 
 def _why_not(content: str) -> str:
-    """Return the reason why a line is not allowed between the start and CLOSE."""
+    """Return the reason why a line is not allowed in the part between the start and CLOSE."""
     if (found := _ASSIGNMENT.fullmatch(content)) is not None:
         if found[1].startswith("I"):
             return "a program assigns no I-variable after its start"
@@ -84,7 +84,7 @@ def _why_not(content: str) -> str:
 
 
 class _Course:
-    """The items read so far, and the sequence in progress."""
+    """State of the reading: the actions read so far, and the sequence of moves in progress."""
 
     def __init__(self) -> None:
         self.items: list[Run | Dwelt | Put | Barred | Stood] = []
@@ -94,7 +94,7 @@ class _Course:
         self.puts: list[Put] = []
 
     def moves_on(self, cursor: Cursor) -> bool:
-        """Return True if moves of the sequence are both before this place and directly after it.
+        """Return True if the next line is inside a sequence of moves: after a move and before another.
 
         Elsewhere, an output that is set in step with a move would be set at an unknown time, or not at all.
         """
@@ -106,7 +106,7 @@ class _Course:
         return self._ms is None
 
     def segment(self, ms: float, line: int, printed: str) -> None:
-        """Begin a sequence with a new segment time.
+        """Begin a sequence of moves with a new segment time.
 
         An equal segment time is refused: the controller is not known to end the sequence there.
         """
@@ -122,7 +122,7 @@ class _Course:
         self._blocks.append((line, points))
 
     def finish(self) -> None:
-        """End the sequence."""
+        """End the sequence of moves in progress, if there is one."""
         if self._ms is None:
             return
         if not self._blocks:

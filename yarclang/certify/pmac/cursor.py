@@ -1,6 +1,4 @@
-"""The position in a text for a Turbo PMAC, which returns single lines, and blocks of move lines as
-numbers.
-"""
+"""The position in a text for a Turbo PMAC: reads single lines, and blocks of move lines as numbers."""
 
 from __future__ import annotations
 
@@ -19,16 +17,16 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
-"""Number in a move line. The quantifiers are possessive: nothing is matched twice, so the time is linear."""
+"""Pattern of a number in a move line. Its quantifiers are possessive, so that matching takes linear time."""
 
 _PIECE, _MOST, _MARK = 1000, 50_000, "777"
-"""Least and largest number of characters of a cached piece of move lines, and the digits that mark its
-last line.
+"""How move lines are divided into pieces for the cache: the least and the largest number of characters of a
+piece, and the digits that mark a line as the last one of a piece.
 """
 
 
 class Cursor(Lines):
-    """A position in the text that returns single lines, and blocks of move lines as numbers.
+    """A position in the text, from which single lines are read, and blocks of move lines as numbers.
 
     `sent` collects the lines that were read, as they are in the text.
     """
@@ -83,10 +81,10 @@ class Cursor(Lines):
         return np.concatenate(pieces) if pieces else None
 
     def _piece_end(self) -> int:
-        """Return the end of the lines that are cached together.
+        """Return the end of the piece of move lines that is cached as a whole.
 
-        This is the end of a short sequence. In a long one it is a line with a mark, which moves with the text
-        when the text is edited.
+        This is the end of a short sequence of moves. In a long one it is a line that contains certain digits,
+        so that the borders of pieces move with the lines when the text is edited.
         """
         begin, most = self._place + _PIECE, self._place + _MOST
         end = self._text.find("\nT", self._place, begin)  # a TM ends the move lines
@@ -96,7 +94,7 @@ class Cursor(Lines):
         return self._text.find("\n", most if mark < 0 else mark) + 1 or len(self._text)
 
     def _moves(self, text: str, place: int = 0) -> tuple[Array, int, int]:
-        """Read the move lines of a text from a place on.
+        """Read the move lines of a text from position `place` on.
 
         Returns:
             The numbers (k, n), the length of the lines in characters, and the largest number of decimals.
@@ -109,9 +107,7 @@ class Cursor(Lines):
         return points, found.end() - place, decimals
 
     def move_follows(self) -> bool:
-        """Return True if the next line is a move line; other outputs and the guard's flag may come before
-        it.
-        """
+        """Return True if a move line follows, perhaps after lines that set outputs or the guard's flag."""
         rest = re.compile(r"(?:P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
         found = rest.match(self._text, self._place)
         return self._block.match(self._text, found.end() if found else self._place) is not None

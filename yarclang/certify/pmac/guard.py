@@ -1,9 +1,9 @@
 """The guard of the rotary buffer.
 
-A text arms it before the first move, and disarms it only when its last lines are in the buffer.
-
-While the guard is armed, the controller's PLC 29 holds the motion on its path as soon as fewer than I16 lines
+While the guard is armed, the controller's PLC 29 stops the motion on its path as soon as fewer than I16 lines
 are ahead: the computer that feeds the buffer has failed.
+
+A text arms the guard before the first move, and disarms it only when the last lines are in the buffer.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ LATE = 0.1
 """Largest delay with which the guard's PLC notices that the buffer runs low [s]."""
 
 AHEAD = 2
-"""Lines that the controller takes out of the buffer before it executes them.
+"""Number of lines that the controller takes out of the buffer before it executes them.
 
 A spline needs the next two points (TUM 289).
 """
@@ -36,14 +36,14 @@ Fault = str
 
 
 def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
-    """Check that the guard leaves enough lines for the motion to come to rest on its path.
+    """Check that the buffer has enough lines for the motion to stop on its path when the guard acts.
 
-    A hold slows the program to a stop within the robot's hold time, and consumes half of this time of the
-    program. The PLC may be late by `LATE`. As long as more lines follow, the lines in the buffer must last
-    for the sum of both times.
+    A hold slows the program to a stop within the robot's hold time T, and uses up T / 2 of the program's
+    time. The PLC may be late by `LATE`. As long as more lines follow, the motion in the buffer must last for
+    the sum of both times.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         robot: defines the hold time, and the number of words of a line in the buffer.
     """
     marks = own_of(text).marks
@@ -62,7 +62,7 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
-    """Check the marks for the shortest segment of the text, `segment` [s]."""
+    """Check the buffer's marks (I16, I17, size) for a text whose shortest segment lasts `segment` [s]."""
     controller = turbo_pmac(robot)
     # Braking evenly from full speed covers half of the braking time of the program.
     needed = controller.hold_time / 2.0 + LATE
@@ -85,9 +85,9 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Iterator[Fault]:
-    """Check the guard between two barriers.
+    """Check where the guard is armed and disarmed in the lines between two barriers.
 
-    It must be armed during any leg that does not fit into the buffer as a whole.
+    The guard must be armed if these lines do not fit into the buffer as a whole.
     """
     count = len(moves)
     # The whole leg is in the buffer before the motion starts, so the computer can't be late.
@@ -123,7 +123,7 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
 
 
 def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
-    """Yield for each leg between two barriers its move lines, and the lines that arm and disarm the guard."""
+    """Yield the move lines between two barriers, and the lines there that arm and disarm the guard."""
     barriers = [item.line for item in text.course if isinstance(item, Barred)]
     lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
     for begin, end in pairwise((0, *barriers, sys.maxsize)):

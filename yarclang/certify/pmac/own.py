@@ -12,7 +12,7 @@ TM_STEPS_PER_MS = 4096
 
 @frozen
 class Marks:
-    """The rotary buffer as the text defines it.
+    """The definition of the rotary buffer in a text.
 
     Attributes:
         low: number of lines below which the buffer counts as low (I16).
@@ -35,13 +35,13 @@ class Armed:
 
 @frozen(eq=False)
 class Guard:
-    """The guard of a program buffer, which ensures that the program begins only at its start.
+    """The guard of a program buffer, which lets the program begin only at its start position.
 
-    The program waits until each motor is near its place. Positions are in 1/(Ixx08 * 32) count, as in the
+    The program waits until each motor is near this position. Positions are in 1/(Ixx08 * 32) count, as in the
     register of the commanded position.
 
     Attributes:
-        place: (n,) positions at the start.
+        place: (n,) motor positions at the start.
         width: (n,) largest distances from `place`.
         step: (n,) value of the last printed digit of `place`.
     """
@@ -53,13 +53,13 @@ class Guard:
 
 @frozen(eq=False)
 class PmacText:
-    """Content that only a text for a Turbo PMAC has.
+    """The content of a controller text that only texts for a Turbo PMAC have.
 
     Attributes:
-        marks: the rotary buffer; None for a program buffer.
-        guard: the guard of the start of a program buffer; None for a rotary buffer, whose start is reached by
-            a RAPID.
-        arms: the lines that arm and disarm the guard, in order.
+        marks: definition of the rotary buffer; None for a program buffer.
+        guard: the guard that lets a program buffer begin only at its start; None for a rotary buffer, whose
+            start is reached by a RAPID.
+        arms: the lines that arm and disarm the guard of the rotary buffer, in order.
         setup: the lines before `OPEN ROT`; empty for a program buffer.
         loaded: the lines stored in the rotary buffer, between `CLEAR` and `CLOSE`; empty for a program
             buffer.

@@ -1,7 +1,7 @@
 """Reader of the controller texts that yarcc emits, and of no other texts.
 
-The judge has a reader of its own, since the writer's intention is no evidence. Every line must have the one
-form that is allowed in its place, so that no unchecked line can have an effect.
+The judge has a reader of its own, since what the writer of a text meant proves nothing. Every line must have
+the one form that is allowed in its place, so that no unchecked line can have an effect.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _COMPARE = re.compile(rf"IF\(ABS\(M([0-9]+)61([-+])(\(-)?{_PLAIN}(\))?\)>{_PLAIN
 
 
 def read(text: str, controller: TurboPmac, memory: Memory = NO_MEMORY) -> ControllerText | Unreadable:
-    """Read a whole text.
+    """Read a whole controller text.
 
     Args:
         text: the text that yarcc emitted.
@@ -40,7 +40,7 @@ def read(text: str, controller: TurboPmac, memory: Memory = NO_MEMORY) -> Contro
         memory: cache of parsed move lines, keyed by their text.
 
     Returns:
-        The content, or the first place that differs from what yarcc emits.
+        The content, or the first line that differs from what yarcc emits.
     """
     cursor = Cursor(text, controller, memory)
     try:
@@ -91,7 +91,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
 
 
 def _target(header: Header) -> Target:
-    """Return the buffer for which the text is written, and check the header's advice on loading."""
+    """Return the buffer for which the text is written, and check what its header says about loading it."""
     for target, loading in LOADING.items():
         form = re.escape(loading).replace(re.escape("{system}"), "[0-9]{1,2}")
         if header.target == target and re.fullmatch(form, header.loading):
@@ -102,7 +102,10 @@ def _target(header: Header) -> Target:
 
 
 def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
-    """Read the PLC that only sets outputs to their safe values after the guard has held the motion."""
+    """Read the PLC that sets outputs to their safe values after the guard has stopped the motion.
+
+    The PLC must do nothing else.
+    """
     if cursor.peek() != "OPEN PLC 28 CLEAR":
         return ()
     cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")

@@ -1,4 +1,4 @@
-"""The judge's reader of texts for a Turbo PMAC, with the checks that need no program."""
+"""The judge's reader of texts for a Turbo PMAC, with the checks of a text that need no program."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
 GUARD_SHARE = 0.05
-"""Largest additional acceleration due to an inexact start of a fixed program, as a share of its limit."""
+"""Largest additional acceleration, as a share of its limit, due to an inexact start of a stored program."""
 
 
 def _read(text: str, controller: Controller, memory: Memory) -> ControllerText | Unreadable:
@@ -45,9 +45,9 @@ def _guard_of(content: ControllerText) -> Guard:
 
 
 def _per_step(robot: Robot) -> Array:
-    """Return the movement of each joint per step of each motor's register (n, n).
+    """Return how far each joint (row) moves per step of each motor's position register (column), (n, n).
 
-    Its unit is rad or m per 1/(Ixx08 32) count.
+    The values are absolute, in rad or m per 1/(Ixx08 32) count.
     """
     steps: Array = np.abs(joints_per_count(robot)) / (32.0 * turbo_pmac(robot).ixx08)
     return steps
@@ -68,7 +68,7 @@ def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> 
 
 
 def _start_faults(content: ControllerText, robot: Robot) -> Iterator[Fault]:
-    """Check that the guard of a fixed program is narrow.
+    """Check that the guard of a program buffer lets the program begin only very near its start.
 
     A start that is off by x adds an acceleration of x / TM^2.
     """

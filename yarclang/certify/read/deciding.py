@@ -1,4 +1,4 @@
-"""Reader of the computed values in a text's map, which must be in canonical form.
+"""Reader of the conditions and computed values in a text's map, which must be in canonical form.
 
 In this form every operation inside another one is in brackets, and nothing else is.
 """
@@ -47,18 +47,18 @@ _COMPARISONS = ("=", "<>", "<", "<=", ">", ">=")
 
 
 def read_value(text: str) -> Value | None:
-    """Return the value that a text denotes; None if it is not in canonical form."""
+    """Return the value or condition that a string denotes; None if it is not in canonical form."""
     return _Reading(text).whole()
 
 
 def read_condition(text: str) -> Value | None:
-    """Return the condition that a text denotes; None if it is not in canonical form, or is a number."""
+    """Return the condition that a string denotes; None if it isn't canonical, or denotes a number."""
     value = read_value(text)
     return value if value is not None and _is_condition(value) else None
 
 
 def read_assignment(text: str) -> tuple[RegisterValue | InputValue, Value] | None:
-    """Return the target of an assignment and the number assigned; None if the text is not in canonical form.
+    """Return the target of an assignment and the number assigned; None if the string isn't canonical.
 
     The target is a register, or the variables of an output.
     """
@@ -143,8 +143,10 @@ class _Reading:
 
 
 def _fits(value: Value, *, wants_condition: bool) -> None:
-    """Reject a number where a condition is wanted, and a condition where a number is; 0 and 1 count as
-    both.
+    """Reject a number where a condition is wanted, and a condition where a number is. 0 and 1 count as both.
+
+    Raises:
+        _Strange: the value is of the wrong sort.
     """
     is_known = isinstance(value, Constant) and value.number in (0.0, 1.0)
     if _is_condition(value) != wants_condition and not is_known:

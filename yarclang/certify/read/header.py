@@ -87,18 +87,18 @@ _ALLOW = re.compile(r"; allow ([0-9]{1,7}) ([!-~]{1,400}) ([!-~]{1,400})")
 
 @frozen
 class Preamble:
-    """Everything before the first line that the controller reads.
+    """The comments at the top of a controller text, before the first line that the controller reads.
 
     Attributes:
         header: the header.
-        entries: the commands of the map.
-        barriers: the barriers of the map, by their lines.
+        entries: the commands in the map, with their lines.
+        barriers: the barriers in the map (waits, branches, loops), by their lines.
         registers: the registers that the runtime keeps.
-        watches: inputs that hold the motion.
+        watches: inputs that stop the motion while they have a value.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
         allows: pairs of bodies that are allowed to touch, by motion.
-        keeps: rules that motions keep to.
+        keeps: rules (KEEP) that motions respect.
     """
 
     header: Header
@@ -119,7 +119,7 @@ def header_of(text: str) -> Preamble | Unreadable:
         text: a text written by yarcc.
 
     Returns:
-        The comments, or the first place that differs from what yarcc writes.
+        The comments, or the first line that differs from what yarcc writes.
     """
     try:
         check_characters(text)
@@ -129,7 +129,7 @@ def header_of(text: str) -> Preamble | Unreadable:
 
 
 def read_preamble(lines: Lines) -> Preamble:
-    """Read the comments at the top, from the first line on.
+    """Read the comments at the top of a controller text, from the first line on.
 
     Raises:
         Refusal: a line differs from what yarcc writes in its place.
@@ -210,7 +210,7 @@ def _read_header(lines: Lines) -> Header:
 
 
 def _matched(lines: Lines, form: re.Pattern[str], what: str) -> tuple[str, ...]:
-    """Return the groups of a line that must have a form; groups without a match are empty."""
+    """Return the groups of the next line, which must match a pattern; groups without a match are empty."""
     line = lines.peek()
     found = form.fullmatch(line)
     if found is None:
@@ -260,10 +260,11 @@ def _read_barrier(lines: Lines) -> Barred:
 def _decided(
     lines: Lines, kind: str, condition: str
 ) -> tuple[Value | None, bool, RegisterValue | InputValue | None]:
-    """Read a barrier's decision.
+    """Read what a barrier decides or assigns.
 
     Returns:
-        The barrier's value, True if its inputs were read before, and the register or output that it sets.
+        The condition or value; True if the condition uses inputs as they were read before; and the register
+        or output that the barrier sets.
     """
     if kind == "when":
         again = condition.startswith(AGAIN)
@@ -288,8 +289,9 @@ def _decided(
 
 
 def _can_change(condition: Value, registers: Mapping[str, Register]) -> bool:
-    """Return True if a condition may change while a program waits: by an input, or a register filled from
-    outside.
+    """Return True if a condition may change while a program waits.
+
+    It may change by an input, or by a register that is set from outside of the program.
     """
     return bool(inputs_of(condition)) or any(
         name in registers and registers[name].outside for name in registers_of(condition)
@@ -323,7 +325,7 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
 
 
 def _read_watches(lines: Lines) -> tuple[Watch, ...]:
-    """Read the inputs that hold the motion; each may appear once with each of its values."""
+    """Read the inputs that stop the motion while they have a value, each value of an input once."""
     watches: list[Watch] = []
     while lines.peek().startswith("; watch"):
         found = _WATCH.fullmatch(lines.peek())
@@ -372,13 +374,13 @@ def _read_offsets(
 ) -> tuple[Shifted, ...]:
     """Read the branches in which a frame is shifted, in order.
 
-    Each branch is decided by a flag of its own. Nothing else may set the flag or depend on it.
+    Each branch is decided by a register of its own, its flag. Nothing else may set the flag or depend on it.
 
     Args:
         lines: the text.
         barriers: the barriers of the map.
         registers: the registers of the map.
-        used: flags of searches.
+        used: flags of searches, which shifts must not use.
     """
     offsets: list[Shifted] = []
     known = {one.name: one for one in registers}
@@ -424,7 +426,7 @@ def _read_offsets(
 
 
 def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
-    """Read the pairs of bodies that are allowed to touch: in the order of the motions, then of the names."""
+    """Read the pairs of bodies that are allowed to touch, sorted by motion and then by name."""
     allows: list[Permitted] = []
     while lines.peek().startswith("; allow"):
         found = _ALLOW.fullmatch(lines.peek())
@@ -445,7 +447,7 @@ def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
 
 
 def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
-    """Read the rules that motions keep to: in the order of the motions, each rule once for a motion."""
+    """Read the rules (KEEP) that motions respect, sorted by motion, each rule once for a motion."""
     keeps: list[KeptTo] = []
     while lines.peek().startswith("; keep"):
         found = _KEEP.fullmatch(lines.peek())
@@ -464,4 +466,7 @@ def _read_keeps(lines: Lines, moves: Container[int]) -> tuple[KeptTo, ...]:
 
 
 _MOST_KEEPS = 100
-"""Number of preceding lines that must not contain the same rule; blocks can't be nested deeper."""
+"""Number of preceding lines that must not contain the same rule of the same motion.
+
+A motion can't have more rules, since blocks can't be nested deeper.
+"""

@@ -1,11 +1,11 @@
-"""Conversion of the lines of a text to spline segments, each with its command.
+"""Conversion of the lines of a controller text to spline segments, each with its command.
 
 The control points of one sequence in the controller's spline mode (SPLINE1, TUM 289-290) are S, S, S, c1 ...
 cM, cM, cM, with S the current position and ci the programmed points. Segment k, of duration TM, is the
 uniform cubic B-spline of the points k to k + 3. The sequence starts and ends at rest. Three equal points
 inside a sequence are a full stop, where one command ends and the next begins. Commands that flow into each
-other share a sequence; the header's map gives the places where they meet, and the number of segments that
-belong to both.
+other share a sequence; the map in the text's header says where they meet, and how many segments belong to
+both.
 """
 
 from __future__ import annotations
@@ -39,28 +39,26 @@ _BARRIERS: dict[type, str] = {
 """Barriers at which branches and loops begin, merge, end or repeat."""
 
 CHUNK = 8192
-"""Segments that are judged in one step: enough for work on whole arrays, and few enough for the
-processor's cache.
-"""
+"""Number of segments judged in one step: many for work on whole arrays, few for the processor's cache."""
 
 
 @frozen(eq=False)
 class Place:
-    """The segments of one motion.
+    """The segments of one motion in a controller text.
 
     Attributes:
         step: index of the motion in the program's steps.
         motion: the motion.
-        first: the first segment.
-        last: the segment after the last one.
+        first: index of the first segment.
+        last: index of the segment after the last one.
         lines: the first and the last move line in the text; None without moves.
         before: number of segments of the blend at the motion's start, half of which belong to the motion;
             None if it starts at rest.
         behind: number of segments of the blend at the motion's end, half of which belong to the motion; None
             if it ends at rest.
-        any_jerk: True if the map lifts the jerk limit of the motion.
-        beside_any_jerk: True if the map lifts the jerk limit of the motion that flows into this one, and of
-            the motion that this one flows into.
+        any_jerk: True if the map says that the motion has no jerk limit.
+        beside_any_jerk: first value True if the map says so of the motion that flows into this one, second
+            value True if it says so of the motion that this one flows into.
     """
 
     step: int
@@ -111,7 +109,9 @@ class Layout:
         return self.points_of(place.first, place.last)
 
     def points_of(self, begin: int, stop: int) -> Array:
-        """Return the control points of segments `begin` up to `stop` (excluded) of a sequence [rad or m]."""
+        """Return the control points of the segments `begin` up to `stop` (excluded) of one sequence [rad
+        or m].
+        """
         return self.control[self.at[begin] : self.at[stop - 1] + 4]
 
     def cubics(self, begin: int, stop: int) -> Cubics:
@@ -129,11 +129,11 @@ def lay_out(
     """Assign every segment to its command.
 
     Args:
-        text: the text that was read.
+        text: the controller text, as the judge has read it.
         program: the program; the map in the text's header must list exactly its steps.
-        start: (n,) start of the text [rad or m].
+        start: (n,) joint positions at the start of the text [rad or m].
         axis_units: (n,) axis unit of each joint in SI units.
-        any_line: True if the map may place commands in other lines of the source.
+        any_line: True to accept other source lines in the map than those of the program.
 
     Returns:
         The segments, or the step and the reason why map, moves and program do not match.
@@ -165,7 +165,9 @@ def lay_out(
 def _sequences(
     text: ControllerText, runs: list[Run], start: Array, axis_units: Array
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Return the control points of all sequences (G, n) [rad or m], and each one's number of segments."""
+    """Return the control points of all sequences (G, n) [rad or m], and each sequence's number of
+    segments.
+    """
     if not runs:
         return np.empty((0, len(start))), np.empty(0, dtype=np.int64)
     counts = np.array([len(run.points) for run in runs], dtype=np.int64)
@@ -189,8 +191,10 @@ def _sequences(
 
 
 def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], axis_units: Array) -> Array:
-    """Return the position after an item other than a sequence. Only the start of a second branch changes the
-    position.
+    """Return the robot's position after an item of the text that is not a sequence of moves.
+
+    Only the start of a second branch changes the position: it begins where the first branch began. A slow
+    RAPID states the position.
 
     Args:
         item: the item of the course.
@@ -214,9 +218,7 @@ def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], a
 def _compare(
     entries: tuple[Entry, ...], program: hir.Program, *, any_line: bool
 ) -> tuple[int | None, str] | None:
-    """Return the first place at which the steps in the map differ from those of the program; None if all
-    agree.
-    """
+    """Return the first step in the map that isn't the program's, with the difference; None if all agree."""
     for step, entry in zip(range(len(program.steps)), entries, strict=False):
         meant_step = program.steps[step]
         if isinstance(meant_step, hir.Gap):
@@ -242,9 +244,9 @@ def _compare(
 def _spans(
     moving: list[Entry], lines: list[NDArray[np.int64]]
 ) -> dict[int, tuple[int, int]] | tuple[int, str]:
-    """Return the range of segments of each step with moves.
+    """Return the range of segments of each step with moves, or a step with wrong lines and the reason.
 
-    There is one segment for each line, and two more at the end of a sequence.
+    There is one segment for each move line, and two more at the end of a sequence.
     """
     spans: dict[int, tuple[int, int]] = {}
     rest = iter(moving)
@@ -280,8 +282,9 @@ def _blends(
     lines: list[NDArray[np.int64]],
     program: hir.Program,
 ) -> tuple[int, str] | None:
-    """Return the first blend that doesn't fit into its sequence, or that covers an action at rest; None if
-    all fit.
+    """Return the first blend that doesn't fit into its sequence, or that covers an action at rest.
+
+    None if all blends fit.
     """
     last_lines = {int(run[-1]) for run in lines}
     before = 0
@@ -363,7 +366,7 @@ def _with_neighbours(places: list[Place]) -> list[Place]:
 
 
 def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:
-    """Return the position (n,) after each of some segments, by the number of the next segment."""
+    """Return the position (n,) at the end of each segment before one of `stops`, keyed by the stop."""
     at = segments.at[np.array(stops, dtype=np.int64) - 1]
     first, middle, last = (segments.control[at + i] for i in (1, 2, 3))
     # If the command ends at rest, its end is the control point itself, which is exact. Otherwise it is the
@@ -389,7 +392,7 @@ def chunks(places: list[Place]) -> Iterator[list[Place]]:
 
 
 def row_chunks(rows: list[tuple[int, Place]]) -> Iterator[list[tuple[int, Place]]]:
-    """Yield groups of numbered neighbouring commands with up to about `CHUNK` segments."""
+    """Yield groups of neighbouring commands, each with its row, with up to about `CHUNK` segments."""
     chunk: list[tuple[int, Place]] = []
     size = 0
     go_on(0, len(rows))

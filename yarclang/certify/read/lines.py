@@ -16,8 +16,7 @@ class Refusal(Exception):  # noqa: N818 - never leaves the reader
 
 
 def check_characters(text: str) -> None:
-    """Reject any character except printable ASCII and line feed, since some readers treat others as line
-    ends.
+    """Reject all but printable ASCII and line feeds: some programs treat other characters as line ends.
 
     Raises:
         Refusal: there is such a character, or the text does not end with a line feed.
@@ -60,11 +59,11 @@ class Lines:
         self.line += 1
 
     def refuse(self, reason: str, *, back: int = 0, code: str = "Y1151") -> NoReturn:
-        """End the reading.
+        """End the reading, because a line is wrong.
 
         Args:
             reason: what is wrong with the line.
-            back: number of lines before the next line.
+            back: how many lines before the next line the wrong line is.
             code: code of the finding.
 
         Raises:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from yarclang.robot.model import Array
 
 _AT_ONCE = 1 << 18
-"""Characters that are read in one step, so that intermediate arrays stay in the processor's cache."""
+"""Number of characters read in one step, so that intermediate arrays stay in the processor's cache."""
 
 _FEW = 6000
 """Below this number of characters, reading each number by itself is faster."""

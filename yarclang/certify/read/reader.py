@@ -15,12 +15,12 @@ from yarclang.robot.model import Array, Robot
 
 @frozen(eq=False)
 class StartPlace:
-    """Start of a text.
+    """Joint positions at the start of a controller text.
 
     Attributes:
         q: (n,) joint positions [rad or m].
         exact: (n,) precision with which the text gives them [rad or m].
-        is_printed: True if the text prints the positions themselves.
+        is_printed: True if the text prints the joint positions themselves.
     """
 
     q: Array
@@ -30,12 +30,12 @@ class StartPlace:
 
 @frozen
 class Fault:
-    """A fault of a text that is independent of its program.
+    """A fault in a controller text that can be found without the program.
 
     Attributes:
         code: code of the finding.
         reason: the fault in words.
-        at_start: True if it concerns the start, and thus the first motion.
+        at_start: True if the fault concerns the start, and thus the first motion.
     """
 
     code: str
@@ -45,16 +45,17 @@ class Fault:
 
 @frozen(eq=False)
 class Reader:
-    """The judge's reader of the texts for a kind of controller.
+    """The judge's reader of the controller texts for one kind of controller.
 
     It shares no code with the writer of these texts.
 
     Attributes:
-        read: reads a whole text; every line must have the one form that is allowed in its place.
-        start: returns the start of a text.
-        faults: yields faults of a text that are independent of its program: segment times, the guard,
-            assignments. The set contains the variables of the program's outputs; None if the program is
-            unknown.
+        read: function that reads a whole text; every line must have the one form that is allowed in its
+            place.
+        start: function that returns the joint positions at the start of a text.
+        faults: function that yields the faults in a text that can be found without the program: in segment
+            times, the guard, assignments. Its last argument is the set of the variables of the program's
+            outputs; None if the program is unknown.
     """
 
     read: Callable[[str, Controller, Memory], ControllerText | Unreadable]

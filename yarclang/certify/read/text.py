@@ -1,6 +1,7 @@
 """The content of a controller text, as the judge reads it.
 
-It has commands in the header, sequences of moves, and items between them.
+These are the commands listed in the header, the sequences of moves, and the dwells, outputs and barriers
+between them.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ _MARKS: dict[str, Mark] = {
 
 @frozen
 class Unreadable:
-    """The first place of the text that differs from what yarcc emits.
+    """The first line of a controller text that differs from what yarcc emits.
 
     Attributes:
         line: number of the line, from 1.
@@ -50,7 +51,7 @@ class Unreadable:
 
 @frozen
 class Entry:
-    """A line `; command` of the header, which lists the move lines of a step.
+    """A line `; command` in the header's map, which says which move lines belong to a step of the program.
 
     Attributes:
         at: number of this line in the text.
@@ -60,9 +61,9 @@ class Entry:
         source_line: line in the source.
         first: first move line in the text, from 1; None without moves.
         last: last move line in the text; None without moves.
-        blend: number of segments in which it flows into the next command, half of them before its end and
-            half after; None if it ends at rest.
-        any_jerk: True if its law has no limit of the jerk.
+        blend: number of segments in which the command flows into the next one, half of them before its end
+            and half after; None if it ends at rest.
+        any_jerk: True if its motion profile has no jerk limit.
     """
 
     at: int
@@ -112,7 +113,7 @@ class Put:
 
 @frozen(eq=False)
 class Run:
-    """One spline sequence: the move lines between two values of TM.
+    """One spline sequence: the move lines between two settings of the segment time TM.
 
     Attributes:
         segment_ms: TM [ms], exact.
@@ -130,12 +131,12 @@ class Run:
 
     @property
     def segment(self) -> float:
-        """TM [s]."""
+        """Segment time TM [s]."""
         return self.segment_ms * MS
 
     @property
     def duration(self) -> float:
-        """Duration [s]. A sequence begins and ends with a segment of its own (TUM 289)."""
+        """Duration of the sequence [s]: a segment for each move line, and one more at each end (TUM 289)."""
         return (len(self.lines) + 2) * self.segment
 
 
@@ -153,11 +154,11 @@ class Barred:
 
     Attributes:
         line: number of the line in the text.
-        kind: kind of the barrier.
+        kind: kind of the barrier, such as `wait` or `when`.
         step: index of the step in the program.
         condition: the condition as written, or -.
         timeout: longest wait [s]; None: no limit.
-        name: name of the input, or the operator's text.
+        name: name of the input, or the words for the operator.
         decided: condition of a `when`, or of a `wait` other than for one value of one input; for a `set`, the
             value assigned.
         again: True if the condition is decided with the inputs as they were read before.
@@ -187,12 +188,12 @@ class Stood:
 
 @frozen(eq=False)
 class Start:
-    """Start of the motion.
+    """Start of the motion in a controller text.
 
     Attributes:
         line: number of the line in the text.
-        printed: (n,) joint positions [deg or mm]; None if only the reader of the controller's kind can find
-            them (`Reader.start`).
+        printed: (n,) joint positions [deg or mm]; None if the text doesn't print them, so that they must be
+            computed by `Reader.start`.
     """
 
     line: int
@@ -201,23 +202,23 @@ class Start:
 
 @frozen(eq=False)
 class ControllerText:
-    """The actions that a text makes the controller do, with the exact lines to send.
+    """The actions that a controller text makes the controller do, with the exact lines to send.
 
     Attributes:
         header: the header.
-        entries: the map of commands.
+        entries: the commands in the map, with their lines.
         start: start of the motion.
         course: the actions in order.
-        outputs: variables of outputs, with the values they take after the guard has held the motion.
+        outputs: variables of outputs, with the values they take after the guard has stopped the motion.
         decimals: largest number of decimals in a move line.
         quantum: step size of segment times in the controller [s].
         registers: integers that the runtime keeps, with their ranges and first values.
-        watches: inputs that hold the motion while they have a value.
+        watches: inputs that stop the motion while they have a value.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
-        allows: bodies that may touch on motions.
-        keeps: rules that motions keep to.
-        own: further content for rooms of the controller's kind only.
+        allows: pairs of bodies that may touch, by motion.
+        keeps: rules (KEEP) that motions respect.
+        own: further content that only texts for this kind of controller have.
     """
 
     header: Header
@@ -268,7 +269,7 @@ def assignments_of(text: ControllerText) -> Iterator[Assignment]:
 
 
 def _part(item: Run | Dwelt | Put | Barred | Stood) -> Part:
-    """Return the time that an item of the course takes [s], or the mark of a wait, a branch or a loop."""
+    """Return the time that an action of the text takes [s], or the mark of a wait, a branch or a loop."""
     match item:
         case Run():
             return item.duration

@@ -1,4 +1,4 @@
-"""The tool on the flange along the branches and loops of a text, computed by the judge itself."""
+"""The tool on the flange along the branches and loops of a program, computed by the judge itself."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ _BARRIERS: dict[type, str] = {
     hir.EndLoop: "endloop",
 }
 _WIDEST = 0.5 * DEG
-"""Largest angle between flange and place at which the changer locks [rad]."""
+"""Largest angle between the flange and a tool's place in the rack at which the changer locks [rad]."""
 
 
 def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> dict[int, str]:
-    """Return the tool on the flange during each motion, by its step; empty text for none.
+    """Return the tool on the flange during each motion, by the motion's step; an empty string for no tool.
 
-    The tool follows from the values of the lock's output, the places of the tools and the ends of the
-    motions. The model of bodies that planner and judge share is not used.
+    The tool follows from the values of the lock's output, the racks of the tools and the ends of the motions.
+    The model of bodies that planner and judge share is not used.
 
     Args:
         handling: the cell and the steps, whose outputs are proved to be those of the text.
@@ -74,7 +74,7 @@ def tools_again(handling: Handling, start: Array, ends: Mapping[int, Array]) -> 
 
 
 def _is_at(rack: RackTool, flange: Array) -> bool:
-    """Return True if the flange (4, 4) is at a tool's place."""
+    """Return True if the flange (4, 4) is at a tool's place in the rack."""
     place = rack.place.transform
     # Twice the sine of half the angle between both orientations, from the distance of their axes.
     turned = float(np.linalg.norm(flange[:3, :3] - place[:3, :3])) / np.sqrt(2.0)

@@ -9,11 +9,11 @@ from yarclang.robot.model import Array
 
 @dataclass(slots=True)
 class _Open:
-    """A WHEN or a loop that has not ended yet.
+    """A WHEN or a loop that has begun and not ended yet.
 
     Attributes:
-        begins: True for a loop.
-        before: (n,) position before it.
+        begins: True for a loop, False for a WHEN.
+        before: (n,) position at its start.
         other: (n,) position at the end of a WHEN's first branch, or at a loop's first exit; None if not known
             yet.
         parted: True if the second branch of a WHEN has begun.
@@ -29,12 +29,12 @@ class _Open:
 
 @dataclass(slots=True)
 class Standing:
-    """The robot's current position.
+    """The robot's current position while the actions of a text are followed one by one.
 
     Attributes:
         at: (n,) position.
-        over: True if this place cannot be reached.
-        open: the open WHENs and loops, outermost first.
+        over: True if the program never comes here, for example after a STOP.
+        open: the WHENs and loops that have not ended yet, outermost first.
     """
 
     at: Array
@@ -42,14 +42,14 @@ class Standing:
     open: list[_Open] = field(default_factory=list)
 
     def pass_(self, kind: str) -> tuple[Array, str] | None:
-        """Pass a barrier.
+        """Follow the text past a barrier, and say which position must equal the current one.
 
         Args:
             kind: kind of the barrier.
 
         Returns:
-            A position that must equal the current one, and the fault if it doesn't; `at` then remains the
-            position before the barrier. None if there is nothing to compare.
+            The position that must equal the current one, and the fault in words if it doesn't; the current
+            position `at` stays. None if there is nothing to compare.
 
         Raises:
             ValueError: the barrier has no matching open WHEN or loop.

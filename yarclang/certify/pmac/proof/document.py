@@ -1,6 +1,6 @@
-"""The proof of a certified text as JSON.
+"""The proof of a certified controller text as JSON.
 
-It contains the robot, the program, and the data with which motions are checked without search.
+It contains the robot, the program, and the data with which the checker checks motions without search.
 """
 
 from __future__ import annotations

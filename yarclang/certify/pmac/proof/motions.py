@@ -1,4 +1,4 @@
-"""Description of each motion in a proof, with the data that make it checkable."""
+"""Description of each motion in a proof, with the data that the checker needs."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ class Begin:
 
 
 class Motions:
-    """All motions of a text.
+    """All motions of a text, described for the proof.
 
     Attributes:
         told: the description of each motion in the proof, by its step.
-        proofs: the data that make a motion checkable, by its step, written as a string.
+        proofs: the data with which the checker checks a motion, by the motion's step written as a string.
     """
 
     def __init__(self, judged: Judged, layout: Layout, firsts: Mapping[int, int]) -> None:
@@ -83,9 +83,9 @@ class Motions:
             self.proofs[str(place.step)] = proof
 
     def _proof(self, row: int, place: Place, begin: Begin) -> dict[str, Any] | str | None:
-        """Return the data that make a motion checkable; None if no data are needed.
+        """Return the data with which the checker checks a motion; None if no data are needed.
 
-        If the motion cannot be checked, the result is a text with the reason.
+        If the motion cannot be checked, the result is a string with the reason.
         """
         motion, robot = place.motion, self._judged.robot
         if isinstance(motion, hir.LineMove | hir.ArcMove):
@@ -113,7 +113,7 @@ class Motions:
         return None
 
     def _of_joints(self, row: int, place: Place, begin: Begin) -> dict[str, Any]:
-        """Return the data of a straight motion of joints, with the joints that were chosen at its corners."""
+        """Return the data of a straight joint motion, with the joint positions chosen for its end pose."""
         robot, claims = self._judged.robot, self._judged.claims
         (goal,) = _through(place, begin, robot, claims)
         claimed = claims.witnesses.get(place.step)
@@ -126,7 +126,7 @@ class Motions:
         return told | joint_proof(self._own(row, place), begin.q, end, weights)
 
     def _own(self, row: int, place: Place) -> Own:
-        """Return the segments that follow the path of a line or an arc."""
+        """Return the segments that follow the path of a motion, and where the path is joined and left."""
         flows, layout = self._flows, self._layout
         begin, end = (int(x) for x in flows.follow[row])
         if (place.before, place.behind) == (None, None):
@@ -147,8 +147,8 @@ class Motions:
         return Own(flows.cubics(layout, row), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
-        """Add the joints of a corner to the proofs, and the number of pieces into which the blend's
-        segments are cut.
+        """Add to the data of two motions the joint positions of the corner between them, and the number of
+        pieces into which the blend's segments are cut.
         """
         layout, judged = self._layout, self._judged
         first, second = (layout.places[row] for row in (corner.first, corner.second))
@@ -215,7 +215,7 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
 
 
 def _rows(motion: hir.TimedMove, robot: Robot) -> list[dict[str, Any]]:
-    """Return the rows of a timetable; the first is at the time 0, perhaps without a position."""
+    """Return the rows of a timetable; the first row has the time 0, and its position may be missing."""
     table, units = motion.asked, robot.axis_units
     columns = {"q": table.positions, "v": table.velocities, "a": table.accelerations}
     given = {name: (column / units).tolist() for name, column in columns.items() if column is not None}
@@ -228,8 +228,8 @@ def _rows(motion: hir.TimedMove, robot: Robot) -> list[dict[str, Any]]:
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:
-    """Return a speed as two values, of the frame's origin [mm/s] and of its turn [deg/s]; None where not
-    given.
+    """Return a speed as two values, that of the frame's origin [mm/s] and that of its turn [deg/s]; None for
+    a value that is not given.
     """
     read_as = (speed.length, MM), (speed.angle, DEG)
     return [None if number is None else float(f"{number / unit:.13g}") for number, unit in read_as]

@@ -1,9 +1,10 @@
-"""Planes that keep bodies apart, for the small checker.
+"""Separating planes that keep bodies apart, for the small checker.
 
-The search uses stretches of a text that are as long as possible, with one plane for each pair of bodies. The
-first stretch is the whole text. If no plane keeps a pair apart on a stretch, the stretch is divided and both
-halves are examined: it is divided first between commands, then between segments, then within a segment. The
-bounds are those of the checker (`yarclang.verify.apart`), in floating point and with a small reserve.
+The search uses stretches of a text's time that are as long as possible, with one plane for each pair of
+bodies. The first stretch is the whole text. If no plane keeps a pair apart during a stretch, the stretch is
+divided and both halves are examined: it is divided first between commands, then between segments, then within
+a segment. The bounds are those of the checker (`yarclang.verify.apart`), in floating point and with a small
+reserve.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ from yarclang.verify.reader import PRINTED
 from yarclang.verify.room import Room
 
 _LEFT = 2e-6
-"""Reserve of a gap beyond its margin [m]: more than the effects of rounding and of the meshes' grid."""
+"""Reserve of a gap beyond its margin [m], more than the effects of rounding and of the meshes' grid."""
 _SCALES = (100, 10_000, 10_000_000)
-"""Sizes of the integers in normals; the smallest sufficient one is used."""
+"""Sizes of the integers in the planes' normals; the smallest sufficient one is used."""
 
 Planes = list[list[object]]
 
@@ -46,7 +47,7 @@ class Segments:
     Attributes:
         control: (N, 4, n) control points [rad or m].
         h: (N,) durations [s].
-        run: (N,) sequence of each segment.
+        run: (N,) index of the sequence of moves of each segment.
         row: (N,) row of the command of each segment.
         steps: (N,) step of the command of each segment.
     """
@@ -76,7 +77,7 @@ class Segments:
         )
 
     def at(self, segment: Rows, share: Array) -> Array:
-        """Return the joints (P, n) at shares (P,) of segments (P,)."""
+        """Return the joint positions (P, n) in segments (P,) at shares (P,) of their durations."""
         t = share[:, None]
         c = self.control[segment].transpose(1, 0, 2)
         found: Array = (
@@ -88,7 +89,7 @@ class Segments:
         return found
 
     def rate(self, segment: Rows, share: Array) -> Array:
-        """Return the joint velocities (P, n) at shares (P,) of segments (P,)."""
+        """Return the joint velocities (P, n) in segments (P,) at shares (P,) of their durations."""
         t = share[:, None]
         one, two, three = np.diff(self.control[segment], axis=1).transpose(1, 0, 2)
         found: Array = ((1 - t) ** 2 * one + (1 + 2 * t - 2 * t**2) * two + t**2 * three) / 2.0
@@ -118,8 +119,9 @@ class _Search:
         self.failed: set[int] = set()
 
     def found(self) -> Planes:
-        """Halve stretches until a plane keeps each pair apart, or until they are too short; return the
-        planes.
+        """Return separating planes for all pairs, found by halving stretches of time.
+
+        A stretch is halved until a plane keeps the pair apart during it, or until it is too short.
         """
         begin, end, pair, margin = self.needed.stretches()
         while len(pair):
@@ -151,7 +153,9 @@ class _Search:
         return found
 
     def _middle(self, begin: Rows, end: Rows) -> Rows:
-        """Return the places that divide stretches between commands, between segments, or within one."""
+        """Return the times that divide stretches: between commands, else between segments, else within
+        one.
+        """
         middle = (begin + end) // 2
         cut = np.where(end - begin > PARTS, (middle + PARTS // 2) // PARTS * PARTS, middle)
         row = self.segments.row
@@ -164,15 +168,15 @@ class _Search:
         return cut
 
     def _settled(self, begin: Rows, end: Rows, pair: Rows, margin: Array, *, bent: bool) -> NDArray[np.bool_]:
-        """Return True for pairs that a plane keeps apart on stretches, and store the planes.
+        """Return which pairs a plane keeps apart during their stretches of time, and store these planes.
 
         Args:
             begin: (K,) begins of the stretches, in parts of a segment.
             end: (K,) ends of the stretches.
-            pair: (K,) pair of each stretch.
-            margin: (K,) distance that each pair must keep [m].
-            bent: True for the bound within one sequence, from both ends and the middle; False for the bound
-                over the ranges of the joints.
+            pair: (K,) pair of bodies to examine during each stretch.
+            margin: (K,) distance that the pair must keep [m].
+            bent: True for the bound within one sequence of moves, from both ends and the middle of a stretch;
+                False for the bound over the ranges of the joints.
         """
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
@@ -241,7 +245,7 @@ class _Search:
         return settled
 
     def _slow(self, begin: Rows, end: Rows, pair: Rows) -> NDArray[np.bool_]:
-        """Return True for pairs of slow zone and body that are slow enough on stretches; store them."""
+        """Return which bodies are slow enough in their slow zones during stretches of time; store them."""
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -269,7 +273,10 @@ class _Search:
 
 
 def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Array) -> Array:
-    """Return the checker's bound of a body's third derivatives (P,) for |q'|, |q''| and the jerk (P, n)."""
+    """Return the checker's bound of the third derivatives of all points of a body (P,).
+
+    It follows from the largest |velocity|, |acceleration| and |jerk| of the joints, `w`, `a` and `j` (P, n).
+    """
     sum_w, sum_a, sum_j, before, bend = (np.zeros(len(w)) for _ in range(5))
     for joint in range(len(reach)):
         if not is_turn[joint]:
@@ -284,7 +291,10 @@ def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Arra
 
 
 def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
-    """Return the least gap (P,) [m] along normals (3, P) of any length; minus infinity for a zero normal."""
+    """Return the least gap (P,) [m] between two bodies along normals (3, P), among some instants.
+
+    The gap is minus infinity for a zero normal.
+    """
     size = np.sqrt((normal**2).sum(axis=0))
     unit = normal / np.maximum(size, 1e-300)
     still = Joints(np.eye(3)[:, :, None], np.zeros((3, 1)), np.zeros((3, 1)), np.zeros((3, 1)))
@@ -293,7 +303,7 @@ def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
 
 
 def _before(item: Item, moving: Item, arms: list[Joints]) -> Array:
-    """Return the least distance of a body from a border that it must not cross (P,) [m]."""
+    """Return the least distance (P,) [m] of a body from a border not to cross, among some instants."""
     offset = float(item.axis @ item.middle)
     gaps = [
         offset + arm.lowest(moving, np.broadcast_to(-item.axis[:, None], arm.shift.shape)) for arm in arms
@@ -303,7 +313,10 @@ def _before(item: Item, moving: Item, arms: list[Joints]) -> Array:
 
 
 def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Array, a: Array) -> Array:
-    """Return the checker's bound K of a body's second derivatives (P,) for |q'| and |q''| (P, n)."""
+    """Return the checker's bound of the second derivatives of all points of a body (P,).
+
+    It follows from the largest |velocity| and |acceleration| of the joints, `w` and `a` (P, n).
+    """
     sum_w, sum_a, before, bend = (np.zeros(len(w)) for _ in range(4))
     for joint in range(first, last):
         if not is_turn[joint]:
@@ -319,8 +332,8 @@ def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Ar
 
 
 def _reach(robot: Robot, item: Item, far: Array) -> Array:
-    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m], as the checker
-    does.
+    """Bound, as the checker does, the distance [m] of a body's points from the axis of each joint that moves
+    the body, (number of these joints,).
     """
     steps = steps_of(robot.chain)
     is_turn = axes_of(robot.chain).turn == 1.0
@@ -346,7 +359,7 @@ def _ended(numbers: Array) -> Array:
 
 
 def planes_of(rows: Sequence[Moved], cell: dict[str, Any], items: list[Item], robot: Robot) -> Planes:
-    """Return planes in the checker's form for all pairs of bodies that planes keep apart.
+    """Return separating planes, in the checker's form, for all pairs of bodies that such planes keep apart.
 
     Args:
         rows: the commands of the text, as the checker has read them.

@@ -1,6 +1,6 @@
-"""Description of the bodies around the arm in a proof.
+"""Description, in a proof, of the bodies around the arm.
 
-It contains their places, the commands during which they are there, and the pairs that may touch.
+It contains their poses, the commands during which they are there, and the pairs that may touch.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ _GRID = 1e-6
 
 @frozen(eq=False)
 class Needed:
-    """The pairs of bodies that must be proved apart.
+    """The pairs of bodies that must be proved apart, or of a body and a zone's region.
 
     Attributes:
         items: the bodies, in the order of the proof.
-        pairs: the pairs of bodies.
-        needs: for each pair, the stretches (begin, end, margin [m]) on which it must stay apart.
+        pairs: the pairs, as indices of `items`.
+        needs: for each pair, the stretches of time (begin, end, margin [m]) during which it must stay apart.
         speeds: (K,) speed up to which a body need not stay out of a slow zone [m/s]; 0 for other pairs.
     """
 
@@ -50,7 +50,7 @@ class Needed:
     speeds: Array
 
     def stretches(self) -> tuple[Rows, Rows, Rows, Array]:
-        """Return the stretches that must be proved: begins, ends, pairs, margins [m]."""
+        """Return the stretches of time to prove: begins, ends, pairs to keep apart, margins [m]."""
         rows = [(*need, pair) for pair, needs in enumerate(self.needs) for need in needs]
         begin, end, margin, pair = zip(*rows, strict=True) if rows else ((), (), (), ())
         whole = [np.array(column, dtype=np.int64) for column in (begin, end, pair)]
@@ -58,7 +58,7 @@ class Needed:
 
     @classmethod
     def of(cls, items: list[Item], pairs: Sequence[Pair], speeds: Sequence[int], unit: int) -> Needed:
-        """Return the checker's pairs as floating-point data.
+        """Return the pairs that the checker demands as floating-point data.
 
         Args:
             items: the bodies, in the order of the proof.
@@ -87,11 +87,12 @@ def commands_of(layout: Layout, program: hir.Program, robot: Robot) -> dict[int,
 
 
 class Room:
-    """Description of bodies and zones in a proof, from the surroundings of the arm during each command.
+    """Description of the bodies and zones in a proof, from the surroundings of the arm during each command.
 
     Attributes:
-        told: `bodies`, `exceptions` from their margins, and `zones`.
-        items: the bodies, followed by the regions that zones keep bodies out of, for the search.
+        told: the description: `bodies`, `zones`, and `exceptions`, the pairs that may be nearer than their
+            margins.
+        items: the bodies, followed by the regions that zones keep bodies out of, for the search of planes.
     """
 
     def __init__(self, commands: Mapping[int, During], robot: Robot) -> None:
@@ -116,7 +117,7 @@ class Room:
         return made
 
     def _number(self, key: Hashable, item: Item, step: int, told: Callable[[], dict[str, Any]]) -> int:
-        """Return the number of a body that is present during a command; add the body if it is new."""
+        """Return the number of a body in the proof; add the body if it is new, and note the command."""
         if key not in self._numbers:
             self._numbers[key] = len(self.bodies)
             self._there[len(self.bodies)] = []
@@ -133,7 +134,7 @@ class Room:
         return self._number(key, room_of(body), step, lambda: _told(body, self.robot))
 
     def _exceptions(self) -> list[list[Any]]:
-        """Return the pairs that may come closer than their margins, or touch, with the ranges of commands."""
+        """Return the pairs that may touch or be nearer than their margins, each with a range of commands."""
         found: dict[tuple[int, int, float | None], list[int]] = {}
         for step, scene in zip(self.moving, self._scenes, strict=True):
             own = [self._body(body, step) for body in scene.bodies]
@@ -156,7 +157,7 @@ class Room:
         ]
 
     def _zones(self) -> tuple[list[dict[str, Any]], list[Item]]:
-        """Return the descriptions of the zones, and their regions as items."""
+        """Return the descriptions of the zones, and the zones' regions as bodies for the search of planes."""
         told: dict[str, dict[str, Any]] = {}
         regions: dict[str, list[Item]] = {}
         for step, scene, during in zip(self.moving, self._scenes, self.commands.values(), strict=True):
@@ -202,9 +203,10 @@ def told_frame(pose: Array) -> list[float]:
 
 
 def in_units(numbers: Array) -> list[float | None]:
-    """Return numbers as robot.toml writes them.
+    """Return numbers in the units of robot.toml, rounded to 13 digits; None for infinity.
 
-    Conversion to SI units and back has changed their last digits, which are rounded away.
+    The rounding restores the digits that robot.toml has, since conversion to SI units and back changes the
+    last digits.
     """
     return [float(f"{one:.13g}") if np.isfinite(one) else None for one in numbers.tolist()]
 
@@ -236,7 +238,7 @@ def _solid(point: Item) -> Item:
 
 
 def _link(joint: int, robot: Robot) -> Array:
-    """Return base_from_link (4, 4) with all joints at zero of the link that the first `joint` joints move."""
+    """Return base_from_link (4, 4) of the link that the first `joint` joints move, all joints at zero."""
     link = np.eye(4)
     for step in steps_of(robot.chain)[:joint]:
         link = link @ step
@@ -258,7 +260,7 @@ def _told(body: Body, robot: Robot) -> dict[str, Any]:
 
 
 def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:
-    """Return the description of a simple shape at a pose (4, 4)."""
+    """Return the description of a simple shape, such as a sphere or a box, at a pose (4, 4)."""
     placed = pose.copy()
     placed[:3, 3] += pose[:3, :3] @ geometry.middle
     shape = {"core": geometry.core.tolist(), "disc": geometry.disc, "radius": geometry.radius}
@@ -293,7 +295,7 @@ def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
 
 
 def border(name: str, normal: Array, offset: float) -> Item:
-    """Return the half-space normal . p >= offset as an item.
+    """Return the half-space normal . p >= offset in the form of a body.
 
     Its `axis` is the normal, `bound` is infinite, and `points` has one point of the plane.
     """

@@ -1,6 +1,6 @@
-"""Shares of programmed paths over time for a proof.
+"""Path parameters s(t) for a proof: how far each motion is along its programmed path, as a share over time.
 
-The checker accepts any shares that grow from 0 to 1; good ones give sharp bounds.
+The checker accepts any s(t) that grows from 0 to 1; a good one gives sharp bounds.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
 
 _REMAINDER = 0.2
-"""Share of the tolerance, approximately, that the bounds between the ends of pieces may take."""
+"""Approximate share of the tolerance that the bounds between the ends of pieces may take."""
 _MOST_PIECES = 64
 _BESIDE = 0.011
 """Least share of an arc between its via point and its ends that the checker requires, with a reserve."""
@@ -31,9 +31,9 @@ _OPEN = 1 / 250
 _NEAREST = 2e-4
 """Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
 _COARSE = 4.0
-"""Approximate ratio of the checker's bounds of the fourth derivative of a spline of poses to the judge's."""
+"""Approximate ratio of the checker's bounds to the judge's, for a pose spline's fourth derivative."""
 _SHARP = 2e-4
-"""Share of a programmed speed, approximately, that the bounds between the ends of pieces may take."""
+"""Approximate share of a programmed speed that the bounds between the ends of pieces may take."""
 
 
 @frozen(eq=False)
@@ -42,8 +42,9 @@ class Own:
 
     Attributes:
         cubics: the segments, without parts beyond a corner.
-        ends: shares of the path at both ends; None at an end where the path is joined, or left, elsewhere.
-        told: the places at which the path is joined and left, if not at the motion's ends.
+        ends: s at the first and at the last instant; None where a blend joins or leaves the path in its
+            middle.
+        told: the instants at which the path is joined and left, if these aren't the motion's start and end.
     """
 
     cubics: Cubics
@@ -59,16 +60,16 @@ def frame_proof(
     robot: Robot,
     tolerance: Tolerance,
 ) -> dict[str, Any] | str:
-    """Return the proof of a line or an arc, or a text with the reason why there is none.
+    """Return the proof of a line or an arc, or a string with the reason why there is none.
 
     There is no proof for an arc whose ends and via point are so close to each other that they don't define
     its circle exactly.
 
     Args:
-        own: the segments that follow its path.
+        own: the segments that follow the motion's path.
         motion: the motion as programmed.
         start: (4, 4) base_from_moving at the start of the path.
-        goal: (4, 4) base_from_moving at its end.
+        goal: (4, 4) base_from_moving at the end of the path.
         robot: the arm.
         tolerance: tolerance of this motion.
     """
@@ -108,15 +109,15 @@ def frame_proof(
 def pose_spline_proof(
     own: Own, poses: Array, frame: Array, robot: Robot, tolerance: Tolerance, timing: hir.Timing
 ) -> dict[str, Any] | str:
-    """Return the proof of a spline of poses; a text with the reason if there is none.
+    """Return the proof of a spline of poses, or a string with the reason why there is none.
 
     Args:
-        own: the segments that follow its path.
+        own: the segments that follow the motion's path.
         poses: (m, 4, 4) base_from_moving at the start and at the way-points.
         frame: (4, 4) flange_from_moving.
         robot: the arm.
         tolerance: tolerance of this motion.
-        timing: its timing.
+        timing: programmed duration or speed of this motion.
     """
     cubics = own.cubics
     spline = PoseSpline.through(poses, frame, (own.ends[0] is None, own.ends[1] is None))
@@ -148,12 +149,12 @@ def pose_spline_proof(
 
 
 def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
-    """Return the proof of a straight motion of joints, with the nearest point of the line at each instant.
+    """Return the proof of a straight joint motion, with the nearest point of the line at the pieces' ends.
 
     Args:
-        own: the segments that follow its path.
+        own: the segments that follow the motion's path.
         start: (n,) joint positions at the start of the path [rad or m].
-        goal: (n,) joint positions at its end [rad or m].
+        goal: (n,) joint positions at the end of the path [rad or m].
         weights: (n,) reciprocal of the tolerance of each joint.
     """
     cubics, way = own.cubics, (goal - start) * weights
@@ -171,7 +172,7 @@ def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str
 
 
 def corner_pieces(cubics: Cubics, frame: Array, robot: Robot, ball: float, angle: float) -> int:
-    """Return the number of pieces of a blend's segments.
+    """Return the number of pieces into which each segment of a blend is cut.
 
     The bounds between the ends of pieces must be small compared with the blend's ball [m] and angle [rad].
     """
@@ -203,14 +204,15 @@ def _projected(
 def spline_proof(own: Own, points: Array, weights: Array, law: Array | None) -> dict[str, Any] | str | None:
     """Return the proof of a natural spline in joint space.
 
-    The result is None if the spline has length zero. It is a text with the reason if two way-points are too
+    The result is None if the spline has length zero. It is a string with the reason if two way-points are too
     close to each other.
 
     Args:
-        own: the segments that follow its path.
+        own: the segments that follow the motion's path.
         points: (m, n) start of the motion, and its way-points [rad or m].
         weights: (n,) reciprocal of the tolerance of each joint.
-        law: the planner's claim of the share over time; it is used if it covers the segments.
+        law: s(t) as the planner claims it, as control values of a cubic B-spline; it is used if it covers the
+            segments.
     """
     spline = NaturalSpline.through(points)
     if len(spline.y) == 1:
@@ -236,7 +238,7 @@ def spline_proof(own: Own, points: Array, weights: Array, law: Array | None) -> 
 
 
 def _nowhere(own: Own) -> dict[str, Any]:
-    """Return the proof of a motion of which blends take the whole path."""
+    """Return the proof of a motion whose whole path is cut off by blends."""
     share = own.ends[0] if own.ends[0] is not None else own.ends[1]
     return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
 
@@ -254,7 +256,7 @@ class _Weighed:
 
 
 def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float:
-    """Return the approximate bound between the ends of whole segments, as a share of the tolerance."""
+    """Return the approximate bound between the ends of uncut segments, as a share of the tolerance."""
     steepest = np.maximum(np.abs(np.diff(spline.y, axis=0)).max(axis=1) / np.diff(spline.s), 1e-3).min()
     w = cubics.velocity_peaks().max(axis=1) / steepest
     a = cubics.acceleration_peaks().max(axis=1) / steepest
@@ -268,7 +270,7 @@ def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float
 
 
 def _pieces(need: float) -> int:
-    """Return the number of pieces of a segment that makes `need` small.
+    """Return the number of pieces of a segment that makes the bound `need` of an uncut segment small enough.
 
     The bound falls with the fourth power of this number.
     """
@@ -281,11 +283,11 @@ def _growing(
     """Return s and s' as integers, changed slightly so that the cubics between them never decrease.
 
     Args:
-        s: (P + 1,) shares at the ends of pieces.
+        s: (P + 1,) path parameters at the ends of pieces.
         rate: (P + 1,) their rates [1/s].
         d: (P,) durations of the pieces [s].
         pieces: number of pieces of each segment.
-        ends: shares at both ends; None: as they are.
+        ends: s at the first and at the last instant; None: as in `s`.
     """
     share = np.clip(s, 0.0, 1.0)
     share[0], share[-1] = (

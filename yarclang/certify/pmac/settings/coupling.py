@@ -1,4 +1,4 @@
-"""The robot's K J and a0 in exact numbers, and the motors and joints that are coupled."""
+"""Motor counts as a function of the joints (K J, a0) in exact numbers, and which of them are coupled."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ENDLESS = Fraction(36_000)
 
 @dataclass(frozen=True)
 class Coupling:
-    """Motor counts as a function of the joints in axis units (deg, mm).
+    """Motor counts as an affine function of the joint positions in axis units (deg, mm).
 
     Attributes:
         matrix: K J, with one row for each motor [counts per axis unit].

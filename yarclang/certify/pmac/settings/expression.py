@@ -47,13 +47,14 @@ def variable(name: str) -> Affine:
 
 
 def evaluate(text: str, meaning: Callable[[str], Affine | None]) -> Affine:
-    """Evaluate an expression as the controller does.
+    """Evaluate an expression of PLC 0 as the controller does.
 
     * and / come before + and -, from left to right (TUM, mathematical operators).
 
     Args:
         text: the expression, without spaces.
-        meaning: returns the value of a variable; None for a variable that is not allowed.
+        meaning: function that takes a variable and returns its value; None for a variable that is not
+            allowed.
 
     Raises:
         NotAffineError: the text is no expression, is not affine, or contains a variable that is not allowed.

@@ -21,11 +21,11 @@ from yarclang.source import SourceFile, Span
 
 @frozen(eq=False)
 class ProvedSettings:
-    """Proved settings, on which certificates can rely.
+    """Proved settings of a controller, on which certificates can rely.
 
     Attributes:
         text: the settings text.
-        content: its content.
+        content: what the text sets.
         commanded: (n,) largest error of the axis definitions within the limits of the joints [axis units].
         feedback: (n,) largest error of the positions from PLC 0 within the limits of the joints [axis units].
     """
@@ -40,7 +40,7 @@ def certify_settings(source: SourceFile, robot: Robot) -> Result[ProvedSettings]
     """Prove that a settings text configures a controller as the certificates of a robot's programs assume.
 
     Args:
-        source: the text, with the name that findings use.
+        source: the settings text, with the file name that findings use.
         robot: the robot of the controller.
 
     Returns:

@@ -44,14 +44,14 @@ def check_motors(content: SettingsText, robot: Robot, coupling: Coupling, say: S
 
 
 def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: Coupling) -> str:
-    """Return the fault of a motor's software limit in words; empty if it is right.
+    """Return in words what is wrong with a motor's software limit; empty if it is right.
 
     Args:
         limit: the limit, times `sign` [counts].
         sign: 1 for the positive limit, -1 for the negative one.
-        row: row of the motor.
+        row: row of the motor in the coupling.
         robot: the robot.
-        coupling: its K J, a0, and the limits of the joints.
+        coupling: the robot's K J, a0, and the limits of the joints.
     """
     reach = _reach(sign, row, coupling)
     if reach is None:
@@ -71,9 +71,9 @@ def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: C
 
 
 def _reach(sign: int, row: int, coupling: Coupling) -> Fraction | None:
-    """Return the largest position of a motor in one direction, with the joints within their limits [counts].
+    """Return how far a motor goes in one direction while all joints are within their limits [counts].
 
-    The value is multiplied by `sign`. It is None if it is unlimited.
+    The position is multiplied by `sign`, 1 or -1. None if a joint without a limit moves the motor.
     """
     total = sign * coupling.offset[row]
     for share, lower, upper in zip(coupling.matrix[row], coupling.lower, coupling.upper, strict=True):

@@ -1,6 +1,6 @@
-"""Conversion of joint to motor positions and back.
+"""Conversion of joint to motor positions and back, as the settings define it.
 
-The axis definitions must be K J and a0, and PLC 0 their inverse.
+The axis definitions must be K J and a0, and PLC 0 must compute their inverse.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Say = Callable[[str, int, str], None]
 _FLOAT = Fraction(1, 2**50)
 """Largest relative error of a product of two floating-point numbers."""
 _UNITS_PER_COUNT = 32
-"""Units of a position register in one count, divided by Ixx08: it counts in 1/(Ixx08 32) count (TSRM 281)."""
+"""Factor between a count and the unit of position registers, 1/(Ixx08 32) count (TSRM 281)."""
 
 
 def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> Row | None:
@@ -85,13 +85,13 @@ def _wrong_definition(definition: Definition, row: int, robot: Robot, coupling: 
 def check_feedback(
     content: SettingsText, robot: Robot, coupling: Coupling, say: Say, *, as_printed: bool
 ) -> Row | None:
-    """Check that PLC 0 computes the joint positions of the axis definitions, each in its variable.
+    """Check that PLC 0 computes the joint positions of the axis definitions, each into its variable.
 
     Args:
         content: the settings that were read.
         robot: defines the feedback variables.
-        coupling: its K J and a0.
-        say: adds findings.
+        coupling: the robot's K J and a0.
+        say: function that adds a finding.
         as_printed: True to compute the motors' positions from the printed definitions, False from K J and a0.
 
     Returns:
@@ -131,7 +131,7 @@ def check_feedback(
 def _feedback_error(
     value: Affine, joint: int, matrix: list[Row], offset: Row, robot: Robot, coupling: Coupling
 ) -> Fraction:
-    """Bound the difference between an expression of the motors' positions and the joint's position."""
+    """Bound the difference between a joint's position and the expression for it in PLC 0."""
     scale = turbo_pmac(robot).ixx08 * _UNITS_PER_COUNT
     shares = [
         value.factors.get(actual_position(motor)[0], Fraction(0)) * scale for motor in robot.controller.motors

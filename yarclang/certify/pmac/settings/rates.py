@@ -1,6 +1,6 @@
-"""Speeds and accelerations of motors.
+"""Largest speeds and accelerations of motors that the settings define.
 
-No joint may exceed its limits in an abort or a RAPID, for any directions of the motors, and no motor may be
+No joint may exceed its limits in an abort or a RAPID, whichever way the motors turn, and no motor may be
 slower than necessary.
 """
 
@@ -27,7 +27,7 @@ _Rates = Mapping[int, Fraction]
 
 @frozen
 class _Quantity:
-    """A quantity that one Ixx sets for all motors.
+    """A rate (speed or acceleration) that one Ixx sets for all motors.
 
     Attributes:
         number: number of the I-variable.
@@ -90,14 +90,14 @@ class _Group:
     joints: list[int]
 
     def worst(self, joint: int, rates: _Rates) -> Fraction:
-        """Return the largest rate of one joint [axis units/s or /s^2] for any directions of the motors."""
+        """Return the largest rate of one joint [axis units/s or /s^2], whichever way the motors turn."""
         # The worst case is that all motors push the joint in one direction.
         shares = self.coupling.inverse[joint]
         return sum((abs(shares[row] * rate) for row, rate in rates.items() if shares[row]), Fraction(0))
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
-    """Return the largest rates in proportion to the gears that exceed no limit of a joint or motor."""
+    """Return the largest motor rates in proportion to the gear ratios that exceed no limit."""
     # Scale the gears up until the first joint reaches its limit.
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}
@@ -109,7 +109,7 @@ def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
 def _wrong(
     quantity: _Quantity, settings: Mapping[int, Setting], even: _Rates, group: _Group, robot: Robot
 ) -> tuple[Setting, str] | None:
-    """Return the wrong setting and its fault in words; None if all are right."""
+    """Return the first wrong setting of a group of motors and its fault in words; None if all are right."""
     rates = {row: setting.value * quantity.unit for row, setting in settings.items()}
     shares = {row: rate / even[row] for row, rate in rates.items()}
     loads = {joint: group.worst(joint, rates) / quantity.limits[joint] for joint in group.joints}

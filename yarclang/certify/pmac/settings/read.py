@@ -45,7 +45,7 @@ _ASSIGNMENT = re.compile(r"P[0-9]{1,4}=\S+")
 
 
 def read_settings(text: str, robot: Robot) -> SettingsText | Unreadable:
-    """Read a whole text.
+    """Read a whole settings text.
 
     Args:
         text: a text that yarc has printed, and that may have been saved or edited.
@@ -53,7 +53,7 @@ def read_settings(text: str, robot: Robot) -> SettingsText | Unreadable:
             name.
 
     Returns:
-        The content, or the first place that differs from what yarc prints.
+        The content, or the first line that differs from what yarc prints.
     """
     if found := _ODD.search(text):
         line = text.count("\n", 0, found.start()) + 1
@@ -164,10 +164,10 @@ def _feedback(lines: _Lines, size: int) -> Listing:
 
 
 def _guard(lines: _Lines, system: int) -> Listing:
-    """Read the PLC that counts its scans and holds the motion.
+    """Read the guard PLC, which counts its scans as a heartbeat and stops the motion by a hold.
 
-    It holds once when a program is armed and the rotary buffer is no longer full, and once when the streaming
-    computer is watched and its timer, Isx12, has run down.
+    It commands one hold if a program is armed and the rotary buffer is no longer full. It commands one hold
+    if the streaming computer is watched and its timer, Isx12, has run down.
     """
     lines.expect(f"OPEN PLC {GUARD_PLC} CLEAR", code="Y1175")
     hold = f'CMD"&{system}H"'
@@ -195,7 +195,7 @@ def _guard(lines: _Lines, system: int) -> Listing:
 
 
 class _Lines:
-    """A position in the text that returns lines without comments.
+    """A position in the settings text, from which lines are read without their comments.
 
     Attributes:
         last: number of the last line returned, from 1.

@@ -43,7 +43,7 @@ def check_system(content: SettingsText, robot: Robot, say: Say) -> None:
 
 
 def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: Say) -> None:
-    """Check the slew rate that brings the program from 100 % to 0.
+    """Check that slowing the program from 100 % to 0 takes the robot's hold time (slew rate).
 
     The time base is I10, and changes by Isx94 or Isx95 in each servo cycle (TSRM 191).
     """
@@ -63,8 +63,9 @@ def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: 
 
 
 def _check_marks(content: SettingsText, robot: Robot, say: Say) -> None:
-    """Check that the guard reacts early enough: a hold consumes half of its own duration of the program's
-    time.
+    """Check that the guard reacts while enough lines are left for a hold.
+
+    A hold that takes a time T uses up T / 2 of the program's time.
     """
     low, full = content.settings["I16"], content.settings["I17"]
     controller = turbo_pmac(robot)

@@ -23,7 +23,7 @@ class Definition:
     Attributes:
         line: number of the line in the text, from 1.
         motor: number of the motor.
-        terms: the terms as printed.
+        terms: the right side of the definition as printed.
         counts: counts per axis unit, by axis.
         offset: the offset [counts].
     """
@@ -57,11 +57,11 @@ class Setting:
 
 @frozen
 class Listing:
-    """A PLC.
+    """A PLC (a program that the controller repeats) in the settings text.
 
     Attributes:
-        number: its number.
-        statements: its statements.
+        number: number of the PLC.
+        statements: the PLC's statements.
         places: the line of each statement in the text.
     """
 
@@ -72,7 +72,7 @@ class Listing:
 
 @frozen
 class SettingsText:
-    """Everything that the text sends to the controller, in order. `settings` are by name, I5 last."""
+    """What the settings text sends to the controller, in order. `settings` are keyed by name, I5 last."""
 
     definitions: tuple[Definition, ...]
     pointers: tuple[Pointer, ...]

@@ -1,5 +1,5 @@
-"""Compute the placements of everything that a chain moves, for the planner, by a product of exponentials on
-whole arrays.
+"""Compute the placements of all bodies that a chain moves, by a product of exponentials on whole arrays. The
+planner uses them.
 """
 
 from __future__ import annotations

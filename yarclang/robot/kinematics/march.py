@@ -1,4 +1,6 @@
-"""Follow a path with an arm that has no closed form, in leaps of several samples at once."""
+"""Follow a path with an arm that has no closed form. The path is followed in leaps: several consecutive
+samples are solved at once.
+"""
 
 from __future__ import annotations
 
@@ -57,9 +59,9 @@ def march(
 ) -> Strand:
     """Follow one path from `q_start` (n,), which reaches pose_at(0).
 
-    Each leap predicts its samples along the arm's least joint velocities, and improves them by damped least
-    squares. It keeps the samples before the first one that is too far from its prediction or from the sample
-    before. A leap that keeps no sample is repeated with a shorter length.
+    Each leap predicts the joint positions of its samples along the least joint velocities, and improves them
+    by damped least squares. It keeps the samples before the first one that is too far from its prediction or
+    from the sample before. A leap that keeps no sample is repeated with a shorter length.
 
     Args:
         chain: the arm, n joints.
@@ -70,7 +72,8 @@ def march(
             the least motion of the joints.
 
     Returns:
-        The strand, up to the path's end or to the place after which it can't be continued.
+        The strand (the sequence of joint positions), up to the path's end or to the place after which it
+        can't be continued.
     """
     steps = _steps(chain, pose_at, q_start, bends, limits)
     try:
@@ -94,7 +97,7 @@ def marches(
         limits: as for `march`.
 
     Returns:
-        One strand for each path.
+        One strand (sequence of joint positions) for each path.
     """
     strands: dict[int, Strand] = {}
     under_way = {at: _steps(chain, path, starts[at], 0, limits) for at, path in enumerate(paths)}
@@ -117,8 +120,9 @@ def marches(
 def _steps(
     chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends: int, limits: Limits | None
 ) -> Generator[tuple[Array, Array], Fit, Strand]:
-    """Run `march` as a generator: yield poses (LEAP, 4, 4) and predictions (LEAP, n) of each leap, receive
-    the solutions, and return the strand.
+    """Run `march` as a generator. For each leap, it yields the poses (LEAP, 4, 4) and the predicted joint
+    positions (LEAP, n), and is sent the solutions. At the end it returns the strand (the sequence of joint
+    positions).
     """
     places, joints = [np.zeros(1)], [q_start[None]]
     done_to, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
@@ -176,7 +180,8 @@ def _leap(
 
 
 def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: Array) -> Array:
-    """Return the least steps (n, K) that make twists (6, K), plus null-space motion away from the limits.
+    """Return the least joint steps (n, K) that make the flange twists (6, K), plus null-space motion away
+    from the limits.
 
     Each joint's motion counts as a share of its range.
 

@@ -24,10 +24,10 @@ LEAST = 1e-3
 
 
 def weights(chain: Chain, limits: Limits) -> Array:
-    """Return the unit in which each joint's motion is counted (n,) [rad or m].
+    """Return the unit in which the motion of each joint is counted (n,) [rad or m].
 
-    The unit is half of the joint's range, but not more than half a turn, or than the arm's size for a sliding
-    joint.
+    The unit is half of the joint's range, but at most half a turn for a turning joint, or the arm's size for
+    a sliding joint.
     """
     half = 0.5 * (limits.upper - limits.lower)
     ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))

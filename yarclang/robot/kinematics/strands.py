@@ -49,8 +49,8 @@ End = Literal["whole", "jump", "nothing"]
 
 @frozen(eq=False)
 class Strand:
-    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, up to the last place that is
-    reached without a jump.
+    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) along a path, up to the last place that is
+    reached without a jump of a joint.
 
     `end` is "whole" if they reach the path's end, "jump" if the nearest solution after them would be a jump
     (to `beyond` (n,)), and "nothing" if there is no solution after them.
@@ -64,9 +64,10 @@ class Strand:
 
 @dataclass(slots=True, eq=False)
 class _Samples:
-    """All branches at all places that were computed so far.
+    """All branches at all places along the path that were computed so far.
 
-    The places are the first index: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M, 8, 2).
+    The first index of each array counts the places: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M,
+    8, 2).
     """
 
     s: Array
@@ -79,7 +80,8 @@ class _Samples:
 
 @frozen(eq=False)
 class _Held:
-    """A singularity that the strand has entered.
+    """A singularity that the strand has entered, and inside which the angle that the pose leaves free is
+    held.
 
     `before` is the index of the last sample before it, `q` (6,) are the joint positions there, and `joints`
     are the joints that the singularity frees.
@@ -98,12 +100,13 @@ class _Held:
 
 
 def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
-    """Follow a path from `q_start` (6,) [rad], which reaches pose_at(s[0]).
+    """Follow a path with an arm that has a closed form, from `q_start` (6,) [rad], which reaches
+    pose_at(s[0]).
 
     Args:
         arm: the closed form.
         pose_at: base_from_flange (N, 4, 4) at places (N,).
-        s: (M,) the first skeleton, from 0 to 1.
+        s: (M,) the places that are sampled first, from 0 to 1.
         q_start: (6,) [rad].
 
     Returns:
@@ -124,7 +127,8 @@ def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_st
 def plain_strands(
     arm: Form, poses: Array, s: Array, starts: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Follow many paths at once along one branch; paths that need a decision are marked.
+    """Follow many paths at once, each along the same branch. Paths that need refinement or a change of branch
+    are marked.
 
     Args:
         arm: the closed form.
@@ -161,7 +165,7 @@ def plain_strands(
 
 
 def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
-    """Follow the samples from `q_start` (6,) until a jump or the end.
+    """Follow the samples of a path from `q_start` (6,) until a joint would have to jump, or to the end.
 
     Args:
         arm: the closed form.
@@ -262,10 +266,11 @@ def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, 
 
 
 def _bends(strand: Strand) -> Array:
-    """Return places (K,) halfway to the neighbours of samples that lie off the chord between these
+    """Return places (K,) halfway between each sample that lies off the chord of its neighbours and these
     neighbours.
 
-    Without these places, a short event between two samples, such as a stretch out of reach, would be missed.
+    Without these places, a short event between two samples would be missed, such as an interval in which the
+    path is out of reach.
     """
     s, q = strand.s, strand.q
     if len(s) < 3:
@@ -306,13 +311,13 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
 
 
 def _sections(start: float, end: float, pieces: int) -> Array:
-    """Return the places (pieces - 1,) that divide an interval into equal pieces."""
+    """Return the places (pieces - 1,) that divide an interval of the path into equal pieces."""
     result: Array = np.linspace(start, end, pieces + 1)[1:-1]
     return result
 
 
 def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
-    """Compute all branches at new places."""
+    """Compute all branches at new places along the path."""
     solutions = closed_form(arm, poses, hold[:, None])
     return _Samples(
         s,

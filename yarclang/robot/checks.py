@@ -174,7 +174,9 @@ def _check_names(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
-    """Check the sizes and parents of the frames."""
+    """Check the frames of robot.toml: how many numbers they have, and their parents, which must lead to
+    FLANGE.
+    """
     frames = draft.table.frames
     upper = {name.upper(): name for name in frames if name.upper() not in RESERVED}
     parents: dict[str, str] = {}

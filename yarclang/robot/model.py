@@ -275,7 +275,7 @@ class Robot:
 
 @lru_cache(maxsize=256)
 def _prismatic(chain: Chain) -> NDArray[np.bool_]:
-    """Return True for each joint of a chain that slides (n,); a chain never changes."""
+    """Return a mask (n,) of the joints of a chain that slide; cached, since a chain never changes."""
     prismatic: NDArray[np.bool_] = ~np.any(chain.screws[:, 3:], axis=1)
     prismatic.setflags(write=False)
     return prismatic

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 def placements(screws: Array, q: Array) -> Array:
-    """Compute the placements of the links at joint positions.
+    """Compute how the joints move the links from their places with all joints at zero.
 
     Args:
         screws: (n, 6) of a chain, linear part then angular part.

@@ -34,7 +34,9 @@ MOST_LINKS = 1000
 
 @frozen
 class Joint:
-    """A joint of the file: `xyz` [m], `rpy` [rad], `axis` of length 1."""
+    """A joint of the URDF: `xyz` [m] and `rpy` [rad] are its origin in the parent link, `axis` has length
+    1.
+    """
 
     name: str
     kind: str

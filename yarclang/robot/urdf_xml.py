@@ -25,7 +25,7 @@ _MOST_ELEMENTS = 100_000
 
 @dataclass(slots=True)
 class Element:
-    """An element of the file; its opening tag is text[start:end]."""
+    """An XML element of the URDF; its opening tag is text[start:end]."""
 
     tag: str
     attributes: dict[str, str]
@@ -34,7 +34,7 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def all(self, tag: str) -> list[Element]:
-        """Return the children with a tag."""
+        """Return the child elements with a tag."""
         return [child for child in self.children if child.tag == tag]
 
     def first(self, tag: str) -> Element | None:
@@ -45,7 +45,7 @@ class Element:
 class UrdfText:
     """The text of a URDF, its root element, and the findings about it.
 
-    `kind` is the word for the file in findings.
+    `kind` is the word that findings use for the file.
     """
 
     def __init__(self, source: SourceFile, kind: str = "a URDF") -> None:
@@ -58,7 +58,7 @@ class UrdfText:
         self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset in the text of a line and column, both from 1."""
+        """Return the offset in the text at a line and a column, both counted from 1."""
         return self.starts[min(line, len(self.starts)) - 1] + column - 1
 
     def say(
@@ -213,6 +213,6 @@ def parse_xml(urdf: UrdfText) -> None:
 
 
 def _tag_end(text: str, start: int) -> int:
-    """Return the offset at which the tag that begins at `start` ends."""
+    """Return the offset at which the XML tag that begins at `start` ends."""
     match = re.compile(r"""(?:[^>"']|"[^"]*"|'[^']*')*>?""").match(text, start)
     return match.end() if match else start

@@ -68,10 +68,11 @@ def bent(
     Args:
         chain: the arm, n joints.
         limits: its limits.
-        pose_at: base_from_flange (N, 4, 4) for path places (N,).
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters (N,), from 0 to
+            1.
         followed: the known joint path.
-        cost: maps joint positions (N, n) to costs (N,). Costs are never negative; a cost of 0 can't be
-            improved.
+        cost: function that returns the costs (N,) of joint positions (N, n). Costs are never negative; a cost
+            of 0 can't be improved.
     """
     if chain.size <= 6:
         return
@@ -91,7 +92,7 @@ def bent(
 
 
 class _Band:
-    """Joint positions at the samples of one path, moved as an elastic band."""
+    """The joint positions at all samples of one path, which are moved together like an elastic band."""
 
     __slots__ = ("_cost", "asked", "chain", "high", "limits", "low", "poses", "scale", "smooth", "start")
 
@@ -133,7 +134,9 @@ class _Band:
         return placed
 
     def relaxed(self, q: Array) -> Array:
-        """Return joint positions (M, n) of lower cost, found by gradient descent from `q` (M, n)."""
+        """Return a joint path (M, n) of lower cost, found by gradient descent from the joint path `q` (M,
+        n).
+        """
         costs, step = self.cost(q), LARGEST
         for _ in range(ROUNDS):
             go_on()

@@ -51,7 +51,8 @@ def kept_within(
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
-        paths: base_from_flange (N, 4, 4) at places (N,), for each path.
+        paths: for each path, a function that returns the poses base_from_flange (N, 4, 4) at path parameters
+            (N,), from 0 to 1.
         starts: (K, n) [rad or m], each at the start of its path and within limits.
     """
     s = np.linspace(0.0, 1.0, PLACES)

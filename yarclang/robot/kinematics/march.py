@@ -65,14 +65,15 @@ def march(
 
     Args:
         chain: the arm, n joints.
-        pose_at: base_from_flange (N, 4, 4) at places (N,).
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters (N,), from 0 to
+            1.
         q_start: (n,) [rad or m].
         bends: approximate number of bends of the path; a leap passes only a few of them.
         limits: limits that a redundant arm keeps clear of, by motions that leave the flange at rest; None for
             the least motion of the joints.
 
     Returns:
-        The strand (the sequence of joint positions), up to the path's end or to the place after which it
+        The strand (the sequence of joint positions), up to the path's end or to the sample after which it
         can't be continued.
     """
     steps = _steps(chain, pose_at, q_start, bends, limits)
@@ -92,7 +93,8 @@ def marches(
 
     Args:
         chain: the arm, n joints.
-        paths: base_from_flange (N, 4, 4) at places (N,), for each path.
+        paths: for each path, a function that returns the poses base_from_flange (N, 4, 4) at path parameters
+            (N,), from 0 to 1.
         starts: (K, n) [rad or m], where the paths begin.
         limits: as for `march`.
 
@@ -162,7 +164,9 @@ def _steps(
 def _leap(
     chain: Chain, pose_at: Callable[[Array], Array], place: float, q: Array, s: Array, limits: Limits | None
 ) -> tuple[Array, Array]:
-    """Return poses (K, 4, 4) at places `s` (K,), and the joint positions (K, n) predicted there."""
+    """Return the poses (K, 4, 4) of a path at the path parameters `s` (K,), and the joint positions (K, n)
+    that are predicted for them from the joint position `q`.
+    """
     poses = pose_at(np.concatenate([[place], s]))
     columns = pose_columns(poses)
     start, target = np.repeat(columns[:, :, :1], len(s), axis=2), columns[:, :, 1:]

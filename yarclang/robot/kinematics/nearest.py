@@ -59,11 +59,14 @@ class Solutions:
 class Unreachable:
     """The reason why no joint position reaches a pose.
 
-    kind "reach": the frame misses the pose by at least `miss` [m] in its right orientation; if the arm can't
-    reach the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`. kind
-    "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit by
-    `excess` [rad or m], positive above the upper limit, negative below the lower limit. `q` (n,) [rad or m]
-    is the joint position of the nearest miss, or of that solution; the reference if the miss isn't measured.
+    kind "reach": the frame misses the pose by at least `miss` [m] in the pose's orientation; if the arm can't
+    reach the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`.
+
+    kind "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit
+    by `excess` [rad or m], positive above the upper limit, negative below the lower limit.
+
+    `q` (n,) [rad or m] is the joint position of the nearest miss, or of that solution; the reference if the
+    miss isn't measured.
     """
 
     kind: Literal["reach", "limits"]

@@ -86,7 +86,7 @@ class HeldWithin:
 
     @property
     def joint(self) -> int:
-        """The held joint, counted from the base."""
+        """The number of the held joint, counted from the base."""
         return 6 - self.held if self.is_reversed else self.held
 
 
@@ -285,10 +285,11 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
 def _two_turns(
     form: HeldWithin, way: Array, reach: Array, hold: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Solve subproblem 2: the turns about the pair of axes that bring `reach` to `way`.
+    """Solve subproblem 2: find the angles of the two joints `form.pair` at which the vector `reach` turns to
+    the vector `way`.
 
-    If `way` lies along the first axis, the turn about the first axis is `hold[0]`. If `reach` lies along the
-    other axis, the turn about the other axis is `hold[1]`.
+    If `way` lies along the first axis, the angle about the first axis is `hold[0]`. If `reach` lies along the
+    other axis, the angle about the other axis is `hold[1]`.
 
     Args:
         form: the arm.
@@ -297,8 +298,8 @@ def _two_turns(
         hold: (2,) [rad].
 
     Returns:
-        The turns about the first and about the other axis, (2, 2, N) each [rad], and a mask (2, N) of the
-        samples that have them.
+        The angles about the first and about the other axis, (2, 2, N) each [rad], and a mask (2, N) of the
+        samples for which they exist.
     """
     first_joint, other = (form.axes[joint] for joint in form.pair)
     cosine, normal = float(first_joint @ other), form.crosses[form.pair[0]] @ other
@@ -329,7 +330,7 @@ def _two_turns(
 
 
 def _turn_between(start: Array, across: Array, end: Array) -> Array:
-    """Return the turn about an axis that brings one vector to another [rad].
+    """Return the angle [rad] by which a turn about an axis brings one vector to another.
 
     Args:
         start: the axis crossed with the first vector (3, ...).

@@ -74,8 +74,8 @@ class Track:
     bend: Array | None = None
 
     def at(self, s: Array) -> Array:
-        """Return joint positions (N, n) interpolated between the samples at path places `s` (N,). They are
-        seeds for inverse kinematics, not solutions.
+        """Return joint positions (N, n) interpolated between the samples at path parameters `s` (N,). They
+        are seeds for inverse kinematics, not solutions.
         """
         after = np.clip(np.searchsorted(self.s, s, side="right"), 1, len(self.s) - 1)
         before = after - 1
@@ -94,18 +94,24 @@ class Track:
 class Broken:
     """The place after which a path can't be followed, and the reason.
 
-    `s` is the last place reached, `q` (n,) [rad or m] the joint position there.
+    `s` is the last path parameter reached, from 0 to 1, and `q` (n,) [rad or m] the joint position there.
+    `kind` is the reason:
 
-    kind "reach": the rest of the path is out of reach. At its worst place the flange misses the pose by
-    `amount` [m] in the right orientation; if the arm can't reach the orientation either, `angle` [rad]
-    remains. Both are valid only if `is_measured`. kind "limits": `joint` (from 0) leaves its limits here. On
-    the rest of the path it would exceed them by up to `amount` [rad or m], positive above the upper limit,
-    negative below the lower one. Some later pose can't be reached within limits by any configuration. kind
+    "reach": the rest of the path is out of reach. At its worst place the flange misses the pose by `amount`
+    [m] in the right orientation; if the arm can't reach the orientation either, `angle` [rad] remains. Both
+    are valid only if `is_measured`.
+
+    "limits": `joint` (from 0) leaves its limits here. On the rest of the path it would exceed them by up to
+    `amount` [rad or m], positive above the upper limit, negative below the lower one. Some later pose can't
+    be reached within limits by any configuration.
+
     "configuration": only another configuration (or another full turn of a joint) continues from here. If
     limits are the reason, `joint` and `amount` are as for "limits", and every sampled pose of the rest of the
     path can be reached within limits by some other configuration. If this configuration ends here, `joint` is
     the joint that differs most in the nearest other configuration and `amount` the difference, or `joint` is
-    None. kind "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
+    None.
+
+    "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
     """
 
     s: float
@@ -131,9 +137,10 @@ def track(
     Args:
         chain: the arm, n joints.
         limits: its limits; q_start is within them.
-        pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters s (N,) in [0,
+            1]; continuous.
         q_start: (n,) [rad or m], reaches pose_at(0) within 1e-6.
-        samples: number of places at which the path is sampled first, at equal distances.
+        samples: number of path parameters that are sampled first, at equal distances.
         reason: what to find out about the reason if the path can't be followed.
 
     Returns:
@@ -186,7 +193,8 @@ def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: A
     Args:
         chain: the arm, n joints.
         limits: its limits.
-        paths: base_from_flange (N, 4, 4) for path places (N,), for each path.
+        paths: for each path, a function that returns the poses base_from_flange (N, 4, 4) at path parameters
+            (N,), from 0 to 1.
         starts: (K, n) [rad or m], within limits, exactly at the paths' starts.
     """
     if form_of(chain) is not None:
@@ -292,7 +300,7 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
 
 
 def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> bool:
-    """Return True if every pose (N, 4, 4) can be reached within limits by some configuration."""
+    """Return True if every pose (N, 4, 4) can be reached within limits, each by any configuration."""
     q, valid = branches(chain, poses, reference)
     lifted = nearest_turn(chain, limits, q, reference)
     inside = (np.abs(beyond(limits, lifted)) <= EDGE).all(axis=2) & valid
@@ -300,7 +308,9 @@ def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> 
 
 
 def spline_bends(s: Array, q: Array) -> Array:
-    """Return the second derivatives (M, n) of the natural cubic spline through `q` (M, n) at `s` (M,)."""
+    """Return the second derivatives (M, n) of the natural cubic spline through joint positions `q` (M, n) at
+    path parameters `s` (M,).
+    """
     from scipy.linalg import solveh_banded
 
     width = np.diff(s)

@@ -55,7 +55,7 @@ class Branches:
 
 
 def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
-    """Compute all branches of all poses.
+    """Compute all eight solutions (branches) of each pose.
 
     Args:
         arm: the arm's constants.
@@ -80,7 +80,7 @@ def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
 
 
 def _block(arm: Form, poses: Array, hold: Array) -> Branches:
-    """Compute the closed form of one block of poses."""
+    """Compute the eight solutions (branches) of one block of poses."""
     if isinstance(arm, ParallelArm):
         return _parallel_block(arm, poses, hold)
     count, columns = len(poses), _columns(arm, poses)
@@ -121,7 +121,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
 
 
 def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
-    """Compute the closed form of one block of poses for an arm with three parallel axes."""
+    """Compute the eight solutions of one block of poses for an arm with three parallel axes."""
     count, columns = len(poses), _columns(arm, poses)
     q1, over = _shoulder(arm, columns[3], hold[0])
     sin1, cos1 = np.sin(q1), np.cos(q1)
@@ -198,13 +198,13 @@ def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], 
 def one_branch(
     arm: Form, base_from_flange: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Compute one branch of all poses. The results equal those of `closed_form` bit by bit, but take less
-    time.
+    """Compute one of the eight solutions (branches) of each pose. The results equal those of `closed_form`
+    bit by bit, but take less time.
 
     Args:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
-        branch: 4 wrist + 2 shoulder + elbow.
+        branch: number of the branch: 4 wrist + 2 shoulder + elbow, each 0 or 1.
 
     Returns:
         Joint positions (6, N) [rad]; a mask (N,) of the poses that they reach; and a mask (N,) of the poses
@@ -345,11 +345,12 @@ def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
 
 def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Find one solution (6, N) near seeds (6, N), and prove, where possible, that it is the nearest of all
-    eight branches.
+    eight solutions (branches).
 
-    The shoulder, elbow and wrist branches are chosen one after the other. Any other solution differs in at
-    least one of these choices, and costs at least as much as the rejected side of that choice. If the whole
-    solution costs less than each rejected side, no other branch is nearer.
+    The shoulder, elbow and wrist angles are chosen one after the other from two possibilities each. A choice
+    costs its squared joint difference from the seed. Any other solution differs in at least one of these
+    choices, and costs at least as much as the rejected possibility. If the whole solution costs less than
+    each rejected possibility, no other solution is nearer.
 
     Args:
         arm: the arm's constants.
@@ -358,7 +359,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
 
     Returns:
         q (6, N) [rad], and a mask (N,): True where q is proved to be the nearest. With three parallel axes
-        nothing is proved.
+        nothing is computed: q is 0 and the mask is False.
     """
     if isinstance(arm, ParallelArm):
         return np.zeros((6, len(poses))), np.zeros(len(poses), dtype=bool)

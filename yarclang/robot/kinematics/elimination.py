@@ -404,7 +404,7 @@ def _left_side(form: Elimination) -> Array:
 
 
 def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_], Array]:
-    """Return candidates of poses, as `candidates` does.
+    """Return candidates (approximate solutions) for poses, as `candidates` does, without bending the arm.
 
     Raises:
         numpy.linalg.LinAlgError: a matrix is not regular.

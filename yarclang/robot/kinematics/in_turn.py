@@ -26,9 +26,9 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     """Return, for each pose, the solution nearest to the solution of the previous pose: the one that
     `nearest_solutions` returns first.
 
-    All poses are solved at once, on the assumption that the arm stays on one branch. The result ends before
-    the first pose at which this assumption is uncertain, because another solution is as near or an angle is
-    free. The result is empty for an arm without a closed form.
+    All poses are solved at once, on the assumption that the arm stays in one configuration (branch). The
+    result ends before the first pose at which this is uncertain, because another solution is as near, or the
+    pose leaves an angle free. The result is empty for an arm without a closed form.
 
     Args:
         chain: the arm, n joints.

@@ -59,7 +59,7 @@ seed at the edge of the workspace stays on its own branch instead of jumping to 
 
 
 def reached_within(chain: Chain) -> float:
-    """Return the miss [m or rad] up to which a joint position counts as a solution."""
+    """Return the largest distance from a pose [m or rad] at which a joint position counts as its solution."""
     return REACHED if chain.size >= 6 else NEARLY_REACHED
 
 
@@ -235,7 +235,9 @@ def wrapped(chain: Chain, q: Array) -> Array:
 
 
 def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
-    """Return the solution (6, N) nearest to `seed` (6, N), of all branches and full turns."""
+    """Return the joint positions (6, N) nearest to `seed` (6, N) that reach each pose, of all branches and
+    full turns.
+    """
     q, sure = nearest_form(arm, poses, seed)
     if not sure.all():
         rest = np.flatnonzero(~sure)

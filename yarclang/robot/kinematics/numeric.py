@@ -144,7 +144,7 @@ def _fit_block(
     rounds: int,
     angle_weight: float,
 ) -> Fit:
-    """Run `fit` for one block."""
+    """Run `fit` for one block of poses."""
     target = pose_columns(poses)
     best = np.array(seeds.T, dtype=float, order="C")
     if lower is not None and upper is not None:

@@ -151,7 +151,8 @@ def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Arra
 
 
 class Pull:
-    """Target to which joint positions (k, n) are pulled: a pose and a reference.
+    """The target towards which joint positions (k, n) are moved: a pose and, as far as the pose allows, a
+    reference.
 
     The pose is (4, 4) for all joint positions, or (k, 4, 4) with one for each. The reference is (n,) or (k,
     n), within the limits `lower` and `upper` (n,). Joint motions are counted in units of `scale` (n,) [rad or
@@ -180,8 +181,8 @@ class Pull:
         return result
 
     def reaching(self, seeds: Array) -> Array:
-        """Return joint positions (m, n) at the pose, reached from seeds (k, n) without regard to the
-        reference. The search ends when `ENOUGH` are found.
+        """Return joint positions (m, n) within limits that reach the pose, found from seeds (k, n) without
+        regard to the reference. The search ends when `ENOUGH` are found.
         """
         q, reached = np.clip(seeds, self.lower, self.upper), []
         for number in range(LAST_STEPS):

@@ -78,8 +78,8 @@ def wrist_angles(
 
 
 def held(angle: Array, hold: Array, weight: Array) -> Array:
-    """Return `angle`, replaced by the given value `hold` where `weight` is far below HOLD, with a smooth
-    transition.
+    """Return `angle`, changed smoothly to the given value `hold` where `weight` (the distance from a
+    singularity) is far below HOLD.
     """
     square = weight * weight
     away = angle - hold

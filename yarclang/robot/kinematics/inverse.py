@@ -235,8 +235,8 @@ def wrapped(chain: Chain, q: Array) -> Array:
 
 
 def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
-    """Return the joint positions (6, N) nearest to `seed` (6, N) that reach each pose, of all branches and
-    full turns.
+    """Return, for each pose, the solution (6, N) nearest to `seed` (6, N), of all branches and full turns.
+    For a pose out of reach, it is the joint position at which the arm stretches towards the pose.
     """
     q, sure = nearest_form(arm, poses, seed)
     if not sure.all():

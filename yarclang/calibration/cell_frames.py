@@ -1,4 +1,6 @@
-"""Writing of a frame's measured pose to a cell.toml. The new text is checked with the cell's reader."""
+"""Write a frame's measured pose into the text of a cell.toml. The new text is checked with the reader of cell
+files.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,11 @@ matrices].
 
 
 class CellFrameError(ValueError):
-    """Raised if the text can't hold the frame.
+    """Raised if a frame can't be written into the text of a cell.toml.
 
     Attributes:
         help: the remedy.
-        what: the part that is wrong: `form`, `frame`, `name`, `parent`, or the code of a finding.
+        what: what is wrong: `form`, `frame`, `name`, `parent`, or the code of a finding.
     """
 
     def __init__(self, message: str, help_: str, what: str) -> None:
@@ -44,8 +46,8 @@ class CellWithFrame:
 
     Attributes:
         text: the whole file.
-        what: description of the change.
-        findings: findings of the cell's reader.
+        what: description of the change, in words.
+        findings: findings of the reader of cell files.
     """
 
     text: str
@@ -54,7 +56,7 @@ class CellWithFrame:
 
 
 def read_frame_cell(source: SourceFile, place: Path, names: Names) -> Cell:
-    """Return the cell that a text describes.
+    """Return the cell that the text of a cell.toml describes.
 
     Raises:
         CellFrameError: the text can't be read.
@@ -69,19 +71,19 @@ def read_frame_cell(source: SourceFile, place: Path, names: Names) -> Cell:
 def with_measured_frame(
     source: SourceFile, place: Path, names: Names, name: str, base_from_frame: Array, parent: str
 ) -> CellWithFrame:
-    """Return a cell.toml with the pose of a frame. Comments, order and all other bytes stay unchanged.
+    """Return a cell.toml in which a frame has a new pose. Comments, order and all other bytes stay unchanged.
 
     Args:
-        source: the present text.
+        source: the current text.
         place: path of the file.
-        names: the language's words and the robot, for the check of the cell's names.
+        names: the language's words and the robot, with which the names in the cell are checked.
         name: name of the frame, in upper case.
         base_from_frame: (4, 4) pose of the frame in {B} [m].
-        parent: parent of a new frame, one of the cell's stationary frames, or B; an existing frame keeps its
-            own.
+        parent: parent of a new frame: one of the cell's stationary frames, or B. An existing frame keeps its
+            own parent.
 
     Raises:
-        CellFrameError: the text can't hold the frame.
+        CellFrameError: the frame can't be written into the text.
     """
     cell = read_frame_cell(source, place, names)
     old = cell.frames.get(name)
@@ -122,7 +124,9 @@ def with_measured_frame(
 
 
 def _key(text: str, name: str) -> str:
-    """Return a frame's name with the spelling of the file. New names are in upper case."""
+    """Return a frame's name as the cell.toml spells it. If the file doesn't have the frame, the name stays in
+    upper case.
+    """
     tables = tomllib.loads(text).get("frames", {})
     return next((one for one in tables if one.upper() == name), name) if isinstance(tables, dict) else name
 
@@ -137,7 +141,9 @@ def _standing(cell: Cell, name: str) -> Array:
 
 
 def moves_text(name: str, old: Array, new: Array) -> str:
-    """Return the distance and angle between two poses (4, 4) [m] of a frame, in words."""
+    """Return a sentence with the distance and the angle between the old and the new pose (4, 4) [m] of a
+    frame.
+    """
     shift = float(np.linalg.norm(new[:3, 3] - old[:3, 3])) / MM
     cosine = (float(np.trace(old[:3, :3].T @ new[:3, :3])) - 1.0) / 2.0
     turn = float(np.arccos(np.clip(cosine, -1.0, 1.0))) / DEG

@@ -35,7 +35,7 @@ class FrameCalibration:
 
 
 def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[FrameCalibration]:
-    """Compute a frame from its origin, a point on its x axis, and points of its plane.
+    """Compute a frame from its origin, a point on its x axis, and points of its x-y plane.
 
     Args:
         origin: (3,) origin of the frame, in {B} [m].

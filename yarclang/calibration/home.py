@@ -1,4 +1,6 @@
-"""Calibration of the motors' offsets a0, by bringing joints to their marks."""
+"""Calibration of the motors' offsets a0: joints are moved to their marks, and the motor positions are read
+there.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +24,13 @@ joint.
 
 @frozen(eq=False)
 class OffsetCalibration:
-    """Calibrated offsets.
+    """Calibrated offsets of the motors.
 
     Attributes:
         offsets: (n,) a0 of all motors [counts].
-        shift: (n,) change of the position that each joint reads [rad or m].
-        spread: (n,) largest distance of a visit of the mark from the mean of all [rad or m]; zero for a
-            single visit, and for joints without a mark.
+        shift: (n,) by how much the indicated position of each joint changes [rad or m].
+        spread: (n,) repeatability of each joint: the largest distance of a visit of the mark from the mean of
+            all visits [rad or m]; zero for a single visit, and for joints without a mark.
     """
 
     offsets: Array
@@ -39,9 +41,10 @@ class OffsetCalibration:
 def find_offsets(
     robot: Robot, counts: Sequence[Array] | Array, marks: Mapping[str, float]
 ) -> Result[OffsetCalibration]:
-    """Compute the offsets with which the joints read the positions of their marks.
+    """Compute the motor offsets with which the robot indicates the right joint positions at the joints'
+    marks.
 
-    counts = K J q + a0 (eq. 5 of the paper). Joints without a mark keep their present positions, even if one
+    counts = K J q + a0 (eq. 5 of the paper). Joints without a mark keep their current positions, even if one
     of their motors depends on several joints.
 
     Args:

@@ -1,5 +1,5 @@
-"""Propagation of the errors of touches to errors of a tip or a frame, and search for a touch that reduces
-them.
+"""Propagation of the errors of single touches to the error of a calibrated tip or frame, and search for a
+further touch that reduces this error.
 
 The errors of touches are assumed to be independent, equally distributed in all directions, and larger than
 `error` in 5 of 100 touches. Results have the same confidence: the true tip is outside of the reported
@@ -48,7 +48,7 @@ about it.
 
 @frozen(eq=False)
 class TipSpread:
-    """Uncertainty of a tip: an ellipsoid around it.
+    """Uncertainty of a calibrated tool tip, as an ellipsoid around it.
 
     Attributes:
         axes: (3,) its half axes, the longest first [m]; infinite in directions about which nothing is known.
@@ -61,12 +61,12 @@ class TipSpread:
 
 @frozen(eq=False)
 class Tilt:
-    """A further touch that would reduce the uncertainty of a tip.
+    """A proposal for a further touch that would reduce the uncertainty of a tool tip.
 
     Attributes:
-        axis: axis of {FLANGE} about which the tool is tilted: 0, 1 or 2.
+        axis: axis of {FLANGE} about which the tool is tilted for this touch: 0, 1 or 2.
         angle: angle of the tilt [rad].
-        longest: longest half axis of the tip's ellipsoid after this touch [m].
+        longest: longest half axis of the tip's uncertainty ellipsoid after this touch [m].
     """
 
     axis: int
@@ -76,14 +76,14 @@ class Tilt:
 
 @frozen(eq=False)
 class FrameSpread:
-    """Uncertainty of a frame, in its own axes.
+    """Uncertainty of a calibrated frame, in its own axes.
 
     Attributes:
         origin: error of its origin [m].
         turns: (3,) errors of its orientation about x, y and z [rad]; infinite for an axis about which nothing
             is known.
-        base: distance of the point on x from the origin [m].
-        width: largest distance of a point of the plane from the x axis [m].
+        base: distance of the touched point on x from the origin [m].
+        width: largest distance of a touched point of the plane from the x axis [m].
     """
 
     origin: float
@@ -92,16 +92,17 @@ class FrameSpread:
     width: float
 
     def at(self, distance: float) -> float:
-        """Return the largest error [m] of a point at a distance [m] from the origin, in the worst direction.
+        """Return the largest error [m] of a point at a distance [m] from the frame's origin, in the worst
+        direction.
 
-        The errors of the origin and of the turns are correlated. Their sum is an upper bound for any
+        The errors of the origin and of the orientation are correlated. Their sum is an upper bound for any
         correlation.
         """
         return self.origin + float(np.sqrt(np.sum(self.turns**2))) * distance
 
 
 def touch_error(squares: float, freedom: int) -> float:
-    """Estimate the error of one touch [m] from residuals.
+    """Estimate the error of one touch [m] from the residuals of a calibration.
 
     Few residuals give a poor estimate. The quantile of Hotelling's T-squared distribution takes this into
     account.
@@ -119,14 +120,14 @@ def touch_error(squares: float, freedom: int) -> float:
 
 
 def tip_information(rotations: Array, error: float = ERROR) -> Array:
-    """Return the information about the tip from touches: the matrix of the ellipsoid around it.
+    """Return the information that touches give about the tool tip: the matrix of the uncertainty ellipsoid.
 
     Each touch gives R p + t = c + e, with the tip p, the fixed point c and the error e. Eliminating c by
     subtracting the mean over all touches gives the normal equations sum (R - mean)^T (R - mean) p = ...,
     whose matrix is the information.
 
     Args:
-        rotations: (k, 3, 3) rotations of the flange.
+        rotations: (k, 3, 3) rotations of the flange at the touches.
         error: error of one touch [m].
 
     Returns:
@@ -138,10 +139,10 @@ def tip_information(rotations: Array, error: float = ERROR) -> Array:
 
 
 def tip_spread(rotations: Array, error: float = ERROR) -> TipSpread:
-    """Return the uncertainty of a tip after touches.
+    """Return the uncertainty of the tool tip after touches.
 
     Args:
-        rotations: (k, 3, 3) rotations of the flange, at least one.
+        rotations: (k, 3, 3) rotations of the flange at the touches, at least one.
         error: error of one touch [m].
     """
     values, vectors = np.linalg.eigh(tip_information(rotations, error))
@@ -153,13 +154,13 @@ def tip_spread(rotations: Array, error: float = ERROR) -> TipSpread:
 
 
 def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
-    """Return the smallest tilt from the last touch to a further touch with which the tip is known accurately
-    enough.
+    """Return the smallest tilt of the tool, relative to the last touch, with which a further touch makes the
+    tip accurate enough.
 
     If there is no such tilt, return the tilt that reduces the uncertainty most.
 
     Args:
-        rotations: (k, 3, 3) rotations of the flange, at least one.
+        rotations: (k, 3, 3) rotations of the flange at the touches, at least one.
         error: error of one touch [m].
     """
     tilts = list(_tilts(rotations, error))
@@ -199,7 +200,8 @@ def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
     x. All errors are relative to the origin, whose own error adds to each of them.
 
     Args:
-        points: (k, 3) the origin, a point on x, and points of the plane; at least one point [m].
+        points: (k, 3) the touched points: the origin, a point on x, and points of the plane; at least one
+            point [m].
         error: error of one point [m].
     """
     turns = np.full(3, np.inf)
@@ -226,7 +228,9 @@ def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
 
 
 def _in_plane(along: Array) -> Array:
-    """Return points (k, 2) in the axes of the frame that they define. The first point is on the x axis."""
+    """Return touched points as (k, 2) in the x-y axes of the frame that they define. The first point is on
+    the x axis.
+    """
     # directions[2] is the normal of the best plane through the origin (total least squares).
     *_, directions = np.linalg.svd(along)
     x = along[0] - (along[0] @ directions[2]) * directions[2]

@@ -22,7 +22,7 @@ LARGEST_MISS = 1.0 * MM
 
 @frozen(eq=False)
 class TipCalibration:
-    """A calibrated tip.
+    """A calibrated tool tip.
 
     Attributes:
         flange_from_tip: (3,) the tip in {FLANGE} [m].
@@ -46,7 +46,7 @@ class TipCalibration:
 
 
 def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration]:
-    """Compute the tip that has touched one point in several poses.
+    """Compute the position of a tool tip that has touched one fixed point in several poses.
 
     Each pose gives R p + t = c, with the tip p in {FLANGE} and the point c in {B}. These linear equations are
     solved for p and c by least squares.
@@ -96,13 +96,15 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
 
 
 def _least_tilt(rotation: Array) -> tuple[float, Array]:
-    """Return the spread of the orientations, measured for the tool direction that turns least.
+    """Return by how much the orientations of the flange differ, measured for the flange direction that turns
+    least.
 
     Args:
         rotation: (k, 3, 3) orientations.
 
     Returns:
-        The largest angle between two images of this direction [rad], and the direction (3,) in {FLANGE}.
+        The largest angle between the images of this direction in two orientations [rad], and the direction
+        (3,) in {FLANGE}.
     """
     apart = rotation - rotation.mean(axis=0)
     # The direction of the smallest singular value is the one whose images differ least, in the sum of

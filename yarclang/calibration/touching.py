@@ -1,4 +1,6 @@
-"""The touches of a calibration, their result, and the next step for the user. Nothing here moves."""
+"""The touches of a calibration, the calibration's result, and the next instruction for the user. Nothing here
+moves the robot.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,11 @@ from yarclang.units import MM
 
 
 class Touching(ABC):
-    """A calibration in progress.
+    """A calibration in progress: the touches so far, and their result.
 
     Args:
         robot: the robot that touches.
-        name: name of the calibrated object.
+        name: name of the tool, frame or other object that is calibrated.
 
     Attributes:
         fewest: least number of touches.
@@ -57,13 +59,13 @@ class Touching(ABC):
     def can_go(self, at: int) -> bool:
         """Return True if the touch with an index can be removed.
 
-        A named touch can be removed only if it is the last one, since otherwise the next touch would get its
-        name.
+        Some first touches have a meaning of their own, such as the origin of a frame. Such a touch can be
+        removed only if it is the last one, since otherwise the next touch would get its meaning.
         """
         return at >= len(self.named) or at == len(self.joints) - 1
 
     def untouch(self, at: int = -1) -> None:
-        """Remove a touch that can be removed, by default the last one."""
+        """Remove a touch for which `can_go` is true, by default the last one."""
         self.joints.pop(at)
         self.solve()
 
@@ -85,11 +87,11 @@ class Touching(ABC):
 
     @abstractmethod
     def forget(self) -> None:
-        """Discard the result."""
+        """Discard the result of the calibration."""
 
     @abstractmethod
     def find(self) -> None:
-        """Compute the result. There must be enough touches."""
+        """Compute the result of the calibration. There must be enough touches."""
 
     @abstractmethod
     def next_step(self) -> str:
@@ -128,7 +130,7 @@ class TipTouching(Touching):
         self.findings, self.value = found.diagnostics, found.value
 
     def next_step(self) -> str:
-        """Return the instruction for the first touch, or for a tilted one."""
+        """Return the instruction for the first touch, or for a touch with a tilted tool."""
         if not self.joints:
             return "bring the tool's tip to a fixed, pointed object"
         return "bring it to the same point again, tilted to another side by 20 deg or more"
@@ -174,7 +176,7 @@ class FrameTouching(Touching):
         return tool_poses(self.robot.chain, joints, self.flange_from_tip)[:, :3, 3]
 
     def error(self) -> float:
-        """Return the error of one point [m], estimated from distances to the plane."""
+        """Return the error of one touched point [m], estimated from the points' distances to the plane."""
         if self.value is None:
             return ERROR
         return touch_error(float(np.sum(self.value.heights**2)), len(self.joints) - self.fewest)
@@ -224,7 +226,7 @@ class FrameTouching(Touching):
 
 
 class HomeTouching(Touching):
-    """Calibration of the offsets of the motors, by bringing joints to their marks.
+    """Calibration of the motors' offsets, by moving joints to their marks.
 
     Args:
         robot: the robot.
@@ -247,12 +249,12 @@ class HomeTouching(Touching):
         self.findings, self.value = found.diagnostics, found.value
 
     def next_step(self) -> str:
-        """Return the instruction to go to the marks."""
+        """Return the instruction to move the joints to their marks."""
         marks = "its mark" if len(self.marks) == 1 else "their marks"
         return f"bring {self.name} to {marks}{', approached anew' if self.joints else ''}"
 
     def result_text(self) -> str:
-        """Return the present errors of the joints' positions and the repeatability of the marks, in words."""
+        """Return the current errors of the joint positions and the repeatability of the marks, in words."""
         if self.value is None:
             return ""
         shift, spread = (values / self.robot.axis_units for values in (self.value.shift, self.value.spread))
@@ -269,7 +271,8 @@ class HomeTouching(Touching):
         )
 
     def residuals(self) -> Array | None:
-        """Return the distance of each visit from the mean, for the joint that differs most (k,) [deg or mm].
+        """Return the distance of each visit of the marks from the mean of all visits, for the joint that
+        differs most, as (k,) [deg or mm].
 
         The result is None for a single visit.
         """

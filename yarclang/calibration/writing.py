@@ -1,4 +1,6 @@
-"""Calibration results as text: a FRAME line of a program, or values of a robot.toml or cell.toml."""
+"""Write calibration results as text: as a FRAME line of a program, or as values of a robot.toml or
+cell.toml.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,7 @@ def with_offsets(robot_toml: SourceFile, offsets: Array) -> str:
 
 
 def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
-    """Return the text of a robot.toml with the origin of a frame on the flange, rounded to 1 um.
+    """Return the text of a robot.toml in which a frame on the flange has a new origin, rounded to 1 um.
 
     A frame that is already in the file keeps its orientation. A new frame has the orientation of the flange.
 
@@ -60,8 +62,8 @@ def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
 
 
 def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, parent: str) -> str:
-    """Return the text of a cell.toml with the pose of a frame, rounded to 1 um and 0.0001 deg, in the units
-    of the frame's table.
+    """Return the text of a cell.toml in which a frame has a new pose, rounded to 1 um and 0.0001 deg, in the
+    units of the frame's table.
 
     Args:
         cell_toml: a text that tomllib accepts.
@@ -108,7 +110,7 @@ def _units(text: object) -> Iterator[Unit]:
 
 
 def _digits(factor: float, step: float) -> int:
-    """Return the number of decimals with which a value has a given resolution.
+    """Return the number of decimals with which a printed value has at least a given resolution.
 
     Args:
         factor: size of the value's unit [m or rad].

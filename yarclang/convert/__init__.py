@@ -1,1 +1,3 @@
-"""Conversion of other files to YARC programs: tables, ROS trajectories, named states of an SRDF."""
+"""Conversion of other files to YARC programs: tables of targets, ROS trajectories, named states of an
+SRDF.
+"""

@@ -1,5 +1,5 @@
-"""Reader of trajectories in bags of ROS 1 (`.bag`) and ROS 2 (a folder, `.db3`, `.mcap`), using the
-package rosbags.
+"""Read trajectories from bags of ROS 1 (`.bag`) and ROS 2 (a folder, `.db3`, `.mcap`), with the package
+rosbags.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
 
     Args:
         path: the bag.
-        topic: the only topic to read; None for all with trajectories.
+        topic: the only topic to read; None for all topics with trajectories.
         findings: collects findings.
 
     Returns:
@@ -84,7 +84,7 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
 
 
 def _is_part(path: Path) -> bool:
-    """Return True if a file is part of a bag that is a folder."""
+    """Return True if a file is one of the files of a bag that is a folder."""
     return (path.parent / _METADATA).is_file()
 
 
@@ -122,7 +122,9 @@ def _documents(reader: AnyReader, topic: str | None, findings: Collector) -> lis
 
 
 def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any] | None:
-    """Return joint states as one trajectory, with the times of their headers, counted from the first one."""
+    """Return recorded joint states as one trajectory. Its times are those of the message headers, counted
+    from the first message.
+    """
     names = [list(one.name) for _, one in messages]
     if any(one != names[0] for one in names):
         message = "the joint states don't all have the same joints in the same order"
@@ -144,14 +146,14 @@ def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any
 
 
 def _nanoseconds(message: Any, received: int) -> int:
-    """Return the time of a message's header [ns]; the time of its recording if it has no header."""
+    """Return the time in a message's header [ns]; the time of its recording if the header has no time."""
     stamp = message.header.stamp
     sent = int(stamp.sec) * _SECOND + int(stamp.nanosec)
     return sent or received
 
 
 def plain(message: Any) -> Any:
-    """Return a message as mappings, lists, numbers and texts."""
+    """Return a ROS message as plain data: mappings, lists, numbers and texts."""
     if is_dataclass(message) and not isinstance(message, type):
         return dict(_entries(message))
     if isinstance(message, np.ndarray):

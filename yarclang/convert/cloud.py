@@ -28,7 +28,7 @@ _FAR = 1e5
 
 @frozen(eq=False)
 class CloudMesh:
-    """The mesh of a point cloud.
+    """The mesh of a point cloud: the outer faces of cubes.
 
     Attributes:
         content: a binary STL file, in mm.

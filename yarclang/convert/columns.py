@@ -1,4 +1,4 @@
-"""Parts of the text of a program: numbers in columns, indices, times, comments."""
+"""Format parts of a program's text: numbers in columns, indices, times, comments."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ DEFAULT_TIME = "50%"
 
 
 def rows_of(values: Array, target: str) -> list[str]:
-    """Return the rows of values (w, k) as text in columns, with as many decimals as the numbers need.
+    """Return rows of target values (w, k) as text in columns, with as many decimals as the numbers need.
 
     Args:
         values: (w, k) [deg, mm].
-        target: JOINTS, RPY or QUAT.
+        target: kind of the targets: JOINTS, RPY or QUAT.
     """
     columns: list[list[str]] = []
     most = _DECIMALS[target]
@@ -42,12 +42,14 @@ def rows_of(values: Array, target: str) -> list[str]:
 
 
 def index_text(number: int) -> str:
-    """Return an index: P0010."""
+    """Return the index of a command as text, such as P0010."""
     return f"P{number:04}"
 
 
 def comment_of(course: Course, number: int, with_name: bool = False) -> str:
-    """Return the comment after a target, with the target's name if wanted; empty if there is no comment."""
+    """Return the comment that follows a target in its line, with the target's name if wanted; empty if the
+    target has no comment.
+    """
     texts = [course.names[number]] if course.names and with_name else []
     text = plain(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
     return f"  ! {text}" if text else ""

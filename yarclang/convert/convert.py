@@ -1,5 +1,5 @@
-"""Conversion of a file of another kind to a YARC program. The kind is determined, and its reader is
-called.
+"""Convert a file of any known kind to a YARC program: find out its kind, and call the reader for this
+kind.
 """
 
 from __future__ import annotations
@@ -66,7 +66,9 @@ def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
 
 
 def _other_joints(robot: Robot, wishes: Wishes, findings: Collector) -> Result[Converted] | None:
-    """Return a refusal if --joints names too many or too few joints."""
+    """Return an error if the option --joints names more or fewer joints than the robot has; None if it is
+    correct.
+    """
     if not wishes.joints or len(wishes.joints) == robot.size:
         return None
     message = f"--joints names {len(wishes.joints)} joints, {robot.name} has {robot.size}"

@@ -1,4 +1,6 @@
-"""Content of a file of another kind, before it becomes a program, and the options of the conversion."""
+"""Targets and joint positions read from a file, before they become a program, and the options of the
+conversion.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ class Wishes:
         tolerance: largest deviation from omitted targets [deg and mm].
         beside: start of the names of files that may be written beside the program; None to write everything
             into the program.
-        topic: the only topic of a bag to read; None for all with trajectories.
+        topic: the only topic of a bag to read; None for all topics with trajectories.
     """
 
     units: Mapping[Kind, Unit] = field(default_factory=dict)
@@ -47,10 +49,10 @@ class Wishes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course:
-    """Targets in the order in which they are passed.
+    """A motion: its targets in the order in which they are passed.
 
     Attributes:
-        target: JOINTS, RPY or QUAT.
+        target: kind of the targets: JOINTS, RPY or QUAT.
         values: (w, k) joint values, or poses of {TCP} in {B} (x y z roll pitch yaw, or x y z qx qy qz qw)
             [deg, mm].
         times: (w,) increasing times [s]; None without times. A first target at time 0 is the start position
@@ -77,7 +79,7 @@ class Course:
         return len(self.values)
 
     def only(self, kept: NDArray[np.intp]) -> Course:
-        """Return the course with only the targets of the given indices (m,), which are in increasing
+        """Return the course reduced to the targets with the given indices (m,), which are in increasing
         order.
         """
         return Course(
@@ -99,11 +101,11 @@ class Course:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Content:
-    """Content of a file.
+    """The motions and joint positions that a converted file contains.
 
     Attributes:
         kind: kind of the file, in words.
-        courses: its courses.
+        courses: its motions.
         positions: names and values (n,) of joint positions [deg, mm].
     """
 
@@ -114,7 +116,7 @@ class Content:
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """Result of a conversion.
+    """The program that a conversion makes.
 
     Attributes:
         text: the program.
@@ -126,6 +128,6 @@ class Converted:
 
 
 def in_axis_units(robot: Robot, q: Array) -> Array:
-    """Return joint values (w, n) [rad or m] in deg and mm."""
+    """Convert joint values (w, n) from rad or m to deg or mm."""
     values: Array = np.asarray(q, dtype=np.float64) / robot.axis_units
     return values

@@ -1,4 +1,4 @@
-"""Reader of YAML and JSON texts as plain data: mappings, lists, texts and numbers.
+"""Read YAML and JSON texts as plain data: mappings, lists, texts and numbers.
 
 YAML is read event by event, without recursion. Aliases and tags are refused. A file therefore can't run code,
 and a small file can't become large data.
@@ -16,8 +16,8 @@ _DEEPEST = 60
 
 
 def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """Read the values of a JSON text, which follow each other directly or are separated by `---`; None
-    with a finding.
+    """Return the values of a JSON text; None with a finding. The values follow each other directly or are
+    separated by `---`.
     """
     decoder = json.JSONDecoder()
     text, at = source.text, 0
@@ -46,7 +46,7 @@ def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
 
 
 def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """Read the documents of a YAML stream; None with a finding.
+    """Return the documents of a YAML stream; None with a finding.
 
     Scalars become texts, except that empty scalars and nulls become None.
     """

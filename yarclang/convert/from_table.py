@@ -1,4 +1,4 @@
-"""Conversion of a CSV table of joint positions or poses to a course."""
+"""Read a motion from a CSV table of joint positions or poses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _QUATERNION_TOLERANCE = 1e-3
 
 
 def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
-    """Read the content of a table; None with a finding.
+    """Return the motion in a table of targets; None with a finding.
 
     Args:
         source: the file.
@@ -73,7 +73,7 @@ def _factor(column: Column) -> float:
 
 
 def _rising(table: Table, times: Array, findings: Collector) -> bool:
-    """Check that the times increase, and report a finding if they don't."""
+    """Return True if the times of the rows increase; report a finding if they don't."""
     steps = np.diff(times)
     if (steps > 0).all():
         return True
@@ -84,7 +84,7 @@ def _rising(table: Table, times: Array, findings: Collector) -> bool:
 
 
 def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> bool:
-    """Check that all quaternions have norm 1, and report a finding if they don't."""
+    """Return True if all quaternions have norm 1; report a finding if they don't."""
     norms = np.linalg.norm(quaternions, axis=1)
     bad = np.abs(norms - 1.0) > _QUATERNION_TOLERANCE
     if not bad.any():
@@ -96,7 +96,7 @@ def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> boo
 
 
 def _names(table: Table, columns: Columns, values: Array, findings: Collector) -> tuple[str, ...] | None:
-    """Return the names of the rows, converted to names of the language; None with a finding.
+    """Return the targets' names in a table, converted to names that the language allows; None with a finding.
 
     Rows with equal names must have equal values.
     """

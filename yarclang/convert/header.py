@@ -1,4 +1,4 @@
-"""Meaning of the columns of a table, from their names and units."""
+"""Find out what the columns of a table mean, from their names and units."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _WORDS = {"time": "time", "t": "time", "time_from_start": "time", "name": "name"
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column with a known meaning.
+    """A table's column with a known meaning.
 
     Attributes:
         number: index of the column.
@@ -39,11 +39,11 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """The columns of a table.
+    """The columns of a table, by their meanings.
 
     Attributes:
-        target: JOINTS, RPY or QUAT.
-        values: columns of the values, in their order.
+        target: kind of the targets in the rows: JOINTS, RPY or QUAT.
+        values: columns of the target values, in their order.
         time: column of the time; None without one.
         name: column of the names; None without one.
         comment: column of the comments; None without one.
@@ -63,7 +63,8 @@ class Columns:
 def understand(
     table: Table, robot: Robot, joints: tuple[str, ...], units: Mapping[Kind, Unit], findings: Collector
 ) -> Columns | None:
-    """Find the meaning of all columns; None with a finding, which lists recognised and missing columns.
+    """Return the columns of a table by their meanings; None with a finding, which lists recognised and
+    missing columns.
 
     Args:
         table: the table.
@@ -154,12 +155,13 @@ def _rates(
 
 
 def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
-    """Return the meaning of a column: a joint, a coordinate of a pose, time, name or comment; else empty.
+    """Return the meaning of a column: a joint, a coordinate of a pose, time, name or comment; empty if the
+    name isn't recognised.
 
     Args:
         name: name of the column.
         robot: the robot.
-        own: names of the robot's joints by their names in the table, in lower case.
+        own: the robot's joint for each joint name in the table, in lower case.
     """
     low = name.lower()
     if low in own:
@@ -179,7 +181,9 @@ def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
 def _target(
     table: Table, robot: Robot, found: Mapping[str, object], unknown: list[str], findings: Collector
 ) -> tuple[Target, tuple[str, ...]] | None:
-    """Return the kind of targets, and the meanings of their values in order; None with a finding."""
+    """Return the kind of targets that the columns describe, and the meanings of the target values in order;
+    None with a finding.
+    """
     pose = [name for name in (*_PLACE, *_TURNS["RPY"], *_TURNS["QUAT"]) if name in found]
     joints = [name for name in robot.joint_names if name in found]
     if joints and pose:
@@ -210,7 +214,7 @@ def _target(
 
 
 def _kind(meaning: str, target: Target, robot: Robot) -> Kind | None:
-    """Return the kind of unit of a column; None without one."""
+    """Return the kind of unit that a column has, such as a length or an angle; None if it has no unit."""
     if meaning in {"name", "comment"}:
         return None
     if meaning == "time":
@@ -226,7 +230,7 @@ def _kind(meaning: str, target: Target, robot: Robot) -> Kind | None:
 def _refuse(
     table: Table, findings: Collector, message: str, found: Mapping[str, object], unknown: list[str]
 ) -> None:
-    """Report a finding about the header, with the recognised columns."""
+    """Report a finding about a table's header. It lists the recognised columns."""
     known = f"recognised: {', '.join(found)}" if found else "no column was recognised"
     strange = f"; not recognised: {', '.join(one[:40] for one in unknown[:8])}" if unknown else ""
     help_ = (

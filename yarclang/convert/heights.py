@@ -38,7 +38,7 @@ class HeightMesh:
 
 
 def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Result[HeightMesh]:
-    """Return the mesh of the body below the heights of a file.
+    """Return the mesh of the body below a height field, read from a file.
 
     Args:
         path: an NPY or CSV file.

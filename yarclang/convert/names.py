@@ -1,4 +1,4 @@
-"""Check of names in other files."""
+"""Check if names in converted files are allowed in a program."""
 
 from __future__ import annotations
 

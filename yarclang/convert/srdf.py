@@ -1,4 +1,4 @@
-"""Conversion of the named states of an SRDF (`group_state`) to named joint positions."""
+"""Read the named states of an SRDF (`group_state`) as named joint positions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 
 
 def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
-    """Read the joint positions of all group states of the robot's joints; None with an error.
+    """Return the joint positions of all group states of an SRDF that concern the robot's joints; None with an
+    error.
 
     States of other groups, for example of a gripper, are reported and ignored.
 
@@ -74,9 +75,9 @@ def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: 
 def _values(
     text: UrdfText, state: Element, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> Array | None:
-    """Return the joint values (n,) of a state [deg, mm].
+    """Return the joint values (n,) of a group state [deg, mm].
 
-    Return None with an error, or, for a state of another group, None with a warning.
+    Return None with an error if the state is wrong, or None with a warning if it belongs to another group.
     """
     given = {joint.attributes.get("name", ""): joint for joint in state.all("joint")}
     shown = state.attributes.get("name", "")[:40]
@@ -115,7 +116,7 @@ def _joints_help(robot: Robot) -> str:
 
 
 def _span(text: UrdfText, element: Element) -> Span:
-    """Return the position of an element's tag, within its first line."""
+    """Return the position of an XML element's tag in the text, up to the end of its first line."""
     line = text.text.count("\n", 0, element.start) + 1
     column = element.start - text.starts[line - 1] + 1
     return Span.on_line(

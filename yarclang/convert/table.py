@@ -1,4 +1,4 @@
-"""Reader of CSV texts: from a text to cells, and from cells to numbers."""
+"""Read CSV texts: from a text to the cells of a table, and from the cells to numbers."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ LARGEST = 1e9
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The cells of a table.
+    """The cells of a CSV table.
 
     Attributes:
         source: the file.
         delimiter: its delimiter.
         header: cells of the header.
         header_line: line of the header.
-        rows: cells of the rows, as many as those of the header.
+        rows: cells of the rows; each row has as many cells as the header.
         lines: line of each row.
     """
 
@@ -41,7 +41,7 @@ class Table:
     lines: tuple[int, ...]
 
     def line_span(self, row: int) -> Span:
-        """Return the position of the line of a row."""
+        """Return the position of a row's line in the text."""
         return self.source.whole_line(self.lines[row])
 
 
@@ -101,7 +101,7 @@ def read_table(source: SourceFile, findings: Collector) -> Table | None:
 
 
 def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Array | None:
-    """Return columns as numbers (rows, columns); None with a finding.
+    """Return columns of a table as numbers (rows, columns); None with a finding.
 
     A decimal comma is allowed if the delimiter isn't a comma. The finding is at the first cell that isn't a
     number, and states the number of further such cells.
@@ -145,7 +145,7 @@ def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Arr
 
 
 def _more(count: int, what: str) -> str:
-    """Return the end of a message that states the number of further cells or lines; empty if there are
-    none.
+    """Return the end of a message that states in how many further cells or lines the same mistake is; empty
+    if there are none.
     """
     return f" (and {count - 1:,} more {what}{'s' * (count > 2)})" if count > 1 else ""

@@ -1,9 +1,9 @@
-"""Thinning of dense courses: a selection of targets that is sufficient for a tolerance.
+"""Reduce the number of targets of a motion: select targets that are sufficient for a tolerance.
 
 The algorithm is that of Douglas and Peucker (Cartographica 10, 1973, 112-122). A chord from the first to the
-last target is divided at the target farthest from it. This is repeated for the parts until no target is
-farther away than the tolerance. If the program follows a spline, the first targets are chosen with chords and
-a coarse tolerance; then distances are measured to the spline.
+last target is divided at the target farthest from it. This is repeated for both parts of the motion until no
+target is farther away than the tolerance. If the program follows a spline, the first targets are chosen with
+chords and a coarse tolerance; then distances are measured to the spline.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ targets than straight lines do.
 
 
 def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, form: Form) -> Course:
-    """Return a course with fewer targets. The first and the last target are always kept.
+    """Return a course (a motion) with fewer targets. The first and the last target are always kept.
 
     The tolerance applies to all joints together (root of the sum of squares), or to position and orientation
-    of a pose together. It holds for the spline in joint space, for the path at the times of targets with
-    times, or otherwise for straight lines from target to target.
+    of a pose together. Distances are measured to the path that the program will follow: the spline in joint
+    space, the path at the times of targets with times, or otherwise straight lines from target to target.
 
     Args:
         course: the course.
@@ -54,8 +54,8 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
 
 
 def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
-    """Return the indices (m,) of targets to keep. The path through these targets is within the tolerance of
-    all other targets at their times.
+    """Return the indices (m,) of targets to keep in a course with times. At the times of all other targets,
+    the path through the kept ones is within the tolerance of these targets.
     """
     assert course.times is not None
     kept = np.array([0, course.size - 1])
@@ -72,11 +72,12 @@ def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
 
 
 def path_in_time(course: Course, times: Array) -> Array:
-    """Return joint values (m, n) at `times` (m,) [s] on the path of MOVEJ_TIMED through a course [deg, mm].
+    """Return the joint values (m, n) [deg, mm] at `times` (m,) [s] on the path that MOVEJ_TIMED follows
+    through a course.
 
     With accelerations the path is quintic; with velocities only, it is cubic. Otherwise it is a cubic spline
-    in time that is at rest at both ends. The path begins at the first target of the course, even if this has
-    a later time than 0: the position of the robot before it isn't known.
+    in time that is at rest at both ends. The path begins at the first target of the course, even if this
+    target has a later time than 0: the position of the robot before it isn't known.
     """
     from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
@@ -93,14 +94,16 @@ def path_in_time(course: Course, times: Array) -> Array:
 
 
 def way_shares(points: Array) -> Array:
-    """Return the share of the path length (w,), 0 to 1, at each of `points` (w, k): the knots of a spline."""
+    """Return the path length up to each of `points` (w, k) as a share of the whole length, (w,) from 0 to 1.
+    These shares are the knots of a spline.
+    """
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     shares: Array = way / way[-1]
     return shares
 
 
 def _points(course: Course) -> Array:
-    """Return targets as points whose distances are in deg and mm.
+    """Return targets as points of a space in which distances are in deg and mm.
 
     Points are joint values, or positions and twice the quaternions in deg. A chord between two quaternions
     runs inside the arc between them, so that distances of rotations are slightly overestimated.
@@ -129,7 +132,7 @@ def _quaternions(rpy: Array) -> Array:
 
 
 def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Return a mask (w,) of the `points` (w, k) to keep."""
+    """Return a mask (w,) of the `points` (w, k) that the algorithm of Douglas and Peucker keeps."""
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True
     waiting = [(0, len(points) - 1)]
@@ -149,7 +152,9 @@ def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
 def _along_spline(
     points: Array, keep: NDArray[np.bool_], tolerance: float, robot: Robot
 ) -> NDArray[np.bool_]:
-    """Add targets until the natural spline through the kept targets is within the tolerance of all others."""
+    """Return the mask of the kept targets with others added, until the natural spline through the kept
+    targets is within the tolerance of all others.
+    """
     units = robot.axis_units
     keep = keep.copy()
     while True:
@@ -177,7 +182,9 @@ def _along_spline(
 
 
 def _to_chords(points: Array, begins: Array, ends: Array) -> Array:
-    """Return the distances (w,) of `points` (w, k) from chords between `begins` and `ends` (w or 1, k)."""
+    """Return the distance of each of `points` (w, k) from its chord, as (w,). The chords run from `begins` to
+    `ends` (w or 1, k).
+    """
     way = ends - begins
     length = np.sum(way**2, axis=1)
     share = np.sum((points - begins) * way, axis=1) / np.where(length > 0, length, 1.0)

@@ -1,4 +1,6 @@
-"""Joint values with times as MOVEJ_TIMED: in lines, or in a file beside the program."""
+"""Write joint values with times as the command MOVEJ_TIMED: in lines of the program, or in a file beside
+it.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,7 @@ _SAMPLES = 8
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A motion as lines of a program.
+    """A motion with times as lines of a program.
 
     Attributes:
         rows: the lines.
@@ -55,8 +57,8 @@ class Written:
 def at_rest(
     course: Course, where: str, robot: Robot, findings: Collector
 ) -> tuple[Course, tuple[str, ...]] | None:
-    """Return a course that is at rest at both ends, and remarks. Velocities at the ends that are only noise
-    are set to 0.
+    """Return a course (a motion) that is at rest at both ends, and remarks. Velocities at the ends that are
+    only noise are set to 0.
 
     Args:
         course: joint values with times.
@@ -65,7 +67,7 @@ def at_rest(
         findings: collects a finding about a course that begins or ends in motion.
 
     Returns:
-        None, with a finding, if the course is in motion at an end where the robot has to stand.
+        None, with a finding, if the course is in motion at an end where the robot has to be at rest.
     """
     velocities, times = course.velocities, course.times
     if velocities is None or times is None:
@@ -103,15 +105,15 @@ def at_rest(
 
 
 def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, file: str | None) -> Written:
-    """Write the lines of a course that is passed at its times.
+    """Write the program lines of a course (a motion) whose targets are passed at their times.
 
-    If the course begins at time 0, a MOVEJ leads to its start, unless the robot is there. A single leg from
-    rest to rest becomes a MOVEJ with its time, and a course without motion becomes a WAIT.
+    If the course begins at time 0, a MOVEJ leads to its start, unless the robot is there. A course from rest
+    to rest with only two targets becomes a MOVEJ with its time, and a course without motion becomes a WAIT.
 
     Args:
         course: two or more joint positions, at rest at both ends.
         index: number of the first command's index.
-        here: (n,) position of the robot before it [deg, mm]; None if it isn't known.
+        here: (n,) position of the robot before the course [deg, mm]; None if it isn't known.
         robot: the robot.
         file: name of the file for long tables; None to write everything into the program.
     """
@@ -161,7 +163,7 @@ def _is_plain(course: Course) -> bool:
 
 
 def _path(course: Course) -> str:
-    """Return the kind of motion between the points, in words."""
+    """Return the kind of interpolation between the way-points, in words."""
     if course.velocities is None:
         return "between them each joint follows one cubic spline in time, with continuous acceleration."
     if course.accelerations is None:
@@ -172,7 +174,7 @@ def _path(course: Course) -> str:
 
 
 def _table(course: Course, robot: Robot) -> Timetable:
-    """Return the course in SI units."""
+    """Return the course as a table of way-points in SI units."""
     assert course.times is not None
     rates = [
         None if some is None else some * robot.axis_units
@@ -190,7 +192,7 @@ def _difference(one: Course, other: Course) -> float:
 
 
 def _lines(course: Course, index: int) -> list[str]:
-    """Return MOVEJ_TIMED with its way-points, one per line."""
+    """Return the program lines of a MOVEJ_TIMED with its way-points, one per line."""
     assert course.times is not None
     begin = int(course.begins)
     times = [f"[{_to_nanoseconds(time)}]" for time in course.times[begin:]]

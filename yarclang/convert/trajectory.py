@@ -1,4 +1,6 @@
-"""Conversion of ROS trajectories (trajectory_msgs/JointTrajectory, alone or in other messages) to courses."""
+"""Read ROS trajectories (trajectory_msgs/JointTrajectory, alone or in other messages) as motions to
+convert.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ _MULTI_DOF = "multi_dof_joint_trajectory"
 def content_of_documents(
     documents: list[Any], robot: Robot, wishes: Wishes, findings: Collector
 ) -> Content | None:
-    """Read all trajectories of documents, in their order; None with a finding.
+    """Return all trajectories in YAML or JSON documents, in their order; None with a finding.
 
     Args:
         documents: plain data.
@@ -49,7 +51,7 @@ def content_of_documents(
 
 
 def _trajectories(data: Any) -> Iterator[Mapping[str, Any]]:
-    """Yield all messages with joint_names and points, at any depth, in order."""
+    """Yield all messages that have joint_names and points, however deeply they are nested, in order."""
     waiting = [data]
     while waiting:
         one = waiting.pop()
@@ -75,7 +77,7 @@ def _is_empty_multi_dof(key: str, value: Any) -> bool:
 def _course(
     message: Mapping[str, Any], where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> Course | None:
-    """Read one trajectory; None with a finding.
+    """Return one trajectory as a course (a motion to convert); None with a finding.
 
     Args:
         message: the trajectory.
@@ -167,7 +169,8 @@ def _rates(
     wanted: tuple[str, ...],
     findings: Collector,
 ) -> list[float] | None:
-    """Return the velocities or accelerations of a point, in the robot's order; empty if it has none.
+    """Return the velocities or accelerations of a trajectory's point, in the robot's order; empty if it has
+    none.
 
     Args:
         point: the point.
@@ -204,7 +207,9 @@ _PLURALS = {"velocity": "velocities", "acceleration": "accelerations"}
 
 
 def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[str]:
-    """Yield remarks about velocities and accelerations that are ignored because not all points have them."""
+    """Yield remarks about velocities and accelerations that are ignored because not all points of the
+    trajectory have them.
+    """
     for name, rows in rates.items():
         if 0 < len(rows) < count:
             yield (
@@ -218,7 +223,9 @@ def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[st
 def _order(
     names: Any, where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> list[int] | None:
-    """Return the index of each of the robot's joints in the file's list of names; None with a finding."""
+    """Return the index of each of the robot's joints in the trajectory's list of joint names; None with a
+    finding.
+    """
     listed = [str(name) for name in names] if isinstance(names, list) else []
     low = [name.lower() for name in listed]
     missing = [name for name in wanted if name.lower() not in low]
@@ -253,7 +260,7 @@ def _number(value: Any) -> float | None:
 def _time(value: Any) -> float | None:
     """Return a duration of ROS 1 or ROS 2, or a number, in seconds.
 
-    A missing duration is 0; a wrong one gives None.
+    A missing duration is 0; for a malformed one the result is None.
     """
     if value is None:
         return 0.0

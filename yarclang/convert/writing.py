@@ -1,5 +1,5 @@
-"""Writer of readable YARC programs from the content of a file: a comment about its origin, names, and
-columns.
+"""Write a readable YARC program from the content of another file: a comment about its origin, names, and
+targets in columns.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def program_text(
 
     Args:
         name: name of the converted file, for the first comment.
-        content: its content.
+        content: the motions and joint positions in the file.
         robot: the robot.
         wishes: the options.
         findings: collects findings, including a warning if way-points are too dense.
@@ -95,7 +95,9 @@ def program_text(
 
 
 def _form(course: Course, wishes: Wishes) -> Form:
-    """Return the form of a course: the requested form, or else the one that its values and times allow."""
+    """Return how a course is passed (moves, spline or timed): as the user wishes, or else as its values and
+    times allow.
+    """
     if wishes.form is not None:
         return wishes.form
     if course.times is None:
@@ -104,7 +106,7 @@ def _form(course: Course, wishes: Wishes) -> Form:
 
 
 def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, Array]:
-    """Return the lines of moves that stop at each target, the next index, and the last target.
+    """Return the program lines of moves that stop at each target, the next index, and the last target.
 
     Named targets are declared first.
     """
@@ -139,7 +141,7 @@ def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, 
 
 
 def _declarations(declared: dict[str, str], course: Course) -> list[str]:
-    """Return JOINTS or FRAME lines of named targets."""
+    """Return the program lines that declare named targets, with JOINTS or FRAME."""
     widest = max(map(len, declared))
     if course.target == "JOINTS":
         return [f"JOINTS {name:{widest}} {cell}" for name, cell in declared.items()]
@@ -150,13 +152,14 @@ def _declarations(declared: dict[str, str], course: Course) -> list[str]:
 def _spline(
     course: Course, index: int, here: Array | None, is_first: bool, wishes: Wishes
 ) -> tuple[list[str], int, Array]:
-    """Return the lines of a motion through all targets without a stop, the next index, and the last target.
+    """Return the program lines of a motion through all targets without a stop, the next index, and the last
+    target.
 
     The motion takes the time from the first to the last target. The first course of joint values begins at
     START. Before any other course, a move leads to its beginning, unless the robot is there.
 
     Args:
-        course: the course.
+        course: the course (the motion).
         index: number of the first command's index.
         here: (k,) end of the course before; None without one.
         is_first: True for the first course.
@@ -190,7 +193,7 @@ def _spline(
 
 
 def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
-    """Return JOINTS lines of named joint positions."""
+    """Return the program lines that declare named joint positions, with JOINTS."""
     widest = max(len(name) for name, _ in positions)
     cells = rows_of(np.array([q for _, q in positions]), "JOINTS")
     return [
@@ -230,9 +233,10 @@ def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
 
 
 def _lspb_time(way: Array) -> Array:
-    """Return the shares of the time (w,) at which the LSPB law has covered the shares `way` (w,) of the path.
+    """Return the shares of the motion's time (w,) at which the LSPB motion profile has covered the shares
+    `way` (w,) of the path.
 
-    The law accelerates for a third of the time, moves at 1.5 times the mean speed for a third, and then
+    The profile accelerates for a third of the time, moves at 1.5 times the mean speed for a third, and then
     decelerates.
     """
     from_end = np.minimum(way, 1.0 - way)

@@ -1,1 +1,3 @@
-"""The header of controller texts of all kinds: comments about their origin, and a seal."""
+"""The header of controller texts, the compiler's output for all kinds of controllers: comments about the
+text's origin, and a seal.
+"""

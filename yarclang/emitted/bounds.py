@@ -1,4 +1,6 @@
-"""Bounds of the values in a header. They keep the work of a reader finite."""
+"""Bounds on the values in the header of a controller text. They limit the work of a program that reads the
+header.
+"""
 
 MOST_SEARCHES = 64
 """Largest number of searches for a path around obstacles. If the judge has the program, it repeats as many

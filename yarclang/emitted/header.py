@@ -1,4 +1,6 @@
-"""The comments at the top of a controller text: its origin, its start and its duration."""
+"""The comments at the top of a controller text (the compiler's output): its origin, start position and
+duration.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,12 @@ UNSEALED = "-"
 
 @frozen
 class Header:
-    """Facts about a controller text, for people and for the judge.
+    """Facts about a controller text, for people and for the judge (the independent checker of the text).
 
     The judge trusts none of these facts: it compares or ignores them.
 
     Attributes:
-        version: version of yarcc.
+        version: version of the compiler yarcc.
         source: file name of the program.
         target: name of the target within its kind of controller.
         loading: advice for a person who loads the text by hand.

@@ -1,5 +1,5 @@
-"""Purposes of the lines of a controller text: the command to which a line belongs, and the purpose in
-words.
+"""Purposes of the lines of a controller text: the program's command to which a line belongs, and the purpose
+in words.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ OTHER = "of no move"
 
 @frozen
 class Listed:
-    """A command as the header lists it.
+    """A command of the program, as the header of a controller text lists it.
 
     Attributes:
-        step: index of the step in the program.
-        index: the command's index; empty without one.
+        step: index of the command's step in the program.
+        index: the command's index, such as P0010; empty if it has none.
         name: the command's name.
-        source_line: line in the source.
-        first: first move line in the text; None for a command without moves.
-        last: last move line in the text; None for a command without moves.
+        source_line: line of the command in the source.
+        first: the command's first move line in the text; None for a command without moves.
+        last: the command's last move line in the text; None for a command without moves.
     """
 
     step: int
@@ -36,13 +36,13 @@ class Listed:
 
     @property
     def title(self) -> str:
-        """The index and the name, `P0010 MOVEL`, or the name alone."""
+        """The command's index and name, `P0010 MOVEL`, or its name alone."""
         return f"{self.index} {self.name}" if self.index else self.name
 
 
 @frozen
 class Stretch:
-    """Consecutive lines of the text with one purpose.
+    """Consecutive lines of a controller text that have one purpose.
 
     Attributes:
         first: number of the first line.
@@ -60,13 +60,14 @@ class Stretch:
 def moves_alone(
     lines: Sequence[str], begin: int, commands: Sequence[Listed], barriers: Mapping[int, int]
 ) -> Iterator[Stretch]:
-    """Yield the purpose of every line after the header, if the header shows it.
+    """Yield the purpose of every line after the header of a controller text, as far as the header shows it.
 
     Args:
         lines: all lines of the text.
         begin: number of lines in the header.
         commands: the commands as the header lists them.
-        barriers: the step of the command of each line with a barrier.
+        barriers: for each line with a barrier (a point at which the program waits for the runtime), the step
+            of its command.
     """
     moving = deque(one for one in commands if one.first is not None)
     stepping = {one.step: one for one in commands}

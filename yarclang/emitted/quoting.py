@@ -1,5 +1,5 @@
-"""Lines of a controller text's map about bodies that may touch, and about rules that motions keep. Each name
-is written as one word of ASCII, whatever it contains.
+"""Write two kinds of comment lines of a controller text: pairs of bodies that may touch, and rules that a
+motion obeys. Each name is written as one word of ASCII, whatever it contains.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from yarclang.decisions import KeptTo, Permitted
 
 
 def allow_line(one: Permitted) -> str:
-    """Return the line of the map for two bodies that may touch."""
+    """Return the comment line that allows two bodies to touch in a step of the program."""
     return f"; allow {one.step} {quoted(one.first)} {quoted(one.second)}"
 
 
 def keep_line(one: KeptTo) -> str:
-    """Return the line of the map for a rule that a motion keeps."""
+    """Return the comment line for a rule that the motion of a step obeys."""
     return f"; keep {one.step} {quoted(one.rule)}"
 
 

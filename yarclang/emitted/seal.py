@@ -13,7 +13,7 @@ _SEAL = re.compile(r"\n; sha256 ([0-9a-f]{64})\n")
 
 
 def sealed(text: str, certificate: str) -> str:
-    """Return a judged text with the certificate's summary and the seal in its header.
+    """Return a controller text that was checked, with the certificate's summary and the seal in its header.
 
     Args:
         text: the text, with `UNSEALED` in place of both.
@@ -26,7 +26,7 @@ def sealed(text: str, certificate: str) -> str:
 
 
 def is_sealed(text: str) -> bool:
-    """Return True if a text is unchanged since it was sealed."""
+    """Return True if a controller text is unchanged since it was sealed."""
     found = _SEAL.search(text)
     return found is not None and _hash(_SEAL.sub(_UNSEALED, text, count=1)) == found[1]
 

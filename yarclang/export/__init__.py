@@ -1,1 +1,3 @@
-"""Export of programs and robots to other tools: trajectories for ROS, and MoveIt's configuration."""
+"""Export of programs and robots to other tools: trajectories for ROS, and configuration packages for
+MoveIt.
+"""

@@ -1,6 +1,6 @@
-"""The ROS nodes as a package that doesn't need yarclang.
+"""Export of the ROS nodes of yarclang as a package that doesn't need yarclang to be installed.
 
-It consists of the files of the standard library, and of the modules of the nodes from this installation.
+The package consists of files of the standard library, and of the nodes' modules from this installation.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Writer of a package into a folder. It doesn't overwrite files of the user."""
+"""Write an exported package into a folder, without overwriting files of the user."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _LARGEST_LIST = 10_000_000
 
 
 def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
-    """Return an error if a package would overwrite files that no export has written, or that were changed
-    since.
+    """Return an error if a package would overwrite files in the folder that no export has written, or that
+    were changed since the export; empty if the package may be written.
 
     Args:
         folder: the folder to write into.
@@ -68,8 +68,8 @@ def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnos
 
 
 def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
-    """Write a package. Files of an earlier export that are unchanged and no longer in the package are
-    removed.
+    """Write a package into a folder. Files of an earlier export are removed if they are unchanged and no
+    longer in the package.
 
     Returns:
         An error if a file can't be written. The files before it are written then, and the list of checksums
@@ -105,7 +105,7 @@ def _make_program(path: Path) -> None:
 
 
 def _known(folder: Path) -> dict[str, str] | None:
-    """Return the checksums of an earlier export; None if there is no readable list."""
+    """Return the checksums of the files that an earlier export wrote; None if there is no readable list."""
     try:
         files = json.loads(read_whole(folder / LIST, _LARGEST_LIST))["files"]
         return {path: digest for path, digest in files.items() if isinstance(digest, str)}

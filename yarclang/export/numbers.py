@@ -1,4 +1,4 @@
-"""Numbers and texts in a form that both YAML and JSON read."""
+"""Write numbers and texts in a form that both YAML and JSON read."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def number(value: float) -> str:
 
 
 def row(values: Iterable[float]) -> str:
-    """Return numbers as a list."""
+    """Return numbers as the text of a list."""
     return f"[{', '.join(map(number, values))}]"
 
 
@@ -27,5 +27,5 @@ def text(value: str) -> str:
 
 
 def texts(values: Iterable[str]) -> str:
-    """Return texts as a list."""
+    """Return texts as the text of a list."""
     return f"[{', '.join(map(text, values))}]"

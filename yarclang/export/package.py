@@ -7,7 +7,7 @@ from yarclang.frozen import frozen
 
 @frozen(eq=False)
 class Package:
-    """A package.
+    """A ROS package in memory.
 
     Attributes:
         name: its name.

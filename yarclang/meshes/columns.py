@@ -1,5 +1,5 @@
-"""Find out if points are inside closed triangles, by the triangles that straight lines from the points
-cross.
+"""Find out if points are inside a closed triangle mesh, by the triangles that a straight line from each point
+crosses.
 """
 
 from __future__ import annotations
@@ -16,20 +16,22 @@ _UNSURE = 1e-9
 
 
 class Columns:
-    """Closed triangles, viewed along some fixed directions along which faces of machines hardly ever run."""
+    """A closed triangle mesh, with the directions of the lines by which points are tested. The directions are
+    fixed, and faces of machines hardly ever run along them.
+    """
 
     def __init__(self, triangles: Array) -> None:
-        """Store triangles (T, 3, 3)."""
+        """Store the triangles (T, 3, 3) of the mesh."""
         self._triangles = triangles
         self._size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) or 1.0
         self._seen: dict[int, tuple[Array, Array, Array]] = {}
 
     def may_contain(self, point: Array) -> bool:
-        """Return False only if a point (3,) is certainly outside."""
+        """Return False only if a point (3,) is certainly outside of the mesh."""
         return self._inside(point) is not False
 
     def contains(self, point: Array) -> bool:
-        """Return True only if a point (3,) is certainly inside."""
+        """Return True only if a point (3,) is certainly inside the mesh."""
         return self._inside(point) is True
 
     def _inside(self, point: Array) -> bool | None:
@@ -54,7 +56,9 @@ class Columns:
 
 
 def _turn(number: int) -> Array:
-    """Return the rotation (3, 3) of direction `number`; its last row is the direction of the line."""
+    """Return the rotation (3, 3) that turns direction number `number` of the test lines upwards; its last row
+    is this direction.
+    """
     angles = np.array([0.371, 0.743, 1.181]) * (number + 1)
     (a, b, c), (d, e, f) = np.cos(angles), np.sin(angles)
     first = np.array([[a, -d, 0.0], [d, a, 0.0], [0.0, 0.0, 1.0]])
@@ -65,15 +69,15 @@ def _turn(number: int) -> Array:
 
 
 def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
-    """Return, for each triangle that an upward line from a point crosses, 1 or -1 by the side of the
-    triangle.
+    """Return 1 or -1 for each triangle that the upward line from a point crosses: the side from which the
+    line comes.
 
-    Return None if the line may meet an edge, or if the point may be on a triangle.
+    Return None if the line may meet an edge of a triangle, or if the point may be on a triangle.
 
     Args:
         triangles: (T, 3, 3).
         at: the point (3,).
-        slack: distance up to which two things count as in one place.
+        slack: distance up to which two points or lines may coincide.
     """
     if not len(triangles):
         return np.zeros(0)
@@ -102,8 +106,8 @@ def _crossings(triangles: Array, at: Array, slack: float) -> Array | None:
 
 
 def filled(triangles: Array, low: Array, high: Array, count: int) -> tuple[NDArray[np.bool_], Array]:
-    """Return the cells of a grid whose middles are inside the triangles. The result is approximate: use it
-    for measuring, not for proofs.
+    """Return which cells of a grid have their middle inside a closed triangle mesh. The result is
+    approximate: use it for measuring, not for proofs.
 
     Args:
         triangles: (T, 3, 3).
@@ -112,7 +116,7 @@ def filled(triangles: Array, low: Array, high: Array, count: int) -> tuple[NDArr
         count: number of cells along each axis, n.
 
     Returns:
-        The mask (n, n, n), and the middles along each axis (3, n).
+        The mask of the cells (n, n, n), and the coordinates of their middles along each axis (3, n).
     """
     share = (np.arange(count) + 0.5) / count
     middles = low[:, None] + (high - low)[:, None] * share

@@ -1,4 +1,4 @@
-"""Faults inside COLLADA files."""
+"""Find faults in COLLADA files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _NO_FACES = ("lines", "linestrips")
 
 
 def dae_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of a COLLADA file as a body; empty if there is none.
+    """Return the end of a sentence that names the fault that makes a COLLADA file useless as a body; empty if
+    there is none.
 
     Args:
         content: the file. Normals, colours and other content for pictures only aren't checked.
@@ -43,12 +44,12 @@ def _refuse(*_: object) -> None:
 
 
 class _Faces:
-    """The faces of an element such as <triangles>.
+    """The faces in an XML element such as <triangles>, as groups of index numbers.
 
     Attributes:
-        vertices: id of the <vertices> that they use.
+        vertices: id of the <vertices> element that the faces use.
         place: position of the corner's index in a group of numbers.
-        group: length of a group.
+        group: how many numbers a group has.
         lists: the numbers.
     """
 
@@ -60,7 +61,9 @@ class _Faces:
 
 
 class _Reading:
-    """Collects corners (by the ids of their sources) and faces from the events of a parser."""
+    """Collector of the corners (by the ids of their sources) and faces of a COLLADA file, from the events of
+    an XML parser.
+    """
 
     def __init__(self) -> None:
         self.texts: dict[str, str] = {}  # numbers of corners, normals, colours, by the id of the <source>
@@ -73,7 +76,7 @@ class _Reading:
         self._text: list[str] | None = None
 
     def begin(self, tag: str, attributes: dict[str, str]) -> None:
-        """Handle the start of an element."""
+        """Handle the start of an XML element."""
         name = tag.rpartition(" ")[2]
         if name == "source":
             self._source = attributes.get("id", "")
@@ -102,7 +105,7 @@ class _Reading:
                 self._faces.vertices, self._faces.place = source, place
 
     def end(self, tag: str) -> None:
-        """Handle the end of an element."""
+        """Handle the end of an XML element."""
         name = tag.rpartition(" ")[2]
         if name in (*_FACES, *_NO_FACES):
             self._faces = None
@@ -117,7 +120,7 @@ class _Reading:
             self._faces.lists.append(_numbers(text) if whole is None else whole)
 
     def data(self, found: str) -> None:
-        """Handle a piece of text."""
+        """Handle the next characters of an XML element's text."""
         if self._text is not None:
             self._text.append(found)
 
@@ -157,7 +160,7 @@ class _Reading:
 
 
 def _numbers(text: str) -> NDArray[np.float64]:
-    """Return the numbers of a text; if a word isn't a number, all are NaN."""
+    """Return the numbers of a text; if any word isn't a number, all of them are NaN."""
     found = numbers(text.encode())
     if found is not None:
         return found

@@ -1,4 +1,4 @@
-"""Faults of mesh files of any format."""
+"""Find faults in mesh files of any format."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ _FAULTS: dict[str, Callable[[bytes], str]] = {
 
 
 def mesh_fault(suffix: str, content: bytes) -> str:
-    """Return the end of a sentence that names the fault of a mesh as a body; empty if there is none.
+    """Return the end of a sentence that names the fault that makes a mesh useless as a body; empty if there
+    is none.
 
     Args:
         suffix: suffix of the file's name, in any case, with its dot. Formats other than STL, OBJ, DAE and PLY

@@ -21,10 +21,10 @@ _KINDS = "fiu"
 
 
 def heights_of(suffix: str, content: bytes) -> Array | str:
-    """Return the heights of a file (rows, columns), in its own unit, or the end of a sentence that names a
-    fault.
+    """Return the heights of a file (rows, columns) in the file's own unit, or the end of a sentence that
+    names a fault.
 
-    Places that a sensor hasn't seen are NaN.
+    Heights that a sensor hasn't measured are NaN.
 
     Args:
         suffix: suffix of the file's name, in any case, with its dot: .npy or .csv.
@@ -87,12 +87,13 @@ def _of_text(content: bytes) -> Array | str:
 
 
 def below(heights: Array, spacing: float, every: int, most: int) -> Array | TooMany:
-    """Return the closed triangles (T, 3, 3) of the body below heights, or `TooMany` if there are too many.
+    """Return the closed triangles (T, 3, 3) of the body below a height field, or `TooMany` if there are too
+    many.
 
-    Row i and column j are at y = i times the spacing, x = j times the spacing. Four neighbouring heights can
-    be joined by two different pairs of triangles. The surface of the body is the upper pair, so that it is
-    nowhere below a linearly interpolated surface. A height without a neighbour becomes a plateau that extends
-    to its neighbours' places.
+    The height in row i and column j is at y = i times the spacing, x = j times the spacing. Four neighbouring
+    heights can be joined by two different pairs of triangles. The surface of the body is the upper pair, so
+    that it is nowhere below a linearly interpolated surface. A height without a neighbour becomes a plateau
+    that extends to the positions where its neighbours would be.
 
     Args:
         heights: (rows, columns); NaN for unknown heights. At least one is finite.
@@ -159,7 +160,7 @@ lower row.
 
 
 def _upwards(values: Array) -> Array:
-    """Round values up to values of single precision."""
+    """Round values up to numbers that single precision represents."""
     with np.errstate(over="ignore"):
         short = values.astype(np.float32)
     short = np.where(short < values, np.nextafter(short, np.float32(np.inf)), short)

@@ -1,4 +1,4 @@
-"""The convex hull of a large mesh as a small file."""
+"""Write the convex hull of a large mesh as a small file."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ end_header
 def hull_file(suffix: str, content: bytes) -> bytes | None:
     """Return a PLY file of the convex hull of a mesh.
 
-    The file has the exact corners of the hull. A hull with very many corners is replaced by the body between
-    planes around it.
+    The file has the exact corners of the hull. A hull with very many corners is replaced by a slightly larger
+    body: the body between planes around the hull.
 
     Args:
         suffix: suffix of the file's name, in any case, with its dot.
@@ -78,11 +78,12 @@ def hull_file(suffix: str, content: bytes) -> bytes | None:
 
 
 def cover(corners: NDArray[np.float64], directions: int) -> NDArray[np.float64]:
-    """Return the corners (k, 3) of a convex body that encloses other corners; its planes touch them.
+    """Return the corners (k, 3) of a convex body with few faces that encloses given corners; its faces touch
+    them.
 
     Args:
         corners: (m, 3) the corners to enclose.
-        directions: number of planes, besides those along the axes.
+        directions: number of directions of the faces, besides those along the axes.
     """
     from scipy.spatial import HalfspaceIntersection
 

@@ -1,5 +1,6 @@
-"""Cache of prepared large meshes, and of meshes that were divided into pieces, in the user's cache folder.
-Reading and sorting a million triangles takes seconds; reading the result takes a fraction of that.
+"""Cache of prepared large meshes, and of meshes that were divided into convex pieces, in the user's cache
+folder. To read and sort a million triangles takes seconds; to read the cached result takes a fraction of
+that.
 
 An entry is named after the content of the mesh's file (SHA-256), so that a file that has changed is prepared
 again. Entries are signed: an entry that is damaged, or that another user has made, is prepared again as well.
@@ -37,7 +38,7 @@ T = TypeVar("T")
 
 @frozen(eq=False)
 class Prepared:
-    """A mesh without equal corners.
+    """A mesh in which equal corners are merged.
 
     Attributes:
         corners: (V, 3) [m].
@@ -51,11 +52,11 @@ class Prepared:
 
 
 def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
-    """Return the prepared mesh of a key: from the cache, or else by calling `make`.
+    """Return the prepared mesh that belongs to a key: from the cache, or else by calling `make`.
 
     Args:
-        key: contains everything on which the result depends.
-        make: prepares the mesh. None is returned without being cached.
+        key: contains everything on which the prepared mesh depends.
+        make: function that prepares the mesh. If it returns None, None is returned and nothing is cached.
     """
     return _kept(key, make, _written, _mesh)
 
@@ -96,8 +97,8 @@ def _entry(key: str, payload: bytes, secret: bytes) -> bytes:
 
 
 def _payload(path: Path, key: str, secret: bytes) -> memoryview | None:
-    """Return the content of an entry; None if it is missing, damaged, or signed for another key or by another
-    user.
+    """Return the content of a cache entry; None if the entry is missing, damaged, or signed for another key
+    or by another user.
     """
     if not path.is_file():  # missing, or a file such as a pipe that could block
         return None
@@ -120,7 +121,7 @@ def _written(mesh: Prepared) -> bytes:
 
 
 def _mesh(payload: memoryview) -> Prepared | None:
-    """Return the mesh of an entry; None if the entry isn't a mesh."""
+    """Return the mesh in a cache entry; None if the entry contains no mesh."""
     if len(payload) < _HEAD.itemsize:
         return None
     head = np.frombuffer(payload, _HEAD, 1)[0]
@@ -142,7 +143,7 @@ def _written_pieces(pieces: tuple[Piece, ...]) -> bytes:
 
 
 def _pieces(payload: memoryview) -> tuple[Piece, ...] | None:
-    """Return the pieces of an entry; None if the entry doesn't contain pieces."""
+    """Return the convex pieces in a cache entry; None if the entry contains no pieces."""
     count = int.from_bytes(payload[:8], "little")
     begin = 8 + count * _OF_PIECE.itemsize
     if not 1 <= count <= MOST_PIECES or len(payload) < begin:
@@ -157,8 +158,8 @@ def _pieces(payload: memoryview) -> tuple[Piece, ...] | None:
 
 
 def _remove_old(folder: Path, newest: Path) -> None:
-    """Remove the least recently used entries until at most `MOST_BYTES` are left; the newest entry is kept.
-    Files that a killed process has left half written count as well.
+    """Remove the least recently used cache entries until at most `MOST_BYTES` are left; the newest entry is
+    kept. Half-written files of a process that was killed count as entries.
     """
     found = []
     for path in folder.iterdir():

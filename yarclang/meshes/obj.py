@@ -1,4 +1,4 @@
-"""Faults inside OBJ files: corners that aren't numbers, faces with corners that don't exist."""
+"""Find faults in OBJ files: corners that aren't numbers, faces with corners that don't exist."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ _LONGEST_LINE = 40
 
 
 def obj_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of an OBJ file as a body; empty if there is none.
+    """Return the end of a sentence that names the fault that makes an OBJ file useless as a body; empty if
+    there is none.
 
     Args:
         content: the file. Its corners are numbered from 1, or backwards from the last one, which is -1.
@@ -73,7 +74,7 @@ def obj_fault(content: bytes) -> str:
 
 
 def obj_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners (n, 3) that faces of an OBJ file use, in its own unit.
+    """Return the corners (n, 3) that faces of an OBJ file use, in the file's own unit.
 
     Return None for a file with a fault or with unusual content: each corner must have three numbers, and the
     faces must number the corners from 1.
@@ -101,7 +102,7 @@ def obj_corners(content: bytes) -> NDArray[np.float64] | None:
 
 
 def obj_triangles(content: bytes) -> NDArray[np.float64] | None:
-    """Return the triangles (T, 3, 3) of an OBJ file, in its own unit.
+    """Return the triangles (T, 3, 3) of an OBJ file, in the file's own unit.
 
     Return None if `obj_corners` returns None, or if a face has more than three corners.
     """
@@ -128,7 +129,7 @@ def obj_triangles(content: bytes) -> NDArray[np.float64] | None:
 def _is_plain(content: bytes) -> bool:
     """Return True if all faces number their corners from 1, and all these corners exist.
 
-    This is so for nearly all files. The check takes a tenth of the time of a check of each face.
+    This is true for nearly all files. The check takes a tenth of the time of a check of each face.
     """
     if b"\\" in content:
         return False

@@ -24,11 +24,12 @@ _MOST_NUMBERS = 1_000
 
 
 class _FaultError(Exception):
-    """A fault. Its text is the end of a sentence that names the fault."""
+    """Exception for a fault in the file. Its text is the end of a sentence that names the fault."""
 
 
 def pcd_points(content: bytes) -> NDArray[np.float64] | str:
-    """Return the points (N, 3) of a PCD file, in its own unit, or the end of a sentence that names a fault.
+    """Return the points (N, 3) of a PCD file in the file's own unit, or the end of a sentence that names a
+    fault.
 
     Points that the sensor didn't see are NaN.
 
@@ -49,7 +50,7 @@ def pcd_points(content: bytes) -> NDArray[np.float64] | str:
 
 
 def _columns(text: str) -> tuple[list[tuple[str, str]], int]:
-    """Return the name and the type of each number of a point, and the number of points.
+    """Return the name and the type of each number that a point has, and the number of points.
 
     Raises:
         _FaultError: if the header is wrong.
@@ -121,7 +122,9 @@ def _binary(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDA
 
 
 def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDArray[np.float64]:
-    """Return the points of a compressed body, which stores the numbers of all points field by field."""
+    """Return the points of a PCD file in compressed form, which stores the numbers of all points field by
+    field.
+    """
     if len(body) < 8:
         raise _FaultError(cut_off(f"{len(body)} bytes of points", "at least 8"))
     packed, size = struct.unpack_from("<II", body)

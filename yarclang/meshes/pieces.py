@@ -1,13 +1,14 @@
 """Divide a closed mesh into convex pieces that together contain the solid.
 
-The box around the mesh is cut by planes across its axes into cells. The piece of a cell is the convex hull of
-the parts of triangles in the cell, and of those corners of the cell that are inside the solid.
+The box around the mesh is cut by planes perpendicular to its axes into cells. The piece of a cell is the
+convex hull of two kinds of points: the corners of the parts of triangles in the cell, and those corners of
+the cell that are inside the solid.
 
 This hull contains P, the part of the solid in the cell. Proof: let p be an extreme point of P. If p is on the
 surface of the solid, it belongs to the part of a triangle. If p is inside the solid, it is also an extreme
-point of the cell, that is one of its corners. A triangle in the border of a cell matters only where other
-triangles meet it. No piece therefore lacks any part of the solid, whichever planes are chosen. They are
-chosen so that the pieces are small.
+point of the cell, that is, one of the cell's corners. A triangle in the border of a cell matters only where
+other triangles meet it. No piece therefore lacks any part of the solid, whichever planes are chosen. The
+planes are chosen so that the pieces are small.
 """
 
 from __future__ import annotations
@@ -49,11 +50,11 @@ _THIN = 1e-5
 
 @frozen(eq=False)
 class Piece:
-    """A convex piece.
+    """A convex piece of a mesh.
 
     Attributes:
-        low: corner of its cell with the least coordinates (3,).
-        high: corner of its cell with the largest coordinates (3,).
+        low: corner of the piece's cell with the least coordinates (3,).
+        high: corner of the piece's cell with the largest coordinates (3,).
         corners: (V, 3) the corners of the piece.
     """
 
@@ -98,7 +99,9 @@ def pieces_of(triangles: Array, most: int) -> tuple[Piece, ...]:
 
 
 def _cells(triangles: Array, most: int) -> list[tuple[Array, Array]]:
-    """Return the corners of at most `most` cells that fill the box around triangles (T, 3, 3)."""
+    """Return the lowest and the highest corner of each of at most `most` cells, which together fill the box
+    around triangles (T, 3, 3).
+    """
     points = triangles.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     solid, middles = filled(triangles, low, high, _GRID)
@@ -126,7 +129,7 @@ def _cells(triangles: Array, most: int) -> list[tuple[Array, Array]]:
 
 
 def _within(triangles: Array, low: Array, high: Array) -> Array:
-    """Return the parts (P, 3, 3) of triangles (T, 3, 3) in a cell."""
+    """Return the parts of triangles (T, 3, 3) that are in a cell, as triangles (P, 3, 3)."""
     for axis in range(3):
         for at, above in ((float(low[axis]), True), (float(high[axis]), False)):
             triangles = _cut(triangles, axis, at)[above]
@@ -141,15 +144,15 @@ def _corners(low: Array, high: Array) -> Array:
 
 
 def _measured(low: Array, high: Array, triangles: Array, solid: NDArray[np.bool_], middles: Array) -> _Cell:
-    """Return a cell with the volume of its piece, and the approximate volume of the piece outside of the
-    solid.
+    """Return a cell with two volumes: of its convex piece, and, approximately, of the part of this piece
+    outside of the solid.
 
     Args:
-        low: its corner with the least coordinates (3,).
-        high: its corner with the largest coordinates (3,).
-        triangles: the parts of triangles in it (T, 3, 3).
-        solid: the cells of a grid with their middles inside the solid (n, n, n).
-        middles: the middles of the grid's cells along each axis (3, n).
+        low: the cell's corner with the least coordinates (3,).
+        high: the cell's corner with the largest coordinates (3,).
+        triangles: the parts of the mesh's triangles in the cell (T, 3, 3).
+        solid: which cells of a measuring grid have their middle inside the solid (n, n, n).
+        middles: the coordinates of the middles of this grid's cells along each axis (3, n).
     """
     if not len(triangles):
         return _Cell(low, high, triangles, 0.0, 0.0)
@@ -162,7 +165,7 @@ def _measured(low: Array, high: Array, triangles: Array, solid: NDArray[np.bool_
 
 
 def _enclosed(points: Array, asked: Array) -> int:
-    """Return the number of points `asked` (A, 3) that are in the hull of points (V, 3)."""
+    """Return how many of the points `asked` (A, 3) are in the convex hull of `points` (V, 3)."""
     faces = _faces(points)
     for some in np.array_split(faces, len(faces) // 64 + 1):
         asked = asked[(asked @ some[:, :3].T + some[:, 3] <= 0.0).all(axis=1)]
@@ -170,8 +173,8 @@ def _enclosed(points: Array, asked: Array) -> int:
 
 
 def _faces(points: Array) -> Array:
-    """Return the planes (F, 4) of the faces of the hull of points (V, 3), normals outwards; none for a
-    flat hull.
+    """Return the planes (F, 4) of the faces of the convex hull of points (V, 3), with normals that point
+    outwards; none for a flat hull.
     """
     if len(points) < 4:
         return np.zeros((0, 4))
@@ -185,7 +188,9 @@ def _faces(points: Array) -> Array:
 
 
 def _flats(triangles: Array) -> tuple[Array, ...]:
-    """Return, for each axis, the places of the largest faces that are perpendicular to it."""
+    """Return, for each axis, the coordinates of the largest faces of the mesh that are perpendicular to
+    it.
+    """
     across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     area = np.linalg.norm(across, axis=1)
     found = []
@@ -198,7 +203,8 @@ def _flats(triangles: Array) -> tuple[Array, ...]:
 
 
 def _best_cut(cell: _Cell, flats: tuple[Array, ...]) -> tuple[int, float] | None:
-    """Return the axis and the place of the plane that leaves the smallest pieces.
+    """Return the plane that cuts a cell into the smallest pieces: the axis to which it is perpendicular, and
+    its coordinate.
 
     Of planes that are equally good, the one nearest to the middle is chosen. If no plane gains much, as for a
     ring, the result is the middle of the longest edge. It is None if the cell is too thin to be cut.
@@ -224,8 +230,8 @@ def _best_cut(cell: _Cell, flats: tuple[Array, ...]) -> tuple[int, float] | None
 
 
 def _volumes(triangles: Array, axis: int, places: Array) -> list[float]:
-    """Return, for each of several planes across an axis in rising order, the volume of both pieces
-    together.
+    """Return, for each of several planes perpendicular to an axis in rising order, the sum of the volumes of
+    the two pieces into which the plane cuts a cell.
     """
     layers, rest = [], triangles
     for at in places.tolist():
@@ -237,7 +243,9 @@ def _volumes(triangles: Array, axis: int, places: Array) -> list[float]:
 
 
 def _growing(layers: list[Array]) -> list[float]:
-    """Return the volumes of the hulls of the first layer, of the first two layers, and so on."""
+    """Return the volumes of the convex hulls of the first layer of points, of the first two layers together,
+    and so on.
+    """
     found, points = [], np.zeros((0, 3))
     for layer in layers:
         points = _outer(np.concatenate((points, layer)))
@@ -246,13 +254,13 @@ def _growing(layers: list[Array]) -> list[float]:
 
 
 def _cut(triangles: Array, axis: int, at: float) -> tuple[Array, Array]:
-    """Cut triangles by the plane across an axis at a place.
+    """Cut triangles by the plane perpendicular to an axis at the coordinate `at`.
 
-    A triangle in the plane belongs to the side of the solid that it bounds, which the order of its corners
-    shows.
+    A triangle in the plane belongs to the side on which the solid is. The order of its corners shows which
+    side this is.
 
     Returns:
-        The parts below and above the plane (T, 3, 3).
+        The parts of the triangles below and above the plane, each as triangles (T, 3, 3).
     """
     side = triangles[:, :, axis] - at
     least, most = side.min(axis=1), side.max(axis=1)
@@ -291,7 +299,7 @@ def _cut(triangles: Array, axis: int, at: float) -> tuple[Array, Array]:
 
 
 def _upwards(triangles: Array, axis: int) -> NDArray[np.bool_]:
-    """Return a mask of the triangles (T, 3, 3) whose normals have a positive part along an axis."""
+    """Return a mask of the triangles (T, 3, 3) whose normals have a positive component along an axis."""
     first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     one, other = (axis + 1) % 3, (axis + 2) % 3
     found: NDArray[np.bool_] = first[:, one] * second[:, other] > first[:, other] * second[:, one]
@@ -304,8 +312,8 @@ def _share(parts: Array, sign: Array, low: list[Array], high: list[Array]) -> No
 
 
 def _meeting(one: Array, other: Array, axis: int, at: float) -> Array:
-    """Return the points (T, 3) at which edges meet the plane. Both directions of an edge give the same
-    point.
+    """Return the points (T, 3) at which edges of triangles meet the cutting plane. The result for an edge
+    doesn't depend on the edge's direction.
     """
     swap = (one[:, axis] > other[:, axis])[:, None]
     first, second = np.where(swap, other, one), np.where(swap, one, other)
@@ -317,8 +325,8 @@ def _meeting(one: Array, other: Array, axis: int, at: float) -> Array:
 
 
 def _outer(points: Array) -> Array:
-    """Return the corners of the hull of points (V, 3). If the points are in a plane, return all distinct
-    points.
+    """Return the corners of the convex hull of points (V, 3). If the points are in a plane, return all
+    distinct points.
     """
     points = np.unique(points, axis=0)
     if len(points) <= 4:
@@ -332,7 +340,7 @@ def _outer(points: Array) -> Array:
 
 
 def _volume(points: Array) -> float:
-    """Return the volume of the hull of points (V, 3); 0 if the points are in a plane."""
+    """Return the volume of the convex hull of points (V, 3); 0 if the points are in a plane."""
     if len(points) < 4:
         return 0.0
     from scipy.spatial import ConvexHull, QhullError
@@ -344,9 +352,7 @@ def _volume(points: Array) -> float:
 
 
 def _thick(points: Array) -> Array:
-    """Return points (V, 3), with additional points on both sides of each direction in which the points are
-    thin.
-    """
+    """Return points (V, 3), shifted to both sides in each direction in which together they are too thin."""
     middle = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - middle, full_matrices=False) if len(points) > 2 else (0, 0, np.eye(3))
     for axis in axes:

@@ -1,4 +1,4 @@
-"""Faults inside PLY files."""
+"""Read PLY files, and find faults in them."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _CORNERS = ("vertex_indices", "vertex_index")
 
 
 class _FaultError(Exception):
-    """A fault. Its text is the end of a sentence that names the fault."""
+    """Exception for a fault in the file. Its text is the end of a sentence that names the fault."""
 
 
 @frozen
 class _Property:
-    """A property of an element: a number, or a list of numbers.
+    """A property of each entry of a PLY element: a number, or a list of numbers.
 
     Attributes:
         name: its name.
@@ -48,7 +48,7 @@ class _Property:
 
 @frozen
 class _Element:
-    """An element of a file, which is a table of entries.
+    """An element of a PLY file: a table of entries, such as the table of all corners.
 
     Attributes:
         name: its name.
@@ -95,7 +95,7 @@ def ply_points(content: bytes) -> NDArray[np.float64] | str:
 
 
 def _opened(content: bytes) -> tuple[list[_Element], _Numbers]:
-    """Return the elements of a file, and its numbers.
+    """Return the elements that a PLY file's header declares, and a reader of the numbers after the header.
 
     Raises:
         _FaultError: if the header is wrong, or a word isn't a number.
@@ -111,7 +111,7 @@ def _opened(content: bytes) -> tuple[list[_Element], _Numbers]:
 
 
 def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
-    """Return the positions (V, 3) of corners.
+    """Return the positions (V, 3) of the corners of a PLY file.
 
     Raises:
         _FaultError: if the file has no corners, or if they have no x, y and z.
@@ -124,7 +124,9 @@ def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
 
 
 def ply_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of a PLY file as a body; empty if there is none."""
+    """Return the end of a sentence that names the fault that makes a PLY file useless as a body; empty if
+    there is none.
+    """
     read = read_ply(content)
     return read if isinstance(read, str) else ""
 
@@ -156,7 +158,7 @@ class _Numbers:
     """Reader of the numbers of a file, from its beginning to its end."""
 
     def rows(self, count: int, kinds: list[str]) -> NDArray[np.float64]:
-        """Read the next entries (count, columns), whose columns have types `kinds`.
+        """Read the next entries as an array (count, columns); the types of the columns are `kinds`.
 
         Raises:
             _FaultError: if the file ends too early.
@@ -164,20 +166,23 @@ class _Numbers:
         raise NotImplementedError
 
     def width(self, kind: str) -> int:
-        """Return the number of places of a number: its bytes, or 1 in a text file."""
+        """Return how many positions in the file a number takes: its bytes, or 1 in a text file, where words
+        are counted.
+        """
         raise NotImplementedError
 
     def starts(
         self, count: int, before: int, length: str, item: int, after: int
     ) -> tuple[list[int], list[int]]:
-        """Skip the next entries, and return the places and lengths of their lists.
+        """Skip the next entries, and return the positions in the file and the lengths of their lists.
+        Positions are counted as by `width`.
 
         Args:
             count: number of entries, which have one list each.
-            before: places of an entry before its list.
+            before: number of positions of an entry before its list.
             length: type of the length of a list.
-            item: places of a number of the list.
-            after: places of an entry after its list.
+            item: number of positions of a number of the list.
+            after: number of positions of an entry after its list.
 
         Raises:
             _FaultError: if the file ends too early, or if a length isn't an allowed one.
@@ -185,8 +190,8 @@ class _Numbers:
         raise NotImplementedError
 
     def gather(self, starts: NDArray[np.int64], length: int, kind: str) -> NDArray[np.float64]:
-        """Return the lists (entries, length) that begin at given places. All of them have one length and
-        one type.
+        """Return the lists that begin at given positions in the file, as (entries, length). All of them have
+        the same length and type.
         """
         raise NotImplementedError
 
@@ -310,7 +315,8 @@ def _look(elements: list[_Element], source: _Numbers) -> tuple[NDArray[np.float6
 
 
 def _lists(element: _Element, source: _Numbers) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Yield the names and the rows (entries, length) of lists.
+    """Yield the lists of all entries of an element: the name of their property, and the lists of several
+    entries as rows (entries, length).
 
     If each entry has only one list, all lists of equal length are read together.
     """
@@ -336,7 +342,7 @@ def _lists(element: _Element, source: _Numbers) -> Iterator[tuple[str, NDArray[n
 
 
 def _entry(element: _Element, source: _Numbers) -> list[tuple[str, NDArray[np.float64]]]:
-    """Return the names and contents of the lists of the next entry."""
+    """Return the lists of the next entry of an element, with the names of their properties."""
     found = []
     for one in element.properties:
         if not one.length:

@@ -1,4 +1,4 @@
-"""Faults inside STL files."""
+"""Read and write STL files, and find faults in them."""
 
 from __future__ import annotations
 
@@ -34,12 +34,14 @@ _WORD = re.compile(rb"\b(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE)
 
 
 def is_binary(content: bytes) -> bool:
-    """Return True if the length of a file fits the number of triangles in its head."""
+    """Return True if the length of an STL file fits the number of triangles that a binary file states in its
+    header.
+    """
     return len(content) >= _HEAD and len(content) == _HEAD + _TRIANGLE.itemsize * _count(content)
 
 
 def stl_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners (3 T, 3) of all triangles of an STL file, in its own unit.
+    """Return the corners (3 T, 3) of all triangles of an STL file, in the file's own unit.
 
     Return None for a file with a fault, or with unusual text.
     """
@@ -52,8 +54,8 @@ def stl_corners(content: bytes) -> NDArray[np.float64] | None:
 
 
 def _text_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners of a text file; None if a word doesn't occur exactly as often as the triangles
-    need it.
+    """Return the corners in a text STL file; None if a word of the format doesn't occur exactly as often as
+    the number of triangles requires.
     """
     if content[:5] != b"solid" or not content.rstrip().rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
         return None
@@ -82,7 +84,8 @@ def stl_of(triangles: NDArray[np.float64]) -> bytes:
 
 
 def stl_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the fault of an STL file as a body; empty if there is none.
+    """Return the end of a sentence that names the fault that makes an STL file useless as a body; empty if
+    there is none.
 
     Args:
         content: the file, binary or text. Normals aren't checked.
@@ -111,7 +114,9 @@ def stl_fault(content: bytes) -> str:
 
 
 def damage(content: bytes) -> str:
-    """Return the end of a sentence that states the right length of a binary file; empty if it isn't known."""
+    """Return the end of a sentence that states how long a binary STL file should be; empty if this isn't
+    known.
+    """
     if len(content) < _HEAD or content.startswith(b"solid"):
         return ""
     needed = _HEAD + _TRIANGLE.itemsize * _count(content)

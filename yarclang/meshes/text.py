@@ -13,7 +13,7 @@ _PIECE = 8_000_000
 
 
 def pieces(content: bytes) -> Iterator[bytes]:
-    """Yield a file in pieces that end at line ends."""
+    """Yield the content of a file in blocks that end at line ends."""
     at = 0
     while at < len(content):
         end = content.find(b"\n", at + _PIECE) + 1
@@ -52,8 +52,8 @@ def _words(text: bytes) -> int:
 
 
 def table(lines: Sequence[bytes], width: int) -> NDArray[np.float64] | None:
-    """Return the numbers of lines (n, width); None if a line has more or fewer numbers, or a number that
-    isn't finite.
+    """Return the numbers in the lines of a text as a table (n, width); None if a line has more or fewer
+    numbers, or a number that isn't finite.
     """
     if not lines:
         return np.zeros((0, width))

@@ -1,4 +1,4 @@
-"""Point clouds as bodies: the cubes of a grid that contain points, as one closed mesh."""
+"""Turn point clouds into bodies: the cubes of a grid that contain points, as one closed mesh."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _MOST_CELLS = 1 << 60
 
 @frozen(eq=False)
 class Voxels:
-    """The cubes that contain points.
+    """The cubes of a grid that contain points of a cloud.
 
     Attributes:
-        triangles: (T, 3, 3) their outer triangles.
+        triangles: (T, 3, 3) the triangles of the cubes' outer faces.
         cubes: number of cubes.
     """
 
@@ -28,7 +28,7 @@ class Voxels:
 
 @frozen
 class TooMany:
-    """The result if the cubes are so small that there are too many triangles.
+    """The result if a body would have too many triangles because its cells are too small.
 
     Attributes:
         triangles: number of the triangles; 0 if there are so many cubes that they can't be numbered.
@@ -38,10 +38,10 @@ class TooMany:
 
 
 def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
-    """Return the body of points, unless it has too many triangles.
+    """Return the cubes of a grid that contain points, as a closed mesh, unless it has too many triangles.
 
-    Each point is in a cube or on its faces. Each edge of the mesh belongs to two or four of its triangles.
-    The mesh is therefore closed, and is treated as solid.
+    Each point is inside a cube or on its faces. Each edge of the mesh belongs to two or four triangles. The
+    mesh is therefore closed, and is treated as solid.
 
     Args:
         points: (N, 3), finite, at least one.
@@ -74,7 +74,9 @@ def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
 
 
 def _without(cells: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the cells (sorted) whose neighbour `beyond` isn't one of the cells."""
+    """Return those of the sorted `cells` whose neighbour, the same entry of `beyond`, isn't one of the
+    cells.
+    """
     row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
     outer: NDArray[np.int64] = cells[cells[row] != beyond]
     return outer

@@ -1,4 +1,4 @@
-"""Ends of sentences that name a fault. The sentences begin with the name of the mesh."""
+"""Ends of sentences about faults in mesh files. Each sentence begins with the name of the mesh."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def lost_corner(corner: int, corners: int) -> str:
 
 
 def cut_off(found: str, needed: str) -> str:
-    """Return the end of the sentence about a file that ends too early, from the present and the needed
-    content.
+    """Return the end of the sentence about a file that ends too early: it states how much the file contains,
+    and how much it should contain.
     """
     return f"is cut off: it has {found}, and should have {needed}"

@@ -11,10 +11,10 @@ from yarclang.robot.model import Array, Robot
 
 @lru_cache(maxsize=64)
 def counts_per_joint(robot: Robot) -> Array:
-    """Return the matrix K J for joints in SI.
+    """Return the matrix that converts joint positions in SI to motor counts: K J, in counts per rad or m.
 
     Returns:
-        (n, n): counts of motor row per rad (or m) of joint column; read-only.
+        (n, n), read-only: entry (i, j) is the change of motor i [counts] per rad (or m) of joint j.
     """
     actuation = robot.actuation
     matrix: Array = actuation.gear[:, None] * actuation.coupling / robot.axis_units[None, :]
@@ -24,7 +24,9 @@ def counts_per_joint(robot: Robot) -> Array:
 
 @lru_cache(maxsize=64)
 def joints_per_count(robot: Robot) -> Array:
-    """Return the inverse of `counts_per_joint` (n, n), computed from the same matrix; read-only."""
+    """Return the inverse of `counts_per_joint` as (n, n) [rad or m per count], read-only. It is computed from
+    the same matrix.
+    """
     inverse = np.linalg.inv(counts_per_joint(robot)).astype(np.float64)
     inverse.setflags(write=False)
     return inverse

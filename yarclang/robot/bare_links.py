@@ -1,5 +1,5 @@
-"""Find joints that move no link with a collision shape: the collision check can't see these links. The
-warnings are shown when a robot is made and when it is checked, not for each program.
+"""Find joints that move no link with a collision shape. The collision check can't see what these joints move.
+The warnings are shown when a robot is made and when it is checked, not when a program is compiled.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from yarclang.source import SourceFile
 
 
 def bare_links(robot: Robot) -> tuple[Diagnostic, ...]:
-    """Return a warning for each joint that moves no link with a collision shape. The result is empty for a
-    robot that wasn't read from files.
+    """Return a warning for each joint that moves no link with a collision shape. A robot that wasn't read
+    from files gets no warnings.
     """
     if robot.written is None:
         return ()

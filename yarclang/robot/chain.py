@@ -1,4 +1,6 @@
-"""Build the chain from the base to the flange: as joints of a URDF, and as screws by Pinocchio."""
+"""Find the arm in a URDF: the chain of joints from the base link to the flange link, and these joints as
+screws (by Pinocchio).
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,10 @@ from yarclang.toml.file import did_you_mean
 
 
 def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | None:
-    """Return all joints from link `base` to link `flange`, including fixed joints, or None if the links
-    aren't connected.
+    """Return all joints from link `base` to link `flange`, including fixed joints, or None if no chain of
+    joints leads from `base` to `flange`.
 
-    The URDF must be a sound tree that has both links.
+    The URDF must contain both links, and its links must form one tree.
     """
     above = {joint.child: joint for joint in urdf.joints.values()}
     joints: list[Joint] = []
@@ -32,11 +34,11 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
 
 
 def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = ()) -> bool:
-    """Report joints of the chain that no motor can move. Also report moving joints outside of the chain that
+    """Report joints of the arm's chain that no motor can move, and moving joints outside of the chain that
     robot.toml doesn't list as ignored.
 
     Args:
-        urdf: findings go to it.
+        urdf: the URDF, which collects the findings.
         joints: the joints of the chain, including fixed joints.
         ignored: names of the moving joints that robot.toml ignores.
 
@@ -71,7 +73,7 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
     """Report moving joints that move no link with a collision shape.
 
     Args:
-        urdf: findings go to it.
+        urdf: the URDF, which collects the findings.
         joints: the joints of the chain.
         shapes: the collision shapes of each link.
     """
@@ -92,11 +94,11 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
 
 
 def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, Name]]:
-    """Return a finding (key, message, help, subject) for each link that robot.toml names and the URDF lacks.
+    """Return a finding (key, message, help, subject) for each link that robot.toml names but the URDF lacks.
 
     Args:
         urdf: the URDF.
-        names: link names, by the keys of robot.toml that hold them.
+        names: the link name of each key of robot.toml whose value is a link.
     """
     return [
         (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", *did_you_mean(link, urdf.links))
@@ -106,7 +108,8 @@ def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, N
 
 
 def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain | None:
-    """Return the chain as a product of exponentials; None, with a finding, if Pinocchio rejects the file.
+    """Return the arm's chain as a product of exponentials; None, with a finding, if Pinocchio rejects the
+    URDF.
 
     Args:
         urdf: a URDF without errors.

@@ -1,5 +1,5 @@
-"""Check the values of a robot.toml against each other and against the URDF. The form of each value is checked
-in schema.py.
+"""Check the values of a robot.toml against each other and against the URDF. The type and unit of each single
+value are checked in schema.py.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def check_table(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None
     """Report all findings about the values of a robot.toml.
 
     Args:
-        file: findings go to it.
+        file: the robot.toml, which collects the findings.
         draft: its tables.
         chain: the moving joints from the base to the flange, or None if the URDF has errors.
     """
@@ -48,8 +48,8 @@ def check_table(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None
 
 
 def _likely_size(draft: RobotDraft, tables: int) -> int:
-    """Return the probable number of joints while the URDF has errors: the length that most of the lists
-    have.
+    """Return the probable number of joints of a robot.toml whose URDF has errors: the length that occurs most
+    often among the lists with one entry for each joint.
     """
     actuation, motors, controller = draft.table.actuation, draft.table.motors, draft.table.controller
     lists: list[Sequence[object] | None] = []
@@ -61,7 +61,9 @@ def _likely_size(draft: RobotDraft, tables: int) -> int:
 
 
 def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None) -> tuple[str, ...] | None:
-    """Check the tables of the joints, and return the joints' names in order, or None if they aren't known."""
+    """Check the tables [joints.NAME], and return the joints' names in the order of the chain, or None if the
+    order isn't known.
+    """
     tables: Mapping[str, JointTable] = draft.table.joints or {}
     kinds = {joint.name: joint.kind for joint in chain or ()}
     for name, table in tables.items():
@@ -103,7 +105,9 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
 
 
 def _check_joint(file: TomlFile, draft: RobotDraft, name: str, table: JointTable, kind: str) -> None:
-    """Check the position limits of a joint; `kind` is empty for a table that belongs to no joint."""
+    """Check the position limits of a joint. `kind` is the joint's type in the URDF; it is empty for a table
+    whose joint isn't in the chain.
+    """
     path: Path = ("joints", name, "position")
     limits = table.position
     if limits is None:
@@ -170,7 +174,9 @@ def _check_names(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
-    """Check the sizes and parents of the frames."""
+    """Check the frames of robot.toml: how many numbers they have, and their parents, which must lead to
+    FLANGE.
+    """
     frames = draft.table.frames
     upper = {name.upper(): name for name in frames if name.upper() not in RESERVED}
     parents: dict[str, str] = {}
@@ -199,8 +205,8 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:
-    """Report limits of the URDF that are narrower than those of robot.toml. The limits of robot.toml take
-    precedence.
+    """Report position and velocity limits of the URDF that are narrower than those of robot.toml, since
+    robot.toml takes precedence.
     """
     for joint in chain:
         table, limit = (draft.table.joints or {}).get(joint.name), joint.element.first("limit")

@@ -21,13 +21,13 @@ Pair = tuple[str, str]
 
 
 def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -> frozenset[Pair]:
-    """Return the allowed pairs of links and tools, each pair in alphabetical order.
+    """Return the pairs of links and tools that may touch each other, each pair in alphabetical order.
 
     Args:
-        file: findings about unknown names go to it.
+        file: the robot.toml, which collects findings about unknown names.
         folder: the folder of the robot.toml.
         table: its tables.
-        urdf: its URDF.
+        urdf: the robot's URDF.
     """
     pairs: set[Pair] = set()
     tools = {name.upper() for name in table.tools}
@@ -50,12 +50,13 @@ def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -
 
 
 def check_pieces(file: TomlFile, table: RobotTable, urdf: Urdf) -> None:
-    """Check that the links with meshes to be divided exist in the URDF, and have meshes.
+    """Check the links whose meshes robot.toml divides into convex pieces: the URDF must have these links, and
+    they must have meshes.
 
     Args:
-        file: findings go to it.
-        table: the tables of the robot.toml.
-        urdf: its URDF.
+        file: the robot.toml, which collects the findings.
+        table: its tables.
+        urdf: the robot's URDF.
     """
     for name in table.collision.pieces:
         place = ("collision", "pieces", name)
@@ -71,8 +72,8 @@ def check_pieces(file: TomlFile, table: RobotTable, urdf: Urdf) -> None:
 
 
 def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pair]:
-    """Yield the pairs that an SRDF disables, and report names that the URDF doesn't have. Other readers of
-    SRDF files ignore unknown names.
+    """Yield the pairs of links that an SRDF disables. Report link names that the URDF doesn't have, because
+    other readers of SRDF files ignore them silently.
     """
     source = read_text(folder / name, "")
     if isinstance(source, Diagnostic):
@@ -93,7 +94,9 @@ def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pa
 
 
 def _link(text: UrdfText, element: Element, key: str, urdf: Urdf) -> str:
-    """Return the link of an attribute; empty, with a finding, if it is missing or unknown."""
+    """Return the link that an attribute names. The result is empty, with a finding, if the attribute is
+    missing or the link is unknown.
+    """
     name = element.attributes.get(key, "")
     if not name:
         text.say(

@@ -1,7 +1,7 @@
-"""Define the interface of all kinds of controllers: the part that a robot.toml describes.
+"""Define the interface of all kinds of controllers, as far as reading a robot.toml needs it.
 
-A kind is a package `yarclang/backend_NAME`. Its `kind.py` has a `KIND` with all that is needed to read a
-robot; its `backend.py` has everything else (`yarclang/backend.py`).
+Each kind of controller is a package `yarclang/backend_NAME`. Its `kind.py` has a `KIND` with all that is
+needed to read a robot; its `backend.py` has everything else (`yarclang/backend.py`).
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @frozen
 class SignalVariable:
-    """The controller's variable of an input or output, as found in a text.
+    """The controller variable that belongs to an input or output of a program, as found in a text.
 
-    `name` is the usual form of its name. It is None if the text names no variable; `fault` is then the reason
-    and `remedy` the correction. `is_taken` is True if yarclang itself uses the variable.
+    `name` is the usual form of the variable's name. It is None if the text names no variable; `fault` is then
+    the reason and `remedy` the correction. `is_taken` is True if yarclang itself uses the variable.
     """
 
     name: str | None
@@ -62,22 +62,26 @@ class Controller(Protocol):
 
     @property
     def hold_time(self) -> float:
-        """The time that a hold takes to bring the robot to rest on its path [s]."""
+        """The time in which a hold brings the robot to rest on its path [s]. A hold is a pause of the
+        program.
+        """
 
     @property
     def rapid_share(self) -> float:
-        """The share of the velocity limits that the slow motion to a program's start uses."""
+        """The share of the joints' velocity limits that the slow motion to a program's start position
+        uses.
+        """
 
     @property
     def text(self) -> str:
-        """The robot's place on the controller, for people: `coordinate system 1`."""
+        """The robot's place on the controller, in words for people: `coordinate system 1`."""
 
     @property
     def timing(self) -> str:
-        """The reason for the length of the shortest segment, for people."""
+        """The reason for the length of the shortest segment, in words for people."""
 
     def signal(self, text: str) -> SignalVariable:
-        """Return the variable of an input or output; `text` names it in upper case."""
+        """Return the controller variable that `text` names; `text` is in upper case."""
 
 
 @frozen(eq=False)
@@ -85,18 +89,22 @@ class Kind:
     """A kind of controller: the functions that are needed to read and write robot.toml files for it.
 
     Attributes:
-        name: as in robot.toml.
-        title: for people, with its article.
-        table: returns the form of `[controller]`, a `ControllerTable` (`robot/schema.py`); it imports
-            pydantic.
-        controller: makes the controller from a table without mistakes, and the motors' numbers.
-        restored: makes a controller from the result of `dataclasses.asdict`.
-        lines: returns the lines of `[controller]` for a new robot with that number of joints.
-        check: reports mistakes in a table of that form, for a robot with that number of joints.
-        not_coupled: for axes whose joints have coupled motors, returns the remedy if the controller can't
-            couple these axes; empty if it can, or if a name isn't that of an axis.
-        signal: returns the variable of an input or output that a text in upper case names. Used if the robot
-            isn't known.
+        name: the kind's name in robot.toml.
+        title: the kind's name for people, with its article.
+        table: function that returns the schema of the table `[controller]`, a `ControllerTable`
+            (`robot/schema.py`). It imports pydantic.
+        controller: function that makes the controller from a `[controller]` table without mistakes and the
+            motors' numbers.
+        restored: function that makes a controller from the result of `dataclasses.asdict`.
+        lines: function that takes the number of joints, and returns the lines of `[controller]` for a new
+            robot.
+        check: function that reports mistakes in a `[controller]` table, for a robot with a given number of
+            joints.
+        not_coupled: function that takes the axes whose joints have coupled motors. It returns the remedy if
+            the controller can't couple these axes. It returns an empty text if the controller can, or if a
+            name isn't that of an axis.
+        signal: function that returns the controller variable of an input or output that a text in upper case
+            names. It is used if the robot isn't known.
     """
 
     name: str

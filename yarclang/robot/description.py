@@ -1,4 +1,4 @@
-"""Read a robot: its robot.toml and URDF become a `Robot`, or findings about both files.
+"""Read a robot: turn its robot.toml and URDF into a `Robot`, or into findings about both files.
 
 Heavy libraries (pydantic, Pinocchio) are imported where they are first used.
 """
@@ -83,8 +83,8 @@ def load_robot(name_or_path: str) -> Result[Robot]:
 
 @lru_cache(maxsize=16)
 def _of_library(path: Path, _: Hashable) -> Result[Robot]:
-    """Read a robot of the library, or return it from the cache. The second argument is part of the cache's
-    key; it changes with the robot's files.
+    """Read a robot of the standard library, or return it from the cache. The second argument is only part of
+    the cache's key; it changes when the robot's files change.
     """
     return _read(path)
 
@@ -107,7 +107,7 @@ def _read(path: Path) -> Result[Robot]:
 
 
 def read_robot(source: SourceFile, folder: Path) -> Result[Robot]:
-    """Read a robot from the text of a robot.toml, for example while it is edited.
+    """Read a robot from the text of a robot.toml, for example while the text is edited.
 
     Args:
         source: the text.
@@ -195,7 +195,7 @@ def _chain(
     ends: tuple[str, str],
     ignored: Sequence[str],
 ) -> tuple[Joint, ...] | None:
-    """Return the moving joints from base to flange, or None with a finding."""
+    """Return the moving joints from the base to the flange, or None with a finding."""
     base, flange = ends
     joints = joints_between(urdf, base, flange)
     if joints is None:
@@ -232,7 +232,9 @@ def _assemble(
     chain: Chain,
     frames: Mapping[str, Array],
 ) -> Robot:
-    """Build the robot in SI, without its bodies, from tables without mistakes."""
+    """Build the robot in SI units, without its collision shapes, from the tables of a robot.toml without
+    mistakes.
+    """
     actuation, motors, controller = (
         _required(table.actuation),
         _required(table.motors),
@@ -291,7 +293,7 @@ def _fingerprint(
     allowed: frozenset[tuple[str, str]],
     more: tuple[tuple[Tool, ...], Dynamics],
 ) -> str:
-    """Return the SHA-256 of everything in the files that affects programs.
+    """Return the SHA-256 of everything in the robot's files that affects compiled programs.
 
     This covers values, joints, collision shapes (meshes by their bytes), tools, and masses if torques are
     checked. Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
@@ -335,12 +337,12 @@ def _kind(kind: str) -> JointKind:
 
 
 def _kind_of(kind: str) -> Kind:
-    """Return the kind of controller of tables without mistakes."""
+    """Return the kind of controller that a robot.toml without mistakes names."""
     return _required(kind_of(kind))
 
 
 def _required(value: T | None) -> T:
-    """Return a required value of tables without mistakes."""
+    """Return a required value of a robot.toml without mistakes."""
     if value is None:
         raise AssertionError("a required key passed the checks without a value")
     return value

@@ -1,4 +1,4 @@
-"""Read the tables of a robot.toml that may have mistakes, so that all correct values can be checked."""
+"""Read the tables of a robot.toml that may have mistakes, so that all correct values can still be checked."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ RobotDraft = Draft[RobotTable]
 
 
 def read_draft(data: dict[str, Any]) -> RobotDraft:
-    """Return the tables of a robot.toml, without the keys whose values have the wrong form.
+    """Return the tables of a robot.toml, without the keys whose values have the wrong type or form.
 
     Args:
-        data: the result of tomllib; bad keys are removed from it.
+        data: the dictionary from tomllib. Keys with such values are removed from it.
     """
     told = data.get("controller")
     kind = told.get("kind", DEFAULT) if isinstance(told, dict) else DEFAULT
@@ -30,8 +30,8 @@ def read_draft(data: dict[str, Any]) -> RobotDraft:
 
 
 def _ramped(draft: RobotDraft) -> RobotDraft:
-    """Return the draft with accelerations and jerks computed from [ramps] for joints that set none. These
-    keys are then no longer reported as missing.
+    """Return the draft with the missing accelerations and jerks of its joints computed from the table
+    [ramps]. These keys are then no longer reported as missing.
     """
     ramps, joints = draft.table.ramps, draft.table.joints
     if ramps is None or joints is None:
@@ -44,8 +44,8 @@ def _ramped(draft: RobotDraft) -> RobotDraft:
 
 
 def _with_ramps(joint: JointTable, ramps: RampsTable) -> JointTable:
-    """Return a joint with its missing acceleration and jerk computed, if its velocity and the ramps are
-    known.
+    """Return a joint's table with its missing acceleration and jerk computed, if the joint's velocity and the
+    ramp times are known.
     """
     acceleration, jerk = joint.acceleration, joint.jerk
     if acceleration is None and joint.velocity is not None and ramps.rise is not None:

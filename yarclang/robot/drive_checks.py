@@ -51,7 +51,9 @@ def _check_actuation(file: TomlFile, draft: RobotDraft, size: int) -> None:
 
 
 def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
-    """Check that J can be inverted, and that the controller can couple its axes."""
+    """Check that the coupling matrix J can be inverted, and that the controller can couple the axes that J
+    couples.
+    """
     controller = draft.table.controller
     axes = controller.axes if controller else None
     kind = kind_of(controller.kind) if controller else None
@@ -85,8 +87,8 @@ def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
 def _groups(
     coupling: Array,
 ) -> list[tuple[list[int], list[int]]]:
-    """Return the rows (motors) and columns (joints) of J that are connected by nonzero entries, group by
-    group.
+    """Return the groups of coupled motors and joints: for each group, the rows (motors) and the columns
+    (joints) of J that nonzero entries connect.
     """
     todo = [("row", at) for at in range(len(coupling))] + [("column", at) for at in range(len(coupling))]
     groups: list[tuple[list[int], list[int]]] = []
@@ -125,13 +127,13 @@ def _check_controller(file: TomlFile, draft: RobotDraft, size: int) -> None:
 
 
 def check_twice(file: TomlFile, code: str, path: Path, kind: str, names: Sequence[str]) -> None:
-    """Report names that occur twice.
+    """Report names that occur twice in a list.
 
     Args:
-        file: findings go to it.
+        file: the robot.toml, which collects the findings.
         code: the code of the finding.
-        path: the list in the file.
-        kind: kind of the names, for the message.
+        path: the keys that lead to the list in the file.
+        kind: what the names denote, for the message.
         names: one name for each joint.
     """
     first: dict[str, int] = {}

@@ -1,9 +1,10 @@
-"""Compute torques of a moving arm, at many instants at once (recursive Newton-Euler; Featherstone, Rigid Body
-Dynamics Algorithms, ch. 5).
+"""Compute the torques of a moving arm, at many instants at once (recursive Newton-Euler; Featherstone, Rigid
+Body Dynamics Algorithms, ch. 5).
 
 The model consists of rigid bodies only: no friction, rotors or springs. Each link has a frame whose z is its
-joint's axis. A joint therefore rotates two rows, and the transform between two joints is a constant matrix.
-The last index counts the instants, so that a step is a few operations on whole rows.
+joint's axis. A joint's rotation therefore mixes only two rows of a matrix, and the transform between two
+joints is a constant matrix. The last index of an array counts the instants, so that each step of the
+algorithm is a few operations on whole rows.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ BLOCK = 2048
 
 
 def torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
-    """Compute the torques that the motors must supply.
+    """Compute the torques that the motors must supply for given joint positions, velocities and
+    accelerations.
 
     Args:
         chain: the arm, n joints.
@@ -97,12 +99,12 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
 
 @frozen(eq=False)
 class _Links:
-    """The constants of an arm.
+    """The constants of an arm that the recursion needs.
 
-    For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the frame before, and `shift`
-    (n, 3) is its origin in the frame before. For the body that the joint moves, `mass` (n,), `center` (n, 3)
-    and `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the motion about and along z
-    per unit of joint position.
+    For each joint, `step` (n, 3, 3) is the rotation of the joint's frame relative to the joint frame before,
+    and `shift` (n, 3) is its origin in the frame before. For the body that the joint moves, `mass` (n,),
+    `center` (n, 3) and `inertia` (n, 3, 3) are in the joint's frame. `turn` and `slide` (n,) are the rotation
+    about z and the translation along z per unit of joint position.
     """
 
     step: Array
@@ -132,8 +134,8 @@ def _links(chain: Chain, dynamics: Dynamics) -> _Links:
 
 
 def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
-    """Return the acceleration of a point at `arm` (3, 1) or (3, P) that rotation alone causes: α × r + ω × (ω
-    × r).
+    """Return the acceleration that the rotation of a body alone causes at the point `arm` (3, 1) or (3, P) of
+    the body: α × r + ω × (ω × r).
     """
     # ω × (ω × r) = ω (ω · r) - r (ω · ω)
     along = (spin * arm).sum(axis=0)
@@ -142,13 +144,13 @@ def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
 
 
 def _into(step: Array, sin: Array, cos: Array, vectors: Array) -> Array:
-    """Transform vectors (3, P) from the axes of the link before to the axes of a link."""
+    """Transform vectors (3, P) from the axes of the previous link to the axes of a link."""
     x, y, z = step.T @ vectors
     return np.stack([cos * x + sin * y, cos * y - sin * x, z])
 
 
 def _out_of(step: Array, sin: Array, cos: Array, vectors: Array) -> Array:
-    """Transform vectors (3, P) from the axes of a link to the axes of the link before."""
+    """Transform vectors (3, P) from the axes of a link to the axes of the previous link."""
     x, y, z = vectors
     back: Array = step @ np.stack([cos * x - sin * y, sin * x + cos * y, z])
     return back

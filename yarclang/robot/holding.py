@@ -1,5 +1,5 @@
-"""Compute where an arm can hold its flange, and in how many orientations. The picture reveals mistakes in a
-robot's description.
+"""Compute for a picture where in the workspace an arm can place its flange, and in how many orientations. The
+picture reveals mistakes in a robot's description.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ poses doesn't.
 
 @frozen(eq=False)
 class Held:
-    """The share of orientations in which the flange can be held, for each cell of a section.
+    """For each cell of a section through the workspace, the share of orientations in which the flange can be
+    there.
 
-    `share` (CELLS, CELLS), from 0 to 1, is the share of the 24 orientations of a cube near which the flange
-    was held in each cell, NaN for cells that it never reached. Its rows run along `up`, its columns along
-    `across`; both are the edges (CELLS + 1,) of the cells [m] in {B}.
+    `share` (CELLS, CELLS) is from 0 to 1, and NaN for cells that the flange never reached. It is counted in
+    the 24 orientations of a cube: each flange pose counts for the nearest of these. The rows of `share` run
+    along `up`, its columns along `across`; both are the edges (CELLS + 1,) of the cells [m] in {B}.
     """
 
     axes: tuple[str, str]
@@ -36,12 +37,12 @@ class Held:
 
 
 def sections(robot: Robot) -> tuple[Held, Held]:
-    """Return two sections: the side view (distance from the z axis of {B}, and z), and the top view (x and
-    y).
+    """Return two sections of the workspace: the side view (distance from the z axis of {B}, and z), and the
+    top view (x and y).
 
-    In the side view, orientations are relative to a frame that turns about z with the flange's place; in the
-    top view they are relative to {B}. For an arm whose first joint turns about z, all positions of that joint
-    therefore give the same side view, and nothing is lost in it.
+    In the top view, orientations are relative to {B}. In the side view, they are relative to a frame that
+    turns about z so that its x axis points from the z axis to the flange. If the arm's first joint turns
+    about z, all its positions therefore give the same side view, and the side view shows everything.
     """
     poses = flange_poses(robot.chain, within(robot.chain, robot.limits, TRIED))
     x, y, z = poses[:, :3, 3].T

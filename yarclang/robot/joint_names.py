@@ -9,9 +9,9 @@ _NUMBERED = re.compile(r"J[0-9]+", re.IGNORECASE)
 
 
 def has_short_names(names: Sequence[str]) -> bool:
-    """Return True if J1, J2 and so on name these joints by their number.
+    """Return True if the short names J1, J2 and so on may be used for these joints by their number.
 
-    They don't if one of the joints is itself called so: in an arm with joints J0 to J5, J1 would be
+    They may not if one of the joints itself has such a name: in an arm with joints J0 to J5, J1 would be
     ambiguous.
     """
     return not any(_NUMBERED.fullmatch(name) for name in names)
@@ -30,14 +30,14 @@ def joint_number(names: Sequence[str], name: str) -> int | None:
 
     Args:
         names: the robot's joint names.
-        name: the name of the URDF, or the short one.
+        name: the joint's name in the URDF, or its short name, such as J2.
     """
     return numbers_by_name(names).get(name.upper())
 
 
 def joint_labels(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names for people, such as `J2 shoulder_lift_joint`; the URDF's names if there are no
-    short names.
+    """Return the joints' names for people, such as `J2 shoulder_lift_joint`. They are the URDF's names alone
+    if the robot has no short names.
     """
     if not has_short_names(names):
         return tuple(names)
@@ -45,12 +45,16 @@ def joint_labels(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def short_labels(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the shortest unambiguous names: J1, J2 and so on, or the robot's own."""
+    """Return the shortest unambiguous names of the joints: J1, J2 and so on, or else their names in the
+    URDF.
+    """
     return tuple(f"J{number + 1}" for number in range(len(names))) if has_short_names(names) else tuple(names)
 
 
 def listed_joints(names: Sequence[str]) -> str:
-    """Return the joints for a message about an unknown one: `J1 (shoulder_pan_joint), J2 (...)`."""
+    """Return the list of all joints for a message about an unknown joint:
+    `J1 (shoulder_pan_joint), J2 (...)`.
+    """
     if not has_short_names(names):
         return ", ".join(names)
     return ", ".join(f"J{number} ({name})" for number, name in enumerate(names, 1))

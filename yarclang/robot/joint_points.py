@@ -1,6 +1,7 @@
-"""Places of a robot's joints as its URDF puts them: for pictures, and for a comparison with its masses.
+"""Origins of a robot's joint frames as its URDF defines them: for pictures, and for a comparison with the
+robot's masses.
 
-The axes of a chain say nothing about where along an axis a joint is. A URDF does.
+A chain's screws don't determine where along its axis a joint is. A URDF does.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from yarclang.toml.reading import parse_toml, read_text
 
 
 def urdf_of(robot: Robot) -> tuple[Urdf, str] | None:
-    """Return the URDF of a robot that was read from files, and the link that is {B}; None if the files have
-    changed and can't be read any more.
+    """Return the URDF of a robot, and the name of the link that is {B}; None if the robot wasn't read from
+    files, or if these can't be read any more.
     """
     table, source = read_text(robot.folder / "robot.toml", ""), read_text(robot.folder / robot.urdf, "")
     if isinstance(table, Diagnostic) or isinstance(source, Diagnostic):
@@ -31,8 +32,8 @@ def urdf_of(robot: Robot) -> tuple[Urdf, str] | None:
 
 
 def joint_points(robot: Robot) -> Array | None:
-    """Return the points (n + 1, 3) [m] in {B}, with all joints at zero, of the joints' frames and of the
-    flange; None if the URDF can't be read any more.
+    """Return the origins of the joint frames and of the flange in {B} with all joints at zero, as (n + 1, 3)
+    [m]; None if the URDF can't be read any more.
     """
     found = urdf_of(robot)
     if found is None:

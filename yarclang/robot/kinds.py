@@ -24,7 +24,7 @@ _plugged: dict[str, str] = {}
 
 
 def kind_of(name: str) -> Kind | None:
-    """Return the kind of that name, or None if there is none."""
+    """Return the kind of controller with a name, or None if there is none."""
     if name in _plugged:
         return _loaded(_plugged[name])
     if name in _included():
@@ -34,16 +34,18 @@ def kind_of(name: str) -> Kind | None:
 
 
 def known_signal(text: str) -> SignalVariable:
-    """Return the variable of an input or output that a text in upper case names.
+    """Return the controller variable of an input or output that a text in upper case names.
 
-    All kinds of controllers are tried; used if the robot isn't known.
+    This is for a robot that isn't known: all kinds of controllers are tried.
     """
     found = [kind.signal(text) for name in kind_names() if (kind := kind_of(name)) is not None]
     return next((one for one in found if one.name is not None), found[0])
 
 
 def title_of(name: str) -> str:
-    """Return the title of a kind for people, with its article, or its name if there is no such kind."""
+    """Return the name of a kind of controller for people, with its article, or `name` if there is no such
+    kind.
+    """
     kind = kind_of(name)
     return name if kind is None else kind.title
 
@@ -54,7 +56,7 @@ def kind_names() -> tuple[str, ...]:
 
 
 def module_of(name: str) -> str:
-    """Return the name of the module that has a kind's `BACKEND`.
+    """Return the name of the module that has the `BACKEND` of a kind of controller.
 
     Raises:
         KeyError: there is no such kind.
@@ -69,7 +71,7 @@ def module_of(name: str) -> str:
 
 @contextmanager
 def plugged(name: str, module: str) -> Iterator[None]:
-    """Register another kind for the duration of the context.
+    """Register another kind of controller for the duration of the context.
 
     Args:
         name: the kind's name.

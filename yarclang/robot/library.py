@@ -45,8 +45,8 @@ def list_robots() -> tuple[RobotSummary, ...]:
 
 
 def find_robot(name_or_path: str) -> tuple[Path | None, str]:
-    """Return the robot.toml of a robot given by name (in any case) or path; or None and the most similar
-    name.
+    """Return the path of the robot.toml of a robot that is given by its name (in any case) or by a path; or
+    None, and the most similar name.
 
     A name of the standard library takes precedence over a folder of that name.
     """

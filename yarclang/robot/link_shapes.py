@@ -1,4 +1,4 @@
-"""Place the collision shapes of a URDF's links on the arm."""
+"""Compute the poses of a URDF's collision shapes on the arm."""
 
 from __future__ import annotations
 
@@ -27,14 +27,16 @@ _NONE: Mapping[str, int] = MappingProxyType({})
 def link_shapes(
     urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint], pieces: Mapping[str, int] = _NONE
 ) -> tuple[LinkShape, ...]:
-    """Return all collision shapes, in the order of the file. Joints that don't belong to the arm are at zero.
+    """Return all collision shapes of the links, in the order of the URDF. Joints that don't belong to the arm
+    are at zero.
 
     Args:
         urdf: a URDF without errors.
         folder: its folder; mesh names are relative to it.
         base: the link that is {B}.
         moving: the arm's moving joints, from the base to the flange.
-        pieces: largest number of convex pieces of a link's meshes, by its name.
+        pieces: for each link name, the largest number of convex pieces into which the link's meshes are
+            divided.
     """
     places = link_places(urdf, moving)
     base_from_root = np.linalg.inv(places[base][0])
@@ -52,8 +54,8 @@ def link_shapes(
 
 
 def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
-    """Return, for each link, root_from_link (4, 4) with all joints at zero, and the number of moving joints
-    between the root and the link.
+    """Return two values for each link: its pose root_from_link (4, 4) with all joints at zero, and the number
+    of moving joints between the root and the link.
     """
     below: dict[str, list[Joint]] = {}
     for joint in urdf.joints.values():
@@ -74,7 +76,9 @@ def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, i
 
 
 def placed_at(urdf: Urdf, origin: Element | None) -> Array:
-    """Return link_from_it (4, 4) of an <origin> that was checked; the identity for None."""
+    """Return the pose of an <origin> element that was checked, relative to its link, as (4, 4); the identity
+    for None.
+    """
     placed = np.eye(4)
     rpy = urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
     placed[:3, :3] = rpy_rotation(np.array(_required(rpy)))
@@ -83,7 +87,7 @@ def placed_at(urdf: Urdf, origin: Element | None) -> Array:
 
 
 def shape_of(urdf: Urdf, shape: Element, folder: Path) -> Shape:
-    """Return the shape of an element that was checked (urdf_shapes.py)."""
+    """Return the shape that an XML element describes; urdf_shapes.py has checked the element."""
 
     def size(key: str) -> float:
         return _required(urdf.numbers(shape, key, 1))[0]

@@ -19,7 +19,7 @@ GRAVITY = 9.81
 
 @frozen(eq=False)
 class _Lump:
-    """A body on the link that joint number `joint` (from 1) moves.
+    """A rigid body on the link that joint number `joint` (from 1) moves.
 
     `mass` is in kg, `center` (3,) is in {B} [m], and `inertia` (3, 3) is about the center [kg m^2].
     """
@@ -37,7 +37,8 @@ def dynamics_of(
     tools: Sequence[Tool],
     said: tuple[Sequence[float | None], Sequence[float] | None, bool],
 ) -> Dynamics:
-    """Return the known masses and efforts.
+    """Return the masses of the arm's links and mounted tools and the efforts of its joints, as far as they
+    are known.
 
     Args:
         urdf: a URDF without errors.

@@ -1,9 +1,9 @@
-"""Describe joints that follow another joint by <mimic>: their factor and offset, and how a robot.toml
-expresses them.
+"""Describe joints that follow another joint by the URDF element <mimic>: their factor and offset, and how a
+robot.toml expresses them.
 
 Each joint of the chain has a motor of its own. If a joint moves with another one while its own motor is at
-rest, the two are coupled in J of robot.toml: in counts = K J q + a0 the row of the joint is (..., -k, ..., 1,
-...), and its a0 is -K b, so that the count 0 means q = k q' + b.
+rest, the coupling matrix J of robot.toml couples the two joints: in counts = K J q + a0 the row of the
+following joint is (..., -k, ..., 1, ...), and its a0 is -K b, so that the count 0 means q = k q' + b.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from yarclang.units import DEG, MM
 
 @frozen
 class Mimic:
-    """A joint of the chain that follows a leader: `joint` = `factor` * `leader` + `offset`, in deg and mm.
+    """A joint of the chain that follows another joint, its leader: `joint` = `factor` * `leader` + `offset`,
+    in deg and mm.
 
     `raw` has the multiplier and the offset of the URDF, in rad and m. `leader_kind` is None if the URDF
     doesn't have the leader.
@@ -32,7 +33,7 @@ class Mimic:
 
     @property
     def equation(self) -> str:
-        """The equation with its units, and the values in the URDF."""
+        """The equation of the two joint positions with its units, and the values in the URDF."""
         unit = "mm" if self.leader_kind == "prismatic" else "deg"
         own = "mm" if self.joint.kind == "prismatic" else "deg"
         sign = "-" if self.offset < 0.0 else "+"
@@ -63,7 +64,7 @@ def mimic_of(joint: Joint, joints: Sequence[Joint]) -> Mimic | None:
 
     Args:
         joint: a joint of a URDF without errors.
-        joints: all joints of the URDF, for the leader's kind.
+        joints: all joints of the URDF, among which the leader is looked up.
     """
     element = joint.element.first("mimic")
     if element is None:

@@ -1,4 +1,4 @@
-"""Define a robot as the later stages see it: plain data in SI units, already checked.
+"""Define a robot as planning and all later stages use it: plain data in SI units, already checked.
 
 `yarclang.robot.description` creates it from a robot.toml and a URDF. Arrays are float64 and read-only, with
 one entry for each joint, from the base to the flange.
@@ -46,16 +46,20 @@ class Lines:
 
 
 class Kinematics(Protocol):
-    """Forward kinematics for `yarclang.collision` and `yarclang.handling`. A chain may bring its own."""
+    """Interface of forward kinematics, as `yarclang.collision` and `yarclang.handling` use it. A chain may
+    bring its own implementation.
+    """
 
     def placements(self, chain: Chain, q: Array) -> Array:
-        """Return (n + 1, 3, 4, P) for joint positions (P, n): see `yarclang.robot.placements`."""
+        """Return the placements (n + 1, 3, 4, P) of everything that the joints move, for joint positions (P,
+        n): see `yarclang.robot.placements`.
+        """
 
     def flange(self, chain: Chain, q: Array) -> Array:
         """Return base_from_flange (P, 4, 4) for joint positions (P, n)."""
 
     def lines(self, chain: Chain) -> Lines:
-        """Return the axes of a chain."""
+        """Return the joint axes of the chain in {B}."""
 
     def elbow(self, chain: Chain) -> tuple[int, Array] | None:
         """Return the joint at the elbow, counted from 0, and its point (3,) in {B} with all joints at zero;
@@ -69,8 +73,8 @@ class Chain:
 
     `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then angular part (a
     revolute axis w through point c is (-w x c, w); a prismatic one is (v, 0)). `base_from_flange` (4, 4) is
-    the flange with all joints at zero. `kinematics` computes the chain's motion; None for the planner's
-    kinematics. The judge brings its own.
+    the flange pose with all joints at zero. `kinematics` computes the chain's motion; None means the
+    planner's kinematics. The judge, which checks the output independently, brings its own.
     """
 
     screws: Array
@@ -106,7 +110,7 @@ class Limits:
 
 @frozen(eq=False)
 class Actuation:
-    """The map from joint positions to motor positions, the paper's eq. 5: counts = K J q + a0.
+    """The conversion of joint positions to motor positions, the paper's eq. 5: counts = K J q + a0.
 
     `gear` is K (n,) in counts per axis unit, `coupling` J (n, n), `offset` a0 (n,) in counts. q is in axis
     units here: deg for a revolute joint, mm for a prismatic one. `velocity` (n,) is the largest speed of each
@@ -129,10 +133,10 @@ class Tolerance:
     """of the moving frame, and of revolute joints [rad]"""
 
     def of_motion(self, distance: float | None, *, leads_frame: bool) -> Tolerance:
-        """Return the tolerance of a motion.
+        """Return the path tolerance of a motion.
 
         Args:
-            distance: the distance that the motion allows [m], or None if it sets none.
+            distance: the distance from the path that the motion allows [m], or None if it sets none.
             leads_frame: True if the motion moves the moving frame along a path. The frame may then also turn,
                 by one degree for each millimetre of `distance`.
         """
@@ -143,7 +147,7 @@ class Tolerance:
 
 @frozen(eq=False)
 class LinkShape:
-    """A collision shape of a link: `base_from_shape` (4, 4) [m] is its place with all joints at zero.
+    """A collision shape of a link: `base_from_shape` (4, 4) [m] is its pose with all joints at zero.
 
     `joint` is the number of the arm's joints between the base and the link: 0 for a link at rest.
     """
@@ -156,7 +160,7 @@ class LinkShape:
 
 @frozen(eq=False)
 class ToolShape:
-    """A shape of a tool, and its place on the flange: `flange_from_shape` (4, 4) [m]."""
+    """A shape of a tool, with its pose on the flange: `flange_from_shape` (4, 4) [m]."""
 
     flange_from_shape: Array
     shape: Shape
@@ -164,10 +168,10 @@ class ToolShape:
 
 @frozen(eq=False)
 class Tool:
-    """A tool on the flange, or, if it isn't `mounted`, one that can be put there.
+    """A tool on the flange, or, if it isn't `mounted`, a tool that can be put on the flange.
 
-    `mass` is in kg, `center` (3,) its centre of mass [m] and `inertia` (3, 3) about that [kg m^2], in the
-    axes of {FLANGE}. `frame` is the name of the frame from which the file describes it.
+    `mass` is in kg, `center` (3,) its centre of mass [m] and `inertia` (3, 3) about this centre [kg m^2], in
+    the axes of {FLANGE}. `frame` is the name of the frame relative to which robot.toml describes the tool.
     """
 
     name: str
@@ -186,7 +190,7 @@ class Dynamics:
     The arrays have one entry for each joint k: the body that joint k moves and joint k + 1 doesn't, including
     mounted tools. `mass` (n,) is in kg, `center` (n, 3) in m, and `inertia` (n, 3, 3) is about the center [kg
     m^2]. `gravity` (3,) is in m/s^2. `effort` (n,) is the largest torque or force of each joint [N m or N],
-    infinite if it isn't known. `wanted` is True if robot.toml asks for efforts to be checked.
+    infinite if it isn't known. `wanted` is True if robot.toml asks for torques to be compared with efforts.
     """
 
     mass: Array
@@ -198,16 +202,16 @@ class Dynamics:
 
     @property
     def is_checked(self) -> bool:
-        """True if motions are checked against efforts. For this, robot.toml must ask for it, and all masses
-        and at least one effort must be known.
+        """True if the torques of motions are compared with efforts. For this, robot.toml must ask for it, and
+        all masses and at least one effort must be known.
         """
         return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
 
 
 @frozen
 class Written:
-    """The texts of the files from which a robot was read, robot.toml and URDF, for readers that trust no
-    other source.
+    """The texts of a robot's robot.toml and URDF, as they were when the robot was read. They are for checkers
+    that must not trust the `Robot` made from them.
     """
 
     toml: str
@@ -271,7 +275,7 @@ class Robot:
 
 @lru_cache(maxsize=256)
 def _prismatic(chain: Chain) -> NDArray[np.bool_]:
-    """Return True for each joint of a chain that slides (n,); a chain never changes."""
+    """Return a mask (n,) of the joints of a chain that slide; cached, since a chain never changes."""
     prismatic: NDArray[np.bool_] = ~np.any(chain.screws[:, 3:], axis=1)
     prismatic.setflags(write=False)
     return prismatic

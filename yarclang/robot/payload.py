@@ -26,8 +26,8 @@ _THIRDS = np.array([0.0, 1.0, 2.0]) * 2.0 * np.pi / 3.0
 class Worst:
     """The largest torque of each joint.
 
-    `torque` (n,) are the torques [N m, or N], with their signs; `q` (n, n) are the joint positions at which
-    they occur, one row for each joint [rad or m].
+    `torque` (n,) has these torques [N m, or N] with their signs. Row k of `q` (n, n) is the joint position
+    [rad or m] at which the torque of joint k is largest.
     """
 
     torque: Array
@@ -35,11 +35,11 @@ class Worst:
 
 
 def worst_of(torque: Array, q: Array) -> Worst:
-    """Return the largest of P torques of each joint, by magnitude.
+    """Return the largest torque of each joint, by magnitude, among P joint positions.
 
     Args:
         torque: (P, n) [N m, or N].
-        q: (P, n) the joint positions at which they were computed [rad or m].
+        q: (P, n) the joint positions at which these torques were computed [rad or m].
     """
     rows = np.abs(torque).argmax(axis=0)
     return Worst(torque[rows, np.arange(torque.shape[1])], q[rows])
@@ -48,9 +48,9 @@ def worst_of(torque: Array, q: Array) -> Worst:
 def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) -> Worst:
     """Find the joint positions at which gravity loads each joint most.
 
-    Positions are spread evenly and divided into groups. The worst position of each group is then improved
-    along one joint after the other. As a function of one joint, a holding torque is a sine or a line; three
-    of its values determine its extremes.
+    Joint positions are spread evenly over the limits and divided into groups. The worst position of each
+    group is then improved along one joint after the other. As a function of one joint, a holding torque is a
+    sine or a line; its values at three positions of that joint determine its extremes.
 
     Args:
         chain: the arm, n joints.
@@ -85,7 +85,8 @@ def _worst_along(
     moved: int,
     limits: tuple[float, float],
 ) -> Array:
-    """Return, for each row of joint positions, the position (R,) of one joint at which a torque is largest.
+    """Return the position of one joint at which a holding torque is largest, as (R,): one entry for each row
+    of joint positions.
 
     Args:
         chain: the arm, n joints.
@@ -93,7 +94,7 @@ def _worst_along(
         q: (R, n) joint positions [rad or m].
         joints: (R,) for each row, the joint whose torque is maximized.
         moved: the joint that moves.
-        limits: its lower and upper limit.
+        limits: the lower and the upper limit of that joint.
     """
     low, high = limits
     rows = np.arange(len(q))

@@ -1,5 +1,5 @@
-"""Compute the placements of everything that a chain moves, for the planner, by a product of exponentials on
-whole arrays.
+"""Compute the placements of all bodies that a chain moves, by a product of exponentials on whole arrays. The
+planner uses them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 def placements(screws: Array, q: Array) -> Array:
-    """Compute the placements of the links at joint positions.
+    """Compute how the joints move the links from their places with all joints at zero.
 
     Args:
         screws: (n, 6) of a chain, linear part then angular part.

@@ -214,8 +214,8 @@ class RobotTable(Document):
 
 @cache
 def robot_table(kind: str) -> type[RobotTable]:
-    """Return the form of a robot.toml for a kind of controller; for an unknown kind, a form that rejects
-    it.
+    """Return the schema of a robot.toml for a kind of controller; for an unknown kind, a schema that rejects
+    the kind.
     """
     found = kind_of(kind) or kind_of(DEFAULT)
     assert found is not None

@@ -1,4 +1,4 @@
-"""Read the tools of a robot.toml: their shapes, masses, and places on the flange."""
+"""Read the tools of a robot.toml: their shapes, masses, and poses on the flange."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
     """Report all findings about tools and their shapes, and about gravity.
 
     Args:
-        file: findings go to it.
+        file: the robot.toml, which collects the findings.
         draft: its tables.
         folder: the folder of the file; mesh files are relative to it.
     """
@@ -61,7 +61,9 @@ def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
 
 
 def flange_frames(table: RobotTable) -> dict[str, Array]:
-    """Return flange_from_frame of each frame of the file, by its name in upper case, and of FLANGE."""
+    """Return the pose flange_from_frame of each frame of the robot.toml and of FLANGE, by the frame's name in
+    upper case.
+    """
     frames = {name.upper(): frame for name, frame in table.frames.items()}
     placed: dict[str, Array] = {"FLANGE": np.eye(4)}
     while len(placed) <= len(frames):  # parents first; there is no circle
@@ -72,7 +74,9 @@ def flange_frames(table: RobotTable) -> dict[str, Array]:
 
 
 def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
-    """Return parent_from_frame (4, 4) of a place [mm] and R = Rz(yaw) Ry(pitch) Rx(roll) [deg]."""
+    """Return the pose parent_from_frame (4, 4) of a frame, from its position [mm] and R = Rz(yaw) Ry(pitch)
+    Rx(roll) [deg].
+    """
     pose = np.eye(4)
     pose[:3, :3] = rpy_rotation(np.array(rpy) * DEG)
     pose[:3, 3] = np.array(xyz) * MM
@@ -82,11 +86,11 @@ def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
 def tools_of(
     file: TomlFile, table: RobotTable, flange_from_frame: Mapping[str, Array], folder: FilePath
 ) -> tuple[Tool, ...]:
-    """Return the tools of tables without mistakes, in the order of the file.
+    """Return the tools of a robot.toml without mistakes, in the order of the file.
 
     Args:
-        file: findings about mesh files go to it.
-        table: the tables.
+        file: the robot.toml, which collects findings about mesh files.
+        table: its tables.
         flange_from_frame: the frames on the flange, by name in upper case.
         folder: the folder of the file; mesh files are relative to it.
     """
@@ -118,8 +122,8 @@ def _check_tool(
     """Check one tool.
 
     Args:
-        file: findings go to it.
-        path: the tool's table.
+        file: the robot.toml, which collects the findings.
+        path: the keys that lead to the tool's table.
         tool: its values.
         names: the frames of the file, and the frames that couldn't be read.
         weighed: False if a missing mass was already reported.

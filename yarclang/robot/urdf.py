@@ -34,7 +34,9 @@ MOST_LINKS = 1000
 
 @frozen
 class Joint:
-    """A joint of the file: `xyz` [m], `rpy` [rad], `axis` of length 1."""
+    """A joint of the URDF: `xyz` [m] and `rpy` [rad] are its origin in the parent link, `axis` has length
+    1.
+    """
 
     name: str
     kind: str
@@ -89,8 +91,8 @@ def _read_header(urdf: Urdf, root: Element) -> None:
 
 
 def _is_small(urdf: Urdf, root: Element) -> bool:
-    """Return True if there are few enough links and joints to read. Otherwise report this, and nothing
-    else.
+    """Return True if the URDF has few enough links and joints to be read. Otherwise report that it has too
+    many, and nothing else.
     """
     for tag in ("link", "joint"):
         elements = root.all(tag)
@@ -118,13 +120,13 @@ def _read_joints(urdf: Urdf, root: Element) -> bool:
 def _register(
     urdf: Urdf, elements: list[Element], names: dict[str, Any], read: Callable[[Element], object | None]
 ) -> bool:
-    """Register elements by name.
+    """Register XML elements of a URDF by their names.
 
     Args:
-        urdf: findings go to it.
+        urdf: the URDF, which collects the findings.
         elements: the elements.
-        names: receives the result of `read` for each name.
-        read: reads an element, and returns None if it can't be read.
+        names: dictionary that receives the result of `read` for each name.
+        read: function that reads an element, and returns None if the element can't be read.
 
     Returns:
         False if an element has no name of its own or can't be read.
@@ -156,7 +158,7 @@ def _register(
 
 
 def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
-    """Return a joint with its numbers; None, with findings, if the joint has mistakes."""
+    """Return a joint with its numbers; None, with findings, if the joint's element has mistakes."""
     name, kind = joint.attributes.get("name", ""), joint.attributes.get("type", "")
     urdf.once(joint, ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics"))
     before = len(urdf.findings)
@@ -228,8 +230,8 @@ def _check_mimic(urdf: Urdf, name: str, mimic: Element | None) -> None:
 
 
 def turned(urdf: Urdf, origin: Element | None) -> tuple[float, ...] | None:
-    """Return roll, pitch and yaw [rad] of an <origin>; the newer quaternion form is rejected with a
-    finding.
+    """Return roll, pitch and yaw [rad] of an <origin>. An <origin> with a quaternion, as newer URDFs have it,
+    is rejected with a finding.
     """
     if origin is not None and "quat_xyzw" in origin.attributes:
         message = "The origin is turned by quat_xyzw, which older readers of URDF ignore."
@@ -261,7 +263,7 @@ def _link_of(urdf: Urdf, joint: Element, tag: str) -> str:
 
 
 def _check_tree(urdf: Urdf) -> bool:
-    """Return True if the joints connect the links to one tree; otherwise report why not."""
+    """Return True if the joints connect all links to one tree. Otherwise report why they don't."""
     before = len(urdf.findings)
     for joint in urdf.joints.values():
         for tag, link in (("parent", joint.parent), ("child", joint.child)):
@@ -295,7 +297,7 @@ def _check_tree(urdf: Urdf) -> bool:
 
 
 def _loops(above: dict[str, Joint]) -> Iterator[list[Joint]]:
-    """Yield the circles of joints, each once."""
+    """Yield each closed loop of joints once."""
     passed: set[str] = set()
     for link in above:
         path: dict[str, Joint] = {}

@@ -29,10 +29,10 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
-    """Check all bodies, masses and materials of a URDF.
+    """Check all shapes, masses and materials of a URDF.
 
     Args:
-        urdf: findings go to it.
+        urdf: the URDF, which collects the findings.
         folder: the folder of the URDF; mesh names are relative to it.
 
     Returns:
@@ -82,7 +82,7 @@ def mesh_places(filename: str, folder: Path) -> list[Path]:
 
 
 def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
-    """Check a <visual> or <collision>, and return its shape as a text."""
+    """Check a <visual> or <collision> element, and return its shape as a text."""
     urdf.once(body, ("origin", "geometry", "material"))
     origin, geometry = body.first("origin"), body.first("geometry")
     place = (urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)), turned(urdf, origin))
@@ -125,7 +125,7 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
 
 
 def _positive(urdf: Urdf, place: str, shape: Element, key: str, count: int) -> tuple[float, ...] | None:
-    """Return the sizes [m] of a shape, and report sizes that aren't positive."""
+    """Return the dimensions [m] of a shape, and report dimensions that aren't positive."""
     sizes = urdf.numbers(shape, key, count)
     if sizes is not None and min(sizes) <= 0.0:
         message = (
@@ -136,8 +136,8 @@ def _positive(urdf: Urdf, place: str, shape: Element, key: str, count: int) -> t
 
 
 def _check_mesh(urdf: Urdf, place: str, mesh: Element, folder: Path | None) -> str:
-    """Check a mesh, and return its scale and the SHA-256 of its file as a text. Without a folder, the file
-    isn't searched for.
+    """Check a mesh, and return a text of its scale and the SHA-256 of its file. If no folder is given, the
+    file isn't looked for.
     """
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))
     if scale is not None and 0.0 in scale:
@@ -162,7 +162,7 @@ def _check_mesh(urdf: Urdf, place: str, mesh: Element, folder: Path | None) -> s
 
 
 def _check_inertial(urdf: Urdf, link: Element) -> None:
-    """Check mass and inertia, which Pinocchio drops silently if they are wrong."""
+    """Check the mass and the inertia of a link. Pinocchio drops them silently if they are wrong."""
     urdf.once(link, ("inertial",))
     inertial = link.first("inertial")
     if inertial is None:
@@ -183,7 +183,7 @@ def _check_inertial(urdf: Urdf, link: Element) -> None:
 
 
 def _check_materials(urdf: Urdf, root: Element) -> None:
-    """Check the materials of the whole file."""
+    """Check the <material> elements of the whole URDF."""
     names: set[str] = set()
     for material in root.all("material"):
         name = material.attributes.get("name", "")

@@ -1,4 +1,4 @@
-"""Parse the XML of a URDF: its elements with their places in the text, and the numbers in their
+"""Parse the XML of a URDF: its elements with their positions in the text, and the numbers in their
 attributes.
 """
 
@@ -25,7 +25,7 @@ _MOST_ELEMENTS = 100_000
 
 @dataclass(slots=True)
 class Element:
-    """An element of the file; its opening tag is text[start:end]."""
+    """An XML element of the URDF; its opening tag is text[start:end]."""
 
     tag: str
     attributes: dict[str, str]
@@ -34,18 +34,18 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def all(self, tag: str) -> list[Element]:
-        """Return the children with a tag."""
+        """Return the child elements with a tag."""
         return [child for child in self.children if child.tag == tag]
 
     def first(self, tag: str) -> Element | None:
-        """Return the first child with a tag. Repeated ones are ignored."""
+        """Return the first child element with a tag. Further children with this tag are ignored."""
         return next(iter(self.all(tag)), None)
 
 
 class UrdfText:
     """The text of a URDF, its root element, and the findings about it.
 
-    `kind` is the word for the file in findings.
+    `kind` is the word that findings use for the file.
     """
 
     def __init__(self, source: SourceFile, kind: str = "a URDF") -> None:
@@ -58,7 +58,7 @@ class UrdfText:
         self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset in the text of a line and column, both from 1."""
+        """Return the offset in the text at a line and a column, both counted from 1."""
         return self.starts[min(line, len(self.starts)) - 1] + column - 1
 
     def say(
@@ -74,7 +74,7 @@ class UrdfText:
 
         Args:
             code: the finding's code.
-            message: the thing, the number, the limit.
+            message: a sentence that names the object, the number, and the limit.
             remedy: what to do.
             place: the element.
             attribute: one of the element's attributes, or empty for its tag.
@@ -97,11 +97,12 @@ class UrdfText:
     def numbers(
         self, place: Element | None, attribute: str, count: int, default: Sequence[float] | None = None
     ) -> tuple[float, ...] | None:
-        """Return the numbers of an attribute, or None with a finding.
+        """Return the numbers in an attribute of an element, or None with a finding.
 
         Args:
-            place: the element; without one the result is `default`.
-            attribute: the attribute; without it the result is `default`, if there is one.
+            place: the element. If it is None, the result is `default`.
+            attribute: the attribute. If the element doesn't have it, the result is `default`, or a finding if
+                there is no default.
             count: how many numbers there must be.
             default: the numbers to return instead.
         """
@@ -132,7 +133,9 @@ class UrdfText:
         return tuple(float(part) for part in parts)
 
     def once(self, place: Element, tags: Iterable[str]) -> None:
-        """Report each child that repeats one of these tags. Readers of URDF silently ignore such a child."""
+        """Report each child element that repeats one of these tags. Readers of URDFs silently ignore such
+        a child.
+        """
         for tag in tags:
             for extra in place.all(tag)[1:]:
                 self.say(
@@ -145,12 +148,12 @@ class UrdfText:
 
 
 class _EnoughError(Exception):
-    """Ends the parse after a finding."""
+    """Exception that ends the parse after a finding."""
 
 
 def parse_xml(urdf: UrdfText) -> None:
-    """Build the tree of elements under `urdf.root`. A text that isn't XML, or isn't a URDF, is reported as
-    a finding.
+    """Build the tree of XML elements under `urdf.root`. A text that isn't XML, or isn't a URDF, is reported
+    as a finding.
     """
     parser = expat.ParserCreate("utf-8")
     stack: list[Element] = []
@@ -210,6 +213,6 @@ def parse_xml(urdf: UrdfText) -> None:
 
 
 def _tag_end(text: str, start: int) -> int:
-    """Return the offset at which the tag that begins at `start` ends."""
+    """Return the offset at which the XML tag that begins at `start` ends."""
     match = re.compile(r"""(?:[^>"']|"[^"]*"|'[^']*')*>?""").match(text, start)
     return match.end() if match else start

@@ -1,7 +1,7 @@
 """Read the appearance of a robot's links for pictures: the visual shapes of its URDF.
 
-No check depends on these shapes. A shape that can't be read is therefore left out, and the caller shows the
-collision shapes instead or, if there are none, bars from joint to joint.
+No check depends on the visual shapes. A shape that can't be read is therefore left out, and the caller draws
+the collision shapes instead or, if there are none, bars from joint to joint.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ STICK = 0.03
 class Visual:
     """A visual shape of a link.
 
-    `base_from_shape` (4, 4) [m] is its place with all joints at zero. `joint` is the number of the arm's
+    `base_from_shape` (4, 4) [m] is its pose with all joints at zero. `joint` is the number of the arm's
     joints between the base and the link. `colour` is red, green and blue from 0 to 1, or None if the URDF
-    names none.
+    sets no colour.
     """
 
     link: str
@@ -45,8 +45,8 @@ class Visual:
 
 
 def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
-    """Return all visual shapes of a robot that was read from files; empty if the files have changed and can't
-    be read any more.
+    """Return all visual shapes of a robot. The result is empty if the robot wasn't read from files, or if its
+    files have changed and can't be read any more.
     """
     found = urdf_of(robot)
     if found is None:
@@ -84,8 +84,8 @@ def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
 
 
 def sticks(robot: Robot) -> tuple[Visual, ...]:
-    """Return bars from {B} over the joints to the flange, for a robot none of whose links has a shape that
-    can be drawn.
+    """Return bars from {B} along the joints to the flange, as a picture of a robot whose links have no shapes
+    that can be drawn.
     """
     joints = joint_points(robot)
     if joints is None:

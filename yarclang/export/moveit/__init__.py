@@ -1,1 +1,1 @@
-"""Export of a robot as a package of MoveIt's configuration."""
+"""Export of a robot as a MoveIt configuration package."""

@@ -11,11 +11,11 @@ from yarclang.robot.urdf import Urdf
 
 @frozen(eq=False)
 class Bodies:
-    """Links on the flange.
+    """Additional links on the flange, for frames and mounted tools.
 
     Attributes:
         frames: flange_from_frame (4, 4) [m], by the name of the link.
-        tools: mounted tools, by the name of the link. Their shapes are placed in the flange.
+        tools: mounted tools, by the name of the link. The poses of their shapes are relative to the flange.
     """
 
     frames: Mapping[str, Array]
@@ -23,19 +23,21 @@ class Bodies:
 
     @property
     def links(self) -> tuple[str, ...]:
-        """Names of all links."""
+        """Names of all additional links."""
         return *self.frames, *self.tools
 
     def link_of(self, body: str) -> str:
-        """Return the name of the link of a body of the robot: the link of a tool, or the body's own name."""
+        """Return the name of the URDF link that represents a body of the robot: the additional link for a
+        tool, or the body's own name.
+        """
         return next((link for link, tool in self.tools.items() if tool.name == body), body)
 
 
 def bodies_of(robot: Robot, urdf: Urdf) -> Bodies:
-    """Return the links for the frames and mounted tools of a robot.
+    """Return additional links for the frames and mounted tools of a robot.
 
-    Links have their names in lower case, with `_frame` or `_body` if a link or joint of the URDF has that
-    name.
+    Each link is named after its frame or tool in lower case. If a link or joint of the URDF already has this
+    name, `_frame` or `_body` is appended.
     """
     taken = {name.lower() for name in (*urdf.links, *urdf.joints)}
 

@@ -1,5 +1,5 @@
-"""Description of a robot for readers on the same computer: its URDF for ROS, in which meshes are named by
-their files.
+"""The URDF of a robot for ROS programs on the same computer: it refers to meshes by the paths of their
+files.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from yarclang.robot.model import Robot
 
 @frozen
 class Described:
-    """A description.
+    """A robot's URDF for programs on the same computer.
 
     Attributes:
         urdf: the text.
@@ -32,10 +32,10 @@ class Described:
 
 
 def described(robot: Robot) -> Result[Described]:
-    """Return the URDF of a robot.
+    """Return the URDF of a robot for programs on the same computer.
 
-    Its meshes are named by file URIs, the robot's frames and mounted tools are links, and only the axes are
-    moving joints.
+    Its meshes are named by file URIs, the robot's frames and mounted tools are links, and only the robot's
+    own axes are moving joints.
 
     Returns:
         The description; None, with an error, if the files of the robot can't be read. A missing mesh is

@@ -22,7 +22,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def package_of(robot: Robot) -> Result[Package]:
-    """Return MoveIt's configuration of a robot; None, with findings, if it isn't possible."""
+    """Return the MoveIt configuration package of a robot; None, with findings, if it can't be made."""
     findings = list(_names(robot))
     read = urdf_of(robot)
     if isinstance(read, Diagnostic):
@@ -63,7 +63,9 @@ def _names(robot: Robot) -> list[Diagnostic]:
 
 
 def urdf_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
-    """Return the URDF of a robot, and its links {B} and {FLANGE}; a finding if the files have changed."""
+    """Return the URDF of a robot, and the names of its links {B} and {FLANGE}; a finding if the robot's files
+    have changed.
+    """
     table = read_text(robot.folder / "robot.toml", "Name a folder with a robot.toml.")
     if isinstance(table, Diagnostic):
         return table
@@ -119,7 +121,9 @@ _SLACK = 1e-9
 
 
 def check_motors(robot: Robot) -> Iterator[Diagnostic]:
-    """Yield a warning for each motor that reaches its speed limit before its joints reach theirs."""
+    """Yield a warning for each motor that would exceed its speed limit before its joints reach their velocity
+    limits.
+    """
     actuation = robot.actuation
     speeds = robot.limits.velocity / robot.axis_units
     turns = np.abs(actuation.gear[:, None] * actuation.coupling)

@@ -1,4 +1,6 @@
-"""YAML files of MoveIt: joint limits, solver of inverse kinematics, controllers of ROS 1 and ROS 2."""
+"""YAML files of a MoveIt configuration: joint limits, inverse kinematics solver, controllers of ROS 1 and
+ROS 2.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ acceleration.
 
 
 def settings_files(robot: Robot) -> dict[str, str]:
-    """Return the texts of the files, by their paths in the package."""
+    """Return the texts of the YAML files of a MoveIt configuration, by their paths in the package."""
     return {
         "config/joint_limits.yaml": _limits(robot),
         "config/kinematics.yaml": _kinematics(robot),

@@ -1,4 +1,6 @@
-"""The SRDF: planning group, end effector, named states, and the pairs of links that MoveIt must not check."""
+"""The SRDF of a MoveIt configuration: planning group, end effector, named states, and the pairs of links that
+MoveIt must not check for collisions.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,14 @@ GROUP, END_EFFECTOR = "manipulator", "end_effector"
 
 
 def srdf_text(robot: Robot, urdf: Urdf, ends: tuple[str, str], bodies: Bodies, scene: Scene) -> str:
-    """Return the SRDF of a robot.
+    """Return the text of the SRDF of a robot.
 
     Args:
         robot: the robot.
         urdf: its URDF.
         ends: the links {B} and {FLANGE}.
-        bodies: links on the flange.
-        scene: the pairs of bodies to check. All other pairs are disabled.
+        bodies: additional links on the flange.
+        scene: the pairs of bodies that are checked for collisions. All other pairs are disabled.
     """
     base, flange = ends
     root = next(link for link in urdf.links if link not in {joint.child for joint in urdf.joints.values()})
@@ -70,13 +72,14 @@ def srdf_text(robot: Robot, urdf: Urdf, ends: tuple[str, str], bodies: Bodies, s
 
 
 def urdf_name(urdf: Urdf) -> str:
-    """Return the name of the robot in its URDF. The SRDF must have the same name."""
+    """Return the robot's name in its URDF. The SRDF must use the same name."""
     assert urdf.root is not None  # a sound URDF has a root
     return urdf.root.attributes.get("name", "")
 
 
 def disabled_pairs(robot: Robot, bodies: Bodies, scene: Scene) -> list[tuple[str, str, str]]:
-    """Return the pairs of links that aren't checked, in alphabetical order, with the reason.
+    """Return the pairs of links that aren't checked for collisions, in alphabetical order, each with the
+    reason.
 
     MoveIt's reasons are: Adjacent (they meet in a joint, or never move relative to each other), Default (they
     touch in HOME), User (allowed in robot.toml).

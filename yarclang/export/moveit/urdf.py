@@ -1,5 +1,5 @@
-"""The URDF of a robot for ROS: its text in version 1.0, with names of meshes in the package, and additional
-links.
+"""The URDF of a robot for ROS: its text in version 1.0, with the meshes' names changed to names in a ROS
+package, and with additional links.
 
 The additional links are those of the frames and mounted tools of robot.toml.
 """
@@ -41,14 +41,15 @@ _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
 def exported_urdf(
     robot: Robot, urdf: Urdf, package: str, ends: tuple[str, str], bodies: Bodies
 ) -> Result[dict[str, bytes]]:
-    """Return the URDF and its meshes, by their paths in the package, with a finding for each unreadable mesh.
+    """Return a robot's URDF for a ROS package and its mesh files, by their paths in the package, with a
+    finding for each unreadable mesh.
 
     Args:
         robot: the robot.
         urdf: its URDF.
         package: name of the package.
         ends: the links {B} and {FLANGE}.
-        bodies: links to add on the flange.
+        bodies: additional links on the flange.
     """
     meshes = PackageMeshes(robot, package)
     text = urdf_text(urdf, ends[1], bodies, meshes)
@@ -60,13 +61,13 @@ def exported_urdf(
 def urdf_text(
     urdf: Urdf, flange: str, bodies: Bodies, meshes: MeshNames, axes: frozenset[str] | None = None
 ) -> str:
-    """Return a URDF that all versions of ROS read.
+    """Return the text of a URDF that all versions of ROS read.
 
     Args:
         urdf: a sound URDF.
         flange: the link {FLANGE}.
-        bodies: links to add on the flange.
-        meshes: names the files of the meshes, and collects findings about missing ones.
+        bodies: additional links on the flange.
+        meshes: object that gives each mesh its new name, and collects findings about missing meshes.
         axes: the moving joints, for a text that is only drawn. All other joints are then fixed at zero, as in
             the robot, and links without visual shapes get their collision shapes. None to keep joints and
             links as they are.
@@ -96,15 +97,15 @@ def _fixed(text: str, joint: Element) -> Edit:
 
 
 def _version(text: str, root: Element) -> Edit:
-    """Return the change of the root's version to 1.0, which all versions of ROS read. Elements of later
-    versions are replaced elsewhere.
+    """Return the edit that changes the root element's version to 1.0, which all versions of ROS read.
+    Elements that only later versions have are replaced elsewhere.
     """
     tag = text[root.start : root.end]
     return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
 
 
 def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
-    """Return the change that adds the collision shapes of a link as visual shapes."""
+    """Return the edit that adds the collision shapes of a link as visual shapes."""
     lines = []
     for body in link.all("collision"):
         geometry = body.first("geometry")
@@ -121,7 +122,7 @@ def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
 
 
 def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
-    """Yield the changes of a <visual> or <collision>.
+    """Yield the edits of a <visual> or <collision> element.
 
     The name of a mesh is replaced. A capsule, which version 1.0 doesn't have, becomes three bodies.
     """
@@ -161,10 +162,10 @@ def _material(material: Element | None) -> str:
 
 
 class MeshNames(ABC):
-    """Translates the names of mesh files on request.
+    """Translator from the mesh names in a robot's URDF to the names in the exported URDF.
 
     Args:
-        robot: the robot whose URDF uses them.
+        robot: the robot whose URDF uses the meshes.
 
     Attributes:
         robot: the robot.
@@ -176,8 +177,8 @@ class MeshNames(ABC):
         self.robot = robot
 
     def url(self, filename: str) -> str | None:
-        """Return the new name of a mesh, by its name in the URDF; None, with a finding, if there is no
-        file.
+        """Return the new name of a mesh that the URDF calls `name`; None, with a finding, if its file doesn't
+        exist.
         """
         path = mesh_path(filename, (self.robot.folder / self.robot.urdf).parent)
         if path is None:
@@ -197,7 +198,7 @@ class MeshNames(ABC):
 
 
 class FileMeshes(MeshNames):
-    """Names meshes by the URIs of their files, for readers on the same computer."""
+    """Translator that names meshes by the URIs of their files, for programs on the same computer."""
 
     def url_of(self, path: Path) -> str | None:
         """Return the URI of a mesh file."""
@@ -208,7 +209,7 @@ class FileMeshes(MeshNames):
 
 
 class PackageMeshes(MeshNames):
-    """Names meshes in a ROS package, and collects their files.
+    """Translator that names meshes by paths in a ROS package, and collects their files.
 
     Attributes:
         files: contents of the files, by their paths in the package.
@@ -221,7 +222,7 @@ class PackageMeshes(MeshNames):
         self._places: dict[Path, str] = {}
 
     def url_of(self, path: Path) -> str | None:
-        """Return the package URL of a mesh file; None, with a finding, if it can't be read."""
+        """Return the package URL of a mesh file; None, with a finding, if the file can't be read."""
         path = path.resolve()
         if path not in self._places:
             place = self._place(path)
@@ -251,7 +252,7 @@ class PackageMeshes(MeshNames):
 
 
 def _added(flange: str, bodies: Bodies, meshes: MeshNames) -> Iterator[str]:
-    """Yield the lines of the links on the flange."""
+    """Yield the lines of the URDF for the additional links on the flange."""
     for link, pose in bodies.frames.items():
         yield f"  <link name={quoteattr(link)}/>"
         yield from _joint(link, flange, pose)
@@ -280,7 +281,9 @@ def _shapes(tool: Tool, meshes: MeshNames) -> Iterator[str]:
 
 
 def _simple(shape: Shape, pose: Array) -> Iterator[tuple[Shape, Array]]:
-    """Yield the shapes and poses of a shape in a URDF: a capsule becomes a cylinder and two spheres."""
+    """Yield the simple shapes that replace a shape, each with its pose: a capsule becomes a cylinder and two
+    spheres, any other shape stays.
+    """
     if not isinstance(shape, Capsule):
         yield shape, pose
         return

@@ -17,10 +17,10 @@ ABOUT, BETWEEN = "/yarc/about", "/yarc/between"
 
 
 def write_bag(path: Path, made: Exported) -> None:
-    """Write a bag.
+    """Write trajectories as a bag of ROS 1.
 
-    The topic `TOPIC` has the trajectories; their times assume that waits take no time. JSON texts are
-    on `ABOUT` (origin and proof of the trajectories) and on `BETWEEN` (events between them).
+    The topic `TOPIC` has the trajectories. Their time stamps assume that waits between them take no time. The
+    topics `ABOUT` (origin and proof of the trajectories) and `BETWEEN` (events between them) have JSON texts.
 
     Args:
         path: a file that doesn't exist yet.
@@ -87,7 +87,7 @@ def write_bag(path: Path, made: Exported) -> None:
 
 
 def _stamp(time: float) -> int:
-    """Return the stamp [ns] of a time [s] since the start.
+    """Return the time stamp [ns] in the bag for a time [s] since the start of the program.
 
     The start is at 1 s, because 0 means "not known" in ROS.
     """

@@ -1,6 +1,7 @@
-"""The course of a certified text: stretches of motion without a stop, and the events between them.
+"""The motion of a certified controller text: intervals of motion without a stop (stretches), and the events
+between them.
 
-It is built from the judge's own reading of the text.
+It is built from the text as the judge, the independent checker, has read it.
 """
 
 from __future__ import annotations
@@ -23,15 +24,15 @@ from yarclang.units import MS
 
 @frozen
 class Between:
-    """An event that can't be part of a trajectory.
+    """An event of the program that can't be part of a trajectory, such as a wait or an output.
 
     Attributes:
         kind: its kind.
-        place: the command, by its title.
+        place: title of the command to which the event belongs.
         what: the event, in words.
-        before: number of stretches that end before it.
+        before: number of stretches (intervals of motion without a stop) that end before it.
         time: time after the start of stretch `before` (counted from 0), if it happens during this motion [s];
-            None if it happens while the robot stands.
+            None if it happens while the robot is at rest.
     """
 
     kind: Kind
@@ -42,7 +43,7 @@ class Between:
 
     @property
     def text(self) -> str:
-        """One line for the user: command, time, event."""
+        """The event as one line for the user: command, time, event."""
         when = (
             "" if self.time is None else f" {self.time:.6f} s after the start of trajectory {self.before + 1}"
         )
@@ -51,7 +52,8 @@ class Between:
 
 @frozen(eq=False)
 class Path:
-    """The executed path: S cubic pieces, for all stretches one after the other.
+    """The executed path: S cubic polynomials in time (pieces), for all stretches one after the other. A
+    stretch is an interval of motion without a stop.
 
     The last piece of each stretch represents the rest after its end, and has no duration.
 
@@ -77,7 +79,7 @@ class Path:
         return np.flatnonzero(np.append(np.diff(self.stretch) > 0, True))
 
     def at(self, piece: NDArray[np.intp], offset: Array) -> tuple[Array, Array, Array]:
-        """Return position, velocity and acceleration (N, n) in pieces.
+        """Return position, velocity and acceleration (N, n) at given times in pieces of the path.
 
         Args:
             piece: (N,) indices of the pieces.
@@ -90,10 +92,10 @@ class Path:
 
 @frozen(eq=False)
 class Course:
-    """A program's motion, prepared for other drivers.
+    """A program's motion, prepared for robot drivers other than yarclang's own.
 
     Attributes:
-        path: path of all stretches.
+        path: path of all stretches (intervals of motion without a stop).
         starts: time at which each stretch begins if waits take no time [s].
         between: events between and during the stretches.
     """
@@ -104,18 +106,18 @@ class Course:
 
     @property
     def size(self) -> int:
-        """Number of stretches."""
+        """Number of stretches (intervals of motion without a stop)."""
         return len(self.starts)
 
 
 def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Mapping[str, str]) -> Course:
-    """Return the course of a certified text.
+    """Return the motion and the events of a certified controller text.
 
     Args:
         content: the text as the judge reads it.
-        mapped: the lines of the text, for the titles of commands.
+        mapped: the lines of the text, with the commands to which they belong.
         robot: the robot of the program.
-        names: names of the controller's variables in the program.
+        names: the program's names of the controller's variables.
     """
     making = _Making(
         mapped,
@@ -154,7 +156,9 @@ class _Making:
         self._begin: list[float] = []
 
     def take(self, item: Run | Dwelt | Put | Barred | Stood, place: float) -> None:
-        """Add the next item of the text, which begins at time `place` [s] of the program."""
+        """Add the next motion or event of the controller text, which begins at time `place` [s] of the
+        program.
+        """
         match item:
             case Run():
                 self._run(item, place)
@@ -195,7 +199,7 @@ class _Making:
         self._open = False
 
     def _place(self, line: int) -> str:
-        """Return the title of the command to which a line of the text belongs."""
+        """Return the title of the command to which a line of the controller text belongs."""
         at = bisect.bisect_right(self._firsts, line) - 1
         command = self._stretches[at].command if at >= 0 else None
         return command.title if command is not None else ""
@@ -228,7 +232,7 @@ class _Making:
         self._open = False
 
     def done(self) -> Course:
-        """Return the course of all added items."""
+        """Return the motion and the events of everything that was added."""
         return Course(self._path(), tuple(self._starts), tuple(self._between))
 
     def _path(self) -> Path:

@@ -31,7 +31,7 @@ _SHARES = 1.0, 0.98, 0.9, 0.5
 
 @frozen(eq=False)
 class Wishes:
-    """Options of the export.
+    """Options of the export of trajectories.
 
     Attributes:
         tolerance: tolerance of each joint [rad or m].
@@ -43,7 +43,7 @@ class Wishes:
 
     @property
     def kinds(self) -> tuple[Interpolation, ...]:
-        """The interpolations that must keep the tolerance.
+        """The interpolations between way-points with which a driver must keep the tolerance.
 
         ros_control uses quintics, because the way-points have accelerations.
         """
@@ -55,15 +55,17 @@ class Exported:
     """A program's motion as trajectories.
 
     Attributes:
-        program: name of its file.
+        program: name of the program's file.
         fingerprint: SHA-256 of the program, from the header of its controller text.
         seal: SHA-256 of the controller text.
         robot: the robot of the program.
         wishes: the options.
         points: way-points of all trajectories, one after the other.
         starts: time at which each trajectory begins if waits take no time [s].
-        placed: events between and during them, by the number of trajectories that end before.
-        proved: largest deviation of each joint (n,) from the executed path [rad or m], by interpolation.
+        placed: events between and during the trajectories, by the number of trajectories that end before the
+            event.
+        proved: for each kind of interpolation, the largest deviation of each joint (n,) from the executed
+            path [rad or m].
     """
 
     program: str
@@ -83,7 +85,7 @@ class Exported:
 
     @property
     def worst(self) -> float:
-        """Largest deviation of any joint by any interpolation [rad or m]."""
+        """Largest deviation from the executed path, of any joint with any interpolation [rad or m]."""
         return max((float(one.max()) for one in self.proved.values()), default=0.0)
 
     def trajectory(self, number: int) -> Points:
@@ -92,9 +94,9 @@ class Exported:
         return self.points.take(np.arange(first, last))
 
     def before(self, number: int) -> tuple[Between, ...]:
-        """Return the events before a trajectory, by its number from 0, and after the trajectory before it.
+        """Return the events between a trajectory and the one before it; trajectories are numbered from 0.
 
-        For the number of trajectories, return the events after all of them.
+        If `number` equals the number of trajectories, return the events after the last one.
         """
         return tuple(one for one in self.placed.get(number, ()) if one.time is None)
 
@@ -146,13 +148,13 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
 
 
 def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
-    """Return events by the number of trajectories that end before."""
+    """Return the events by the number of trajectories that end before them."""
     return {number: tuple(few) for number, few in groupby(between, lambda one: one.before)}
 
 
 def _watched(program: Program) -> list[Diagnostic]:
-    """Return warnings about inputs that nothing watches while a driver executes a trajectory, and about
-    frames that nothing shifts.
+    """Return warnings about functions of the program that a driver doesn't have: inputs that should end or
+    hold a motion, and frames that are shifted while the program runs.
     """
     told = []
     for frame in dict.fromkeys(one.frame for one in offsets_of(program)):

@@ -1,4 +1,5 @@
-"""Interpolation of drivers between way-points, and a bound on the difference of two polynomials.
+"""The polynomials by which drivers interpolate between way-points, and a bound on the difference of two
+polynomials.
 
 The joint_trajectory_controller of ros_control joins way-points by straight lines if they have only positions,
 by cubics if they also have velocities, and by quintics if they also have accelerations (ros_controllers and
@@ -22,13 +23,13 @@ State = tuple[Array, Array, Array]
 
 
 def coefficients(kind: Interpolation, first: State, second: State, length: Array) -> Array:
-    """Return the polynomials between pairs of way-points.
+    """Return the coefficients of the polynomials that interpolate between pairs of way-points.
 
     Args:
         kind: kind of the interpolation.
         first: way-points at the starts of the polynomials.
         second: way-points at their ends.
-        length: (N,) time between them [s].
+        length: (N,) time between the way-points [s].
 
     Returns:
         (6, N, n) coefficients of the powers of the time since the first way-point [s].
@@ -58,7 +59,7 @@ def coefficients(kind: Interpolation, first: State, second: State, length: Array
 
 
 def values(powers: Array, offset: Array) -> State:
-    """Return values and two derivatives of polynomials.
+    """Return the values and the first two derivatives of polynomials.
 
     Args:
         powers: (6, N, n) coefficients.

@@ -1,7 +1,7 @@
-"""Proof that a driver that follows way-points stays near the executed path.
+"""Prove that a driver that interpolates between way-points stays near the executed path.
 
-The proof uses the numbers as written, and the path as the judge has read it. It doesn't depend on the way in
-which way-points were chosen.
+The proof uses the way-points as the exported file has them, and the path as the judge (the independent
+checker) has read it. It doesn't depend on how the way-points were chosen.
 """
 
 from __future__ import annotations
@@ -19,14 +19,17 @@ _ROWS = 50_000
 
 
 def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
-    """Bound the distance of an interpolation between way-points from a path at equal times.
+    """Return an upper bound on the distance between the executed path and the interpolation of way-points, at
+    equal times.
 
-    Between neighbouring times of way-points and knots, interpolation and path are polynomials. Their
-    difference is then a polynomial, too, and its Bernstein coefficients bound it.
+    The times of the way-points and the knots of the path divide the motion into intervals. On each interval,
+    interpolation and path are polynomials. Their difference is then a polynomial, too, and its Bernstein
+    coefficients bound it.
 
     Args:
         path: the executed path.
-        points: way-points of all its stretches, at least two for each.
+        points: way-points of all stretches of the path (intervals of motion without a stop), at least two for
+            each.
         kind: kind of the interpolation.
 
     Returns:

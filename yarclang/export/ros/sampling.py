@@ -1,4 +1,4 @@
-"""Choice of way-points on a path: as few points as possible with which every interpolation keeps a
+"""Choose way-points on a path: as few as possible with which every kind of interpolation keeps a
 tolerance.
 """
 
@@ -38,7 +38,7 @@ Mask = NDArray[np.bool_]
 
 @frozen(eq=False)
 class Points:
-    """Way-points of all stretches, in order.
+    """Way-points of all stretches of a path (intervals of motion without a stop), in order.
 
     Attributes:
         stretch: (N,) index of the stretch.
@@ -60,15 +60,17 @@ class Points:
 
 
 def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> Points:
-    """Choose few way-points on a path with which several interpolations are within a tolerance of the path.
+    """Choose few way-points on a path such that several kinds of interpolation between them stay within a
+    tolerance of the path.
 
-    Neighbouring intervals are joined as long as the joined interval keeps the tolerance. Then the longest
-    allowed step from each remaining place is found, and the way-points follow these steps.
+    The intervals between neighbouring way-points are joined as long as the joined interval keeps the
+    tolerance. Then the longest allowed step from each remaining way-point is found, and the final way-points
+    follow these steps.
 
     Args:
         path: the executed path.
         tolerance: tolerance of each joint, at equal times [rad or m].
-        kinds: the interpolations.
+        kinds: the kinds of interpolation.
     """
     candidates = _candidates(path, tolerance, "linear" in kinds)
     fits = _Fits(candidates, tolerance * (1.0 - _RESERVE), kinds)
@@ -104,7 +106,9 @@ def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
 
 
 class _Fits:
-    """Checks if all interpolations keep the tolerance in intervals between candidates."""
+    """Checker of intervals between candidates for way-points: whether all kinds of interpolation keep the
+    tolerance.
+    """
 
     def __init__(self, points: Points, tolerance: float, kinds: tuple[Interpolation, ...]) -> None:
         self.points = points
@@ -112,11 +116,11 @@ class _Fits:
         self._time = points.time * NS
 
     def __call__(self, first: Rows, second: Rows) -> Mask:
-        """Return True (I,) for each interval that keeps the tolerance.
+        """Return a mask (I,): True for each interval that keeps the tolerance.
 
         Args:
             first: (I,) candidates at the starts of the intervals.
-            second: (I,) candidates at their ends, in the stretch of the start.
+            second: (I,) candidates at the ends of the intervals, each in the same stretch as the start.
         """
         sound = np.ones(len(first), dtype=np.bool_)
         ends = np.cumsum(second - first)
@@ -150,9 +154,10 @@ class _Fits:
 
 
 def _joined(fits: _Fits) -> Rows:
-    """Return a choice of candidates in which no two neighbouring intervals of a stretch can be joined.
+    """Return a selection of the candidates for way-points such that no two neighbouring intervals of a
+    stretch can be joined within the tolerance.
 
-    The choice has at most about twice as many candidates as necessary.
+    The selection has at most about twice as many candidates as necessary.
     """
     stretch = fits.points.stretch
     count = len(stretch)
@@ -177,8 +182,8 @@ def _joined(fits: _Fits) -> Rows:
 
 
 def _stepped(fits: _Fits, chosen: Rows) -> Rows:
-    """Return the candidates at the ends of the longest allowed steps, taken among parts of the chosen
-    intervals.
+    """Return the candidates at the ends of the longest steps that keep the tolerance. Steps end at parts of
+    the intervals that were chosen first.
     """
     stretch = fits.points.stretch
     places = _parts(chosen, np.minimum(np.diff(chosen), _UNITS))
@@ -209,7 +214,9 @@ def _stepped(fits: _Fits, chosen: Rows) -> Rows:
 
 
 def _parts(places: Rows, parts: Rows) -> Rows:
-    """Return the given places, and between them those that divide each interval into a number of parts."""
+    """Return the given candidates, and between them the candidates that divide each interval into a number
+    of parts.
+    """
     which = np.repeat(np.arange(len(parts)), parts)
     own = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
     return np.append(places[which] + own * np.diff(places)[which] // parts[which], places[-1])

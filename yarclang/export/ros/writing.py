@@ -19,9 +19,9 @@ SECOND = 1_000_000_000
 
 
 def yaml_text(made: Exported, version: Version) -> str:
-    """Return the trajectories as YAML documents, for `rostopic pub -f`.
+    """Return trajectories as YAML documents, for `rostopic pub -f`.
 
-    Each is a trajectory_msgs/JointTrajectory. All other information is in comments.
+    Each document is a trajectory_msgs/JointTrajectory. All other information is in comments.
     """
     lines = [f"# {line}" for line in about(made)]
     for at in range(made.size):
@@ -40,7 +40,7 @@ def yaml_text(made: Exported, version: Version) -> str:
 
 
 def json_text(made: Exported, version: Version) -> str:
-    """Return the trajectories as a JSON object, with the events between and during them."""
+    """Return trajectories as the text of a JSON object, with the events between and during them."""
     parts: list[dict[str, Any]] = []
     for at in range(made.size):
         go_on()
@@ -63,7 +63,7 @@ def json_text(made: Exported, version: Version) -> str:
 
 
 def facts(made: Exported) -> dict[str, Any]:
-    """Return origin and proof of the trajectories as plain data."""
+    """Return the origin and the proof of trajectories as plain data."""
     return {
         "program": made.program,
         "program_sha256": made.fingerprint,
@@ -80,7 +80,7 @@ def facts(made: Exported) -> dict[str, Any]:
 
 
 def about(made: Exported) -> Iterator[str]:
-    """Yield lines about origin and proof of the trajectories."""
+    """Yield comment lines about the origin and the proof of trajectories."""
     unit = " or ".join(dict.fromkeys(facts(made)["units"]))
     yield f"{_line(made.program)}: the motion that yarcc has certified, as trajectory_msgs/JointTrajectory"
     yield f"program {made.fingerprint}, controller text {made.seal}"
@@ -154,5 +154,7 @@ def _doing(one: Between) -> str:
 
 
 def _line(said: str) -> str:
-    """Return a text that fits on one line of a comment."""
+    """Return a text for one line of a comment: line breaks and unprintable characters become question
+    marks.
+    """
     return "".join(letter if letter.isprintable() else "?" for letter in said)

@@ -1,4 +1,6 @@
-"""Check a robot before it moves: each item with a verdict, the observation, and what to do."""
+"""The checklist of a robot before its first motion: each item has a verdict, what was observed, and what
+to do.
+"""
 
 from yarclang.robot.checklist.item import Item, Verdict
 from yarclang.robot.checklist.whole import Checklist, check_robot

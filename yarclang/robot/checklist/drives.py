@@ -1,4 +1,4 @@
-"""Check that motors, encoders and tolerance fit each other."""
+"""Check that motors, encoder resolution and path tolerance fit each other."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ FINE = 0.25
 
 
 def drive_items(robot: Robot) -> Iterator[Item]:
-    """Yield the items about the actuation matrix, the resolution, the motors' speeds and the controller's
-    segments.
+    """Yield the checklist items about the actuation matrix, the encoder resolution, the motors' speeds, and
+    the lengths of the segments that the controller executes.
     """
     yield _invertible(robot)
     yield _resolution(robot)
@@ -48,7 +48,9 @@ def _invertible(robot: Robot) -> Item:
 
 
 def _resolution(robot: Robot) -> Item:
-    """Compare the tolerance with the largest tool motion that half a count of all motors together causes."""
+    """Compare the path tolerance with the encoder resolution: with the largest tool motion if every motor is
+    off by half a count.
+    """
     half = 0.5 * np.abs(joints_per_count(robot)).sum(axis=1)
     frame = robot.flange_from_frame.get("TCP", np.eye(4))
     radii = reach_radii(robot.chain, robot.limits, frame)
@@ -67,8 +69,8 @@ def _resolution(robot: Robot) -> Item:
 
 
 def _speeds(robot: Robot) -> Item:
-    """Compare the motors' speed limits with the motor speeds that the joints' limits need: with one joint
-    moving, and with all joints moving together.
+    """Compare the speed limit of each motor with the motor speeds that occur at the joints' velocity limits:
+    with one joint moving at a time, and with all joints moving at once.
     """
     needed = np.abs(counts_per_joint(robot)) * robot.limits.velocity
     alone, together = needed.max(axis=1), needed.sum(axis=1)

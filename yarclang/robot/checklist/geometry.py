@@ -117,7 +117,7 @@ def _method(robot: Robot) -> Item:
 
 
 def _forward(robot: Robot, q: Array) -> Item:
-    """Compare our poses with Pinocchio's poses for the whole URDF."""
+    """Compare this package's flange poses with Pinocchio's poses for the whole URDF."""
     ours, theirs = flange_poses(robot.chain, q), pinocchio_poses(robot, q)
     miss = float(np.abs(ours - theirs).max())
     if miss <= EXACT:
@@ -128,8 +128,8 @@ def _forward(robot: Robot, q: Array) -> Item:
 
 
 def pinocchio_poses(robot: Robot, q: Array) -> Array:
-    """Return base_from_flange (N, 4, 4) by a loop over Pinocchio's forward kinematics, with all other joints
-    at 0.
+    """Return the flange poses base_from_flange (N, 4, 4) that Pinocchio computes one by one, with all joints
+    outside of the arm at 0.
     """
     import pinocchio as pin
 
@@ -175,8 +175,8 @@ def _back(robot: Robot, q: Array) -> Item:
 
 
 def _lines(robot: Robot, q: Array) -> Item:
-    """Follow straight lines of fixed orientation as the planner does, from positions that a person would
-    choose.
+    """Return the item about straight lines of fixed orientation: whether the arm can follow them, as the
+    planner would, from positions that a person would choose.
     """
     length = LINE * arm_length(robot.chain, np.eye(4))
     starts = _roomy(robot, q)[:TRIED]
@@ -216,7 +216,9 @@ def _lines(robot: Robot, q: Array) -> Item:
 
 
 def _roomy(robot: Robot, q: Array) -> Array:
-    """Return positions in the middle of the workspace, those farthest from singularities and limits first."""
+    """Return the joint positions whose flange is in the middle of the workspace, sorted: those farthest from
+    singularities and joint limits come first.
+    """
     points = flange_poses(robot.chain, q)[:, :3, 3]
     far = np.linalg.norm(points, axis=1)
     middle = np.argsort(np.abs(far - np.median(far)), kind="stable")[: max(1, round(MIDDLE * len(q)))]
@@ -230,7 +232,8 @@ def _roomy(robot: Robot, q: Array) -> Array:
 
 
 def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
-    """Return a mask (K, 6) of the lines that can be followed.
+    """Return which straight lines the arm can follow: a mask (K, 6) with one row for each start, and one
+    column for each direction of `DIRECTIONS`.
 
     Args:
         robot: the robot, n joints.
@@ -243,8 +246,8 @@ def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
 
 
 def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
-    """Return the path of a straight line that begins at the flange's place for `q` (n,) and runs along `way`
-    (3,) [m].
+    """Return the path of a straight line of fixed orientation. The line begins at the flange pose for the
+    joint position `q` (n,), and the displacement from there to its end is `way` (3,) [m].
     """
     start = flange_poses(robot.chain, q[None])[0]
 
@@ -257,7 +260,9 @@ def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
 
 
 def _end(robot: Robot, end: Broken, length: float) -> str:
-    """Return a sentence that names the place at which a line ends, and the reason."""
+    """Return the end of a sentence about a line: the distance after which the arm can't follow the line any
+    more, and the reason.
+    """
     place = f"ends after {end.s * length / MM:.0f} mm"
     if end.joint is None:
         return f"{place} (out of reach, or at a singularity)"
@@ -316,8 +321,8 @@ def _frames(robot: Robot) -> Iterator[Item]:
 
 
 def tool_axis(robot: Robot) -> Iterator[Item]:
-    """Yield the item about the direction of z of TCP relative to the tool: places of PICKPLACE and PALLET
-    depend on it.
+    """Yield the item that compares the z axis of TCP with the direction in which the tool points. The poses
+    of the commands PICKPLACE and PALLET depend on this axis.
     """
     out = outwards(robot)
     if out is None:
@@ -341,10 +346,11 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
 
 def outwards(robot: Robot) -> Array | None:
     """Return the unit direction (3,) in {B} in which the arm points outwards with all joints at 0, or None if
-    it can't be determined.
+    the geometry doesn't determine it.
 
     With a tool, this is the direction from FLANGE to TCP. Without a tool, it is the direction from the axis
-    of the joint before the last one to the flange, taken along the last axis if the last joint turns.
+    of the joint before the last one to the flange. If the last joint turns, only the component along its axis
+    counts.
     """
     frame = robot.flange_from_frame.get("TCP")
     if frame is None:

@@ -12,10 +12,10 @@ Verdict = Literal["ok", "note", "to do"]
 
 @frozen
 class Item:
-    """One item: `subject` is what was checked, `found` one sentence with figures, `remedy` the necessary
-    steps.
+    """One item of the checklist: `subject` is what was checked, `found` is one sentence with figures, and
+    `remedy` says what to do.
 
-    A `note` is acceptable but worth knowing; `to do` has to be corrected.
+    The verdict `note` is acceptable but worth knowing; `to do` has to be corrected.
     """
 
     subject: str

@@ -24,8 +24,8 @@ USUAL_TRAVEL = {"deg": (5.0, 1440.0), "mm": (5.0, 20_000.0)}
 
 
 def limit_items(robot: Robot) -> Iterator[Item]:
-    """Yield the items about position, velocity, acceleration, jerk, stops, jogs, and joints without end
-    stops.
+    """Yield the items about the joints' limits of position, velocity, acceleration and jerk, about emergency
+    stops and jogging, and about joints without end stops.
     """
     limits, units = robot.limits, robot.axis_units
     travel = (limits.upper - limits.lower) / units

@@ -1,5 +1,5 @@
-"""Check whether torques of motions are compared with the joints' effort limits, and compute the torques that
-the arm needs to hold itself.
+"""Check whether the torques of motions are compared with the joints' effort limits, and compute the torques
+that hold the arm at rest against gravity.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ FAR_CENTER = 0.5
 
 
 def mass_items(robot: Robot) -> Iterator[Item]:
-    """Yield the item about masses, efforts, and the largest torques of an arm at rest."""
+    """Yield the items about masses, efforts, and the largest torques that hold the arm at rest."""
     dynamics = robot.dynamics
     if dynamics is None:
         return
@@ -60,8 +60,9 @@ def mass_items(robot: Robot) -> Iterator[Item]:
 def _centers(robot: Robot, dynamics: Dynamics) -> Iterator[Item]:
     """Yield the item about centres of mass that lie far from their own link.
 
-    Exporters of URDFs often write them in the axes of the whole drawing. A link counts as the line from its
-    joint to the next one. Arms with sliding joints are left out: their links can be as long as their ways.
+    Such a centre often comes from an exporter that writes it in the coordinates of the whole drawing. Here, a
+    link counts as the line from its joint to the next joint. Arms with sliding joints are left out: their
+    links can be as long as the joint's travel.
     """
     chain = robot.chain
     if chain.is_prismatic.any():
@@ -89,7 +90,7 @@ def _centers(robot: Robot, dynamics: Dynamics) -> Iterator[Item]:
 
 
 def _reason(robot: Robot, dynamics: Dynamics) -> str:
-    """Return the reason why torques aren't checked; empty if they are."""
+    """Return the reason why torques aren't compared with efforts; empty if they are compared."""
     if not dynamics.wanted:
         return "robot.toml says so"
     light = dynamics.mass <= 0.0

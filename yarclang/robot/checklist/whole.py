@@ -22,7 +22,7 @@ from yarclang.toml.reading import read_text
 
 @frozen(eq=False)
 class Checklist:
-    """The items of a checklist, and the robot, or None if its files can't be read."""
+    """The items of a robot's checklist, and the robot itself, or None if its files can't be read."""
 
     robot: Robot | None
     items: tuple[Item, ...]
@@ -34,12 +34,13 @@ class Checklist:
 
 
 def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) -> Checklist:
-    """Check all items of the list for a robot.
+    """Run the whole checklist for a robot.
 
     Args:
-        name_or_path: the name of a robot of the library, the path of a robot.toml, or of a folder that
+        name_or_path: the name of a robot of the library, or the path of a robot.toml or of a folder that
             contains one.
-        further: functions that yield the items of higher layers.
+        further: functions that yield the items of packages that build on this one, such as the items about
+            collisions.
     """
     loaded = load_robot(name_or_path)
     items = [_finding(finding) for finding in loaded.diagnostics]

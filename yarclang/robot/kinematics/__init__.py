@@ -1,10 +1,10 @@
 """Compute forward and inverse kinematics of serial arms, and follow paths. Functions take whole arrays, in SI
 units.
 
-`fk` computes poses and Jacobians. `nearest_solutions` solves one pose within a robot's limits, `track`
-follows a path, `follow` finds the exact joint positions of many samples near seeds, `branches` returns
-all solutions, `reaching` finds some joint positions for many poses. `nearness` measures the distance from a
-singularity.
+`fk` computes poses and Jacobians. `nearest_solutions` finds the joint positions for one pose within a robot's
+limits. `track` follows a path. `follow` finds the exact joint positions for many poses, each near a seed.
+`branches` returns all solutions of a pose. `reaching` finds some joint position for each of many poses.
+`nearness` measures the distance of joint positions from a singularity.
 """
 
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians, tool_poses

@@ -1,9 +1,9 @@
 """Find joint paths of lower cost that follow the same poses, for a redundant arm.
 
-The whole joint path is moved at once through the null spaces of its samples, like an elastic band. Each step
-goes downhill in cost, is smoothed along the path, and is brought back onto the poses by iteration (as in
-CHOMP: Zucker et al., IJRR 32(9-10), 2013). A joint therefore begins to move long before the place where its
-motion is needed.
+All samples of the joint path move at once, like an elastic band, each within the null space of its Jacobian.
+Each step goes downhill in cost, is smoothed along the path, and is brought back onto the poses by iteration
+(as in CHOMP: Zucker et al., IJRR 32(9-10), 2013). A joint therefore begins to move long before the place on
+the path where its motion is needed.
 """
 
 from __future__ import annotations
@@ -58,20 +58,21 @@ Cost = Callable[[Array], Array]
 def bent(
     chain: Chain, limits: Limits, pose_at: Callable[[Array], Array], followed: Track, cost: Cost
 ) -> Iterator[Track]:
-    """Yield joint paths with the same poses and the same start, within limits, that cost less than the known
-    one.
+    """Yield joint paths within limits that have the same flange poses and the same start as the known joint
+    path, but cost less.
 
-    The search for the first one starts from the known joint path itself; the later searches start from paths
-    displaced to one side of it. Each result is computed only when it is requested. An arm with six joints or
+    The search for the first path starts from the known joint path itself; the later searches start from paths
+    displaced to one side of it. Each path is computed only when it is requested. An arm with six joints or
     fewer yields none.
 
     Args:
         chain: the arm, n joints.
         limits: its limits.
-        pose_at: base_from_flange (N, 4, 4) for path places (N,).
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters (N,), from 0 to
+            1.
         followed: the known joint path.
-        cost: maps joint positions (N, n) to costs (N,). Costs are never negative; a cost of 0 can't be
-            improved.
+        cost: function that returns the costs (N,) of joint positions (N, n). Costs are never negative; a cost
+            of 0 can't be improved.
     """
     if chain.size <= 6:
         return
@@ -91,7 +92,7 @@ def bent(
 
 
 class _Band:
-    """Joint positions at the samples of one path, moved as an elastic band."""
+    """The joint positions at all samples of one path, which are moved together like an elastic band."""
 
     __slots__ = ("_cost", "asked", "chain", "high", "limits", "low", "poses", "scale", "smooth", "start")
 
@@ -114,10 +115,10 @@ class _Band:
         return self._cost(q)
 
     def onto(self, q: Array) -> Array | None:
-        """Return the joint positions (M, n) near `q` (M, n) that reach the poses, starting at the path's own
-        start.
+        """Return the joint positions (M, n) near `q` (M, n) that reach the path's poses. The first one is the
+        start of the known joint path.
 
-        Return None if they miss a pose, jump between two samples, or leave the limits.
+        Return None if the joint positions miss a pose, jump between two samples, or exceed the limits.
         """
         self.asked += len(q)
         found = fit(self.chain, self.poses, q, lower=self.low, upper=self.high, rounds=15)
@@ -133,7 +134,9 @@ class _Band:
         return placed
 
     def relaxed(self, q: Array) -> Array:
-        """Return joint positions (M, n) of lower cost, found by gradient descent from `q` (M, n)."""
+        """Return a joint path (M, n) of lower cost, found by gradient descent from the joint path `q` (M,
+        n).
+        """
         costs, step = self.cost(q), LARGEST
         for _ in range(ROUNDS):
             go_on()
@@ -154,16 +157,17 @@ class _Band:
         return q
 
     def beside(self, q: Array, number: int) -> Array | None:
-        """Return joint positions (M, n) displaced to one side of `q` (M, n).
+        """Return the joint path `q` (M, n), displaced to one side within the null spaces.
 
         The displacement grows along the first third of the path.
 
         Args:
             q: the joint positions at the samples.
-            number: the side, from 1: each spare direction has two.
+            number: which side, from 1: each spare dimension of the arm has two sides.
 
         Returns:
-            The positions after the nudges that stay on the poses; None if not even the first nudge does.
+            (M, n): the joint path after as many small displacements as could be brought back onto the poses;
+            None if not even the first one could.
         """
         direction, sign = (number - 1) // 2, 1.0 if number % 2 else -1.0
         share = np.minimum(np.linspace(0.0, 3.0, len(q)), 1.0)[:, None]
@@ -187,8 +191,8 @@ class _Band:
         return moved
 
     def _downhill(self, q: Array, costs: Array) -> Array:
-        """Return the direction (M, n) in which the costs (M,) fall, within the null spaces and smoothed along
-        the path [rad, or m by weights].
+        """Return a displacement of the joint path, (M, n) [rad, or m by weights], in whose direction the
+        costs (M,) fall. It lies within the null spaces and is smoothed along the path.
         """
         null = null_spaces(self.chain, q, self.scale)
         at = np.flatnonzero(costs > 0.0)
@@ -206,9 +210,9 @@ class _Band:
 
 
 def _smoothing(count: int) -> Array:
-    """Return the matrix (count - 1, count - 1) that smooths a displacement of the samples after the first.
+    """Return the matrix (count - 1, count - 1) that smooths displacements of all samples except the first.
 
-    The matrix is the response of a stiff band that is held at its start: the inverse of the stiffness for
+    The matrix is the response of a stiff band whose start is fixed: the inverse of the stiffness against
     stretching (first differences) and bending (second differences).
     """
     width = 1.0 / (count - 1)

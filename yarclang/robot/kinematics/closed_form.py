@@ -1,10 +1,10 @@
-"""Compute all eight solutions of an arm with a spherical wrist or with three parallel axes, for whole
-batches.
+"""Compute all eight solutions of an arm with a spherical wrist or with three parallel axes, for many poses at
+once.
 
-The last index of each array counts the samples, the index before it the branches: (shoulder 2, elbow 2) for
-the arm, with (wrist 2) in front of them for the wrist. Angles are computed by half-angle formulas and atan2
-of both legs of a right triangle. They therefore stay accurate near a boundary, where a solution vanishes or
-two solutions meet.
+The last index of each array counts the samples (poses). The indices before it count the branches: (shoulder
+2, elbow 2) for the arm, with (wrist 2) in front of them for the wrist. Angles are computed by half-angle
+formulas and by atan2 of both legs of a right triangle. They therefore stay accurate near a boundary, where a
+solution vanishes or two solutions meet.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ BLOCK = 512
 
 
 def free_joints(arm: Form) -> tuple[int, int]:
-    """Return the joints whose angles a singularity leaves free.
+    """Return the numbers (from 0) of the two joints whose angles a pose may leave free at a singularity.
 
-    The first is q1, free if the wrist centre is on axis 1. The second is q4, free if the wrist is straight;
-    with three parallel axes it is q6, free if the last axis is parallel to them.
+    The first joint is q1, free if the wrist centre is on axis 1. The second is q4, free if the wrist is
+    straight. With three parallel axes, the second is q6, free if the last axis is parallel to them.
     """
     return (0, 3) if isinstance(arm, WristedArm) else (0, 5)
 
 
 @frozen(eq=False)
 class Branches:
-    """All branches of poses; the samples are the last index.
+    """All eight solutions (branches) of N poses; the last index of each array counts the poses.
 
-    `q` (6, 8, N) [rad] is in (-pi, pi]. A branch that doesn't reach the pose has `valid` (8, N) false; its
-    `q` are the joint positions that stretch towards the pose. `free` (2, 8, N) is true if the pose doesn't
-    determine q1 (the wrist centre is on axis 1), or the wrist's angle (the wrist is straight); the held value
-    is used then.
+    `q` (6, 8, N) [rad] is in (-pi, pi]. If a branch doesn't reach its pose, `valid` (8, N) is false, and the
+    arm stretches towards the pose at `q`. `free` (2, 8, N) is true if the pose doesn't determine q1 (the
+    wrist centre is on axis 1), or a wrist angle (the wrist is straight); `q` then has the value that the
+    caller gave for this angle.
     """
 
     q: Array
@@ -48,14 +48,14 @@ class Branches:
 
     @property
     def singular(self) -> NDArray[np.bool_]:
-        """True (8, N) if any angle is held."""
+        """True (8, N) where the pose leaves an angle free, so that the caller's value was used."""
         over, straight = self.free
         either: NDArray[np.bool_] = over | straight
         return either
 
 
 def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
-    """Compute all branches of all poses.
+    """Compute all eight solutions (branches) of each pose.
 
     Args:
         arm: the arm's constants.
@@ -80,7 +80,7 @@ def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
 
 
 def _block(arm: Form, poses: Array, hold: Array) -> Branches:
-    """Compute the closed form of one block of poses."""
+    """Compute the eight solutions (branches) of one block of poses."""
     if isinstance(arm, ParallelArm):
         return _parallel_block(arm, poses, hold)
     count, columns = len(poses), _columns(arm, poses)
@@ -121,7 +121,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
 
 
 def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
-    """Compute the closed form of one block of poses for an arm with three parallel axes."""
+    """Compute the eight solutions of one block of poses for an arm with three parallel axes."""
     count, columns = len(poses), _columns(arm, poses)
     q1, over = _shoulder(arm, columns[3], hold[0])
     sin1, cos1 = np.sin(q1), np.cos(q1)
@@ -160,8 +160,8 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
 
 
 def _columns(arm: Form, poses: Array) -> Array:
-    """Return the wrist's axes and, as the fourth column, its centre (4, 3, N), in the first joint's frame,
-    for base_from_flange (N, 4, 4).
+    """Return the axes of the wrist's last frame and, as the fourth column, the wrist centre in the first
+    joint's frame, as (4, 3, N), for base_from_flange (N, 4, 4).
     """
     columns: Array = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
     columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, len(poses))
@@ -171,7 +171,7 @@ def _columns(arm: Form, poses: Array) -> Array:
 
 
 def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], bent: Array) -> Array:
-    """Return the rotation (3, 3, 1, N) that joints 1 to 3 leave for the wrist.
+    """Return the rotation that the wrist must make after joints 1 to 3 have turned, as (3, 3, 1, N).
 
     Args:
         arm: the arm's constants.
@@ -198,17 +198,18 @@ def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], 
 def one_branch(
     arm: Form, base_from_flange: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Compute one branch of all poses, bit by bit as `closed_form` does, but in less time.
+    """Compute one of the eight solutions (branches) of each pose. The results equal those of `closed_form`
+    bit by bit, but take less time.
 
     Args:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
-        branch: 4 wrist + 2 shoulder + elbow.
+        branch: number of the branch: 4 wrist + 2 shoulder + elbow, each 0 or 1.
 
     Returns:
         Joint positions (6, N) [rad]; a mask (N,) of the poses that they reach; and a mask (N,) of the poses
-        at which an angle of any branch is free. The joint positions at poses with free angles are
-        meaningless: use `closed_form` there, which holds free angles.
+        that leave an angle of any branch free. The joint positions for poses with free angles are
+        meaningless: use `closed_form` there, which takes values for free angles.
     """
     if isinstance(arm, ParallelArm):
         found = closed_form(arm, base_from_flange, np.zeros((6, 1)))
@@ -260,8 +261,8 @@ def _is_straight(
 
 @frozen
 class _Over:
-    """Masks (N,) for the wrist centre: `reached` if the shoulder can turn to it, `singular` if it is on axis
-    1.
+    """Two masks (N,) about the wrist centre of each pose: `reached` if joint 1 can turn the arm's plane to
+    it, `singular` if it is on axis 1.
     """
 
     reached: NDArray[np.bool_]
@@ -269,7 +270,8 @@ class _Over:
 
 
 def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
-    """Return q1 (2, N), the turns that bring the wrist centre (3, N) into the arm's plane, with their masks.
+    """Return the two values of q1 (2, N) that bring the wrist centre (3, N) into the arm's plane, and masks
+    of the wrist centres.
 
     This is subproblem 4 of IK-Geo: the centre's component along axis 2 must be `arm.depth`.
     """
@@ -291,16 +293,18 @@ def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
 def _elbow(
     arm: WristedArm, centre: Array, sin1: Array, cos1: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return q2 and q3 (shoulder 2, elbow 2, N), and a mask (2, N) of the wrist centres within reach.
+    """Return q2 and q3, each (shoulder 2, elbow 2, N), and a mask (2, N) of the wrist centres within reach.
 
-    Subproblems 3 and 1 of IK-Geo.
+    These are subproblems 3 and 1 of IK-Geo.
     """
     x, y = _in_plane(arm, centre, sin1, cos1)
     return _two_links(arm, x, y)
 
 
 def _in_plane(arm: Form, centre: Array, sin1: Array, cos1: Array) -> tuple[Array, Array]:
-    """Return x and y of the wrist centre (3, N) in frame 2 before joint 2 turns, (shoulder 2, N) each [m]."""
+    """Return the coordinates x and y of the wrist centre (3, N) in frame 2 before joint 2 turns, each as
+    (shoulder 2, N) [m].
+    """
     turn = arm.shoulder[:3, :3]
     start = -turn.T @ arm.shoulder[:3, 3]
     along = cos1 * centre[0] + sin1 * centre[1]
@@ -311,8 +315,8 @@ def _in_plane(arm: Form, centre: Array, sin1: Array, cos1: Array) -> tuple[Array
 
 
 def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return q2 and q3 (..., elbow 2, N) that bring the end of two links to x and y (..., N) [m], and a mask
-    (..., N) of the points within reach.
+    """Return q2 and q3, each (..., elbow 2, N), that bring the end of two links in a plane to x and y (...,
+    N) [m], and a mask (..., N) of the points within reach.
     """
     distance = np.hypot(x, y)
     far, near = arm.upper + arm.fore, abs(arm.upper - arm.fore)
@@ -329,21 +333,24 @@ def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.
 
 
 def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
-    """Return angles on the full turn nearest to seeds, and their differences from the seeds [rad].
+    """Return angles shifted by full turns to the value nearest to their seeds, and their differences from the
+    seeds [rad].
 
-    Only whole turns are added to an angle. The arm's target therefore depends on the pose, and not on the
-    last digits of the arm's previous position.
+    Only whole turns are added to an angle. The joint target therefore depends on the pose alone, and not on
+    the last digits of the arm's previous position.
     """
     near = angle - TURN * np.round((angle - seed) * (1.0 / TURN))
     return near, near - seed
 
 
 def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Find one solution (6, N) near seeds (6, N), and prove if it is the nearest of all branches.
+    """Find one solution (6, N) near seeds (6, N), and prove, where possible, that it is the nearest of all
+    eight solutions (branches).
 
-    Shoulder, elbow and wrist are chosen one after the other. Any other branch differs in at least one of
-    these choices and costs at least as much as the rejected side of that choice. If the whole solution costs
-    less than each rejected side, no branch is nearer.
+    The shoulder, elbow and wrist angles are chosen one after the other from two possibilities each. A choice
+    costs its squared joint difference from the seed. Any other solution differs in at least one of these
+    choices, and costs at least as much as the rejected possibility. If the whole solution costs less than
+    each rejected possibility, no other solution is nearer.
 
     Args:
         arm: the arm's constants.
@@ -352,7 +359,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
 
     Returns:
         q (6, N) [rad], and a mask (N,): True where q is proved to be the nearest. With three parallel axes
-        nothing is proved.
+        nothing is computed: q is 0 and the mask is False.
     """
     if isinstance(arm, ParallelArm):
         return np.zeros((6, len(poses))), np.zeros(len(poses), dtype=bool)

@@ -1,4 +1,4 @@
-"""Find an arm's elbow: a point that can swing out while shoulder and flange stay in place."""
+"""Find an arm's elbow: a point of the arm that can swing out while shoulder and flange stay in place."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ LEAST = 0.01
 
 @frozen(eq=False)
 class Elbow:
-    """The elbow, at `point` (3,) [m] in {B} on the axis of joint number `joint` (from 0), all joints at zero.
+    """An arm's elbow: `point` (3,) [m] in {B} with all joints at zero, on the axis of joint number `joint`
+    (from 0).
 
-    Since the point is on that axis, only the joints before it move the elbow.
+    Since the point is on that axis, only the joints before that joint move the elbow.
     """
 
     joint: int
@@ -61,9 +62,9 @@ def _foot(frame: Array, point: Array) -> Array:
 
 
 def _nearest_on(axis: Array, other: Array) -> Array:
-    """Return the point on the z axis of `axis` that is nearest to the z axis of `other`.
+    """Return the point on the z axis of the frame `axis` that is nearest to the z axis of the frame `other`.
 
-    For parallel axes, this is the foot of the other frame's origin.
+    For parallel axes, this is the foot of the perpendicular from the origin of `other`.
     """
     across = np.cross(axis[:3, 2], other[:3, 2])
     if float(across @ across) < 1e-12:

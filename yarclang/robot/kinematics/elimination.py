@@ -88,7 +88,7 @@ class Elimination:
 
     `first` (4, 4) is the transform before the first joint's frame, `last` (4, 4) the transform after the last
     joint's frame, and `steps` (5, 4, 4) are the transforms between the joints' frames. Lengths are in units
-    of `scale` [m]. `order` is one of `_ORDERS`, the places at which the loop may be opened.
+    of `scale` [m]. `order` is one of `_ORDERS`: it says at which joint the loop is opened.
     """
 
     first: Array
@@ -108,7 +108,7 @@ def every_solution(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArra
     Returns:
         q (N, MOST, 6) in (-pi, pi] [rad], sorted by joint values within a pose, and a mask (N, MOST) of the
         entries that are solutions. Each solution reaches its pose by forward kinematics. If a pose leaves a
-        joint free, the result has only some solutions of the continuum.
+        joint free, it has infinitely many solutions, of which only some are returned.
     """
     q = np.zeros((len(base_from_flange), MOST, 6))
     valid = np.zeros((len(base_from_flange), MOST), dtype=bool)
@@ -125,11 +125,12 @@ def every_solution(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArra
 def _with_twins(
     chain: Chain, base_from_flange: Array, q: Array, valid: NDArray[np.bool_]
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return solutions (N, MOST, 6) and their mask (N, MOST), completed by close neighbours.
+    """Return solutions (N, MOST, 6) and their mask (N, MOST), with solutions added that are close neighbours
+    of those found.
 
     If two solutions are about to meet, their half tangents nearly form a double root, and iteration may lead
     from both to the same solution. The two differ along the joint motion that leaves the flange at rest, so
-    the neighbour is searched for in that direction.
+    the second one is searched for in that direction.
     """
     rows, which = np.nonzero(valid)
     candidates = q[rows, which]
@@ -152,7 +153,8 @@ def _with_twins(
 def distinct(
     chain: Chain, base_from_flange: Array, rows: NDArray[np.int_], candidate: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Polish candidates, and return the distinct ones that reach their poses.
+    """Improve approximate solutions (candidates) by iteration, and return the distinct ones that reach their
+    poses.
 
     Args:
         chain: an arm of six turning joints.
@@ -189,7 +191,7 @@ def distinct(
 
 
 def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Array]:
-    """Polish candidates (K, 6) by slightly damped Newton steps.
+    """Improve approximate solutions (candidates) (K, 6) by slightly damped Newton steps.
 
     Args:
         chain: an arm of six turning joints.
@@ -197,7 +199,8 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
         q: (K, 6) [rad].
 
     Returns:
-        The improved joint positions (K, 6) [rad] and their misses (K,) [m and rad together].
+        The improved joint positions (K, 6) [rad], and by how much they miss their poses (K,) [m and rad
+        together].
     """
     if len(q) == 1:
         one, left = _polished_one(chain, base_from_flange[0], q[0])
@@ -231,7 +234,7 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
 
 
 def _polished_one(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, float]:
-    """Return `polished` of one candidate (6,) for one pose (4, 4), in a third of the time."""
+    """Compute `polished` for one candidate (6,) and one pose (4, 4), in a third of the time."""
     best, miss = q, math.inf
     for step_number in range(STEPS):
         pose, jacobian = pose_with_jacobian(chain, q)
@@ -261,11 +264,11 @@ def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def best_elimination(chain: Chain) -> Elimination:
-    """Return the elimination that finds most solutions for an arm, remembered by the chain's identity.
+    """Return the elimination that finds most solutions for an arm, cached by the chain's identity.
 
-    The eliminations are tried on poses of known joint positions. The search ends as soon as three
+    The eliminations are tried on the poses of some joint positions. The search ends as soon as three
     eliminations have found the same largest number of solutions, and the last two of them also found all
-    known joint positions again. Otherwise the elimination that found most solutions wins.
+    these joint positions again. Otherwise the elimination that found most solutions wins.
     """
     from yarclang.robot.kinematics.fk import flange_poses
 
@@ -300,9 +303,10 @@ def best_elimination(chain: Chain) -> Elimination:
 def candidates(
     form: Elimination, base_from_flange: Array, *, is_trial: bool = False
 ) -> tuple[NDArray[np.int_], Array]:
-    """Solve poses by an elimination.
+    """Compute candidates (approximate solutions) for poses by an elimination.
 
-    If the matrix of a pose isn't regular, the arm is bent a little and the pose is solved again.
+    If the matrix of a pose isn't regular, the geometry of the arm is bent a little and the pose is solved
+    again.
 
     Args:
         form: the elimination.
@@ -343,8 +347,8 @@ def _bent(chain: Chain, order: int) -> Elimination:
 
 
 def _bent_form(form: Elimination, size: float) -> Elimination:
-    """Return the elimination of an arm that is bent between its joints by about `size` [rad, and lengths in
-    units of its scale].
+    """Return the elimination of an arm whose geometry is bent at random between its joints, by about `size`
+    [rad, and lengths in units of `form.scale`].
     """
     random = np.random.default_rng(5)
     steps = form.steps.copy()
@@ -360,7 +364,8 @@ def _bent_form(form: Elimination, size: float) -> Elimination:
 
 
 def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[Array], float]:
-    """Return the closed loop of the arm and its pose, read from the joint at which the elimination opens it.
+    """Return the closed loop that the arm and a pose form, starting at the joint at which the elimination
+    opens the loop.
 
     Returns:
         The joints in the loop's order; the transform after each of them, which is (4, 4), or (N, 4, 4) for
@@ -381,7 +386,7 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
 
 @lru_cache(maxsize=256)
 def _left_side(form: Elimination) -> Array:
-    """Return the side of the fourteen equations that doesn't contain the pose.
+    """Return the side of the fourteen equations that doesn't depend on the pose.
 
     Returns:
         Coefficients (14, 3, 3, 3) of 1, cos, sin of the loop's third, fourth and fifth angle.
@@ -399,7 +404,7 @@ def _left_side(form: Elimination) -> Array:
 
 
 def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_], Array]:
-    """Return candidates of poses, as `candidates` does.
+    """Return candidates (approximate solutions) for poses, as `candidates` does, without bending the arm.
 
     Raises:
         numpy.linalg.LinAlgError: a matrix is not regular.
@@ -471,8 +476,8 @@ _TO_HALVES = np.einsum("xi,yj,zk->ijkxyz", _HALVES, _HALVES, _HALVES).reshape(27
 
 
 def _fourteen(axis: Array, point: Array) -> Array:
-    """Return the fourteen expressions (..., 14) of Raghavan and Roth in a frame's z axis l and origin p (...,
-    3).
+    """Return the fourteen expressions (..., 14) of Raghavan and Roth, for the z axis l and the origin p of a
+    frame, (..., 3) each.
 
     They are p, l, p·p, p·l, p x l, and (p·p) l - 2 (p·l) p. All of them are linear in cos and sin of each
     angle.
@@ -491,8 +496,8 @@ def _fourteen(axis: Array, point: Array) -> Array:
 
 
 def _angle(lower: Array, higher: Array) -> Array:
-    """Return the angle (K,) whose half tangent maps `lower` (K, m) to `higher` (K, m) in the least squares
-    sense; pi if the half tangent is infinite.
+    """Return the angle (K,) [rad] whose half tangent t solves t * `lower` = `higher`, (K, m) each, in the
+    least squares sense; pi if t is infinite.
     """
     result: Array = np.arctan2(
         2.0 * (lower * higher).sum(axis=1), (lower * lower).sum(axis=1) - (higher * higher).sum(axis=1)

@@ -1,12 +1,13 @@
-"""Compute forward kinematics and Jacobians of whole batches (product of exponentials; Lynch and Park, ch. 4
-and 5).
+"""Compute forward kinematics and Jacobians for many joint positions at once (product of exponentials; Lynch
+and Park, ch. 4 and 5).
 
 Pinocchio reads the URDF. For many poses at once, these arrays are several times as fast as a loop over
 Pinocchio's functions; the tests compare the two.
 
 Internally each joint gets a frame whose z is the joint's axis. The joint's motion then is a rotation of two
-columns, and the transform between two joints is one constant matrix. The last index counts the samples: a
-step is a few operations on whole rows, in blocks that stay in the cache.
+columns, and the transform between two joints is one constant matrix. The last index of an array counts the
+samples (joint positions): each step from joint to joint is a few operations on whole rows, in blocks that
+stay in the cache.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
 
 
 def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
-    """Compute poses of a frame fixed to the flange, and the geometric Jacobians at its origin.
+    """Compute the poses of a frame fixed to the flange, and the geometric Jacobians at its origin.
 
     Args:
         chain: the arm, n joints.
@@ -129,8 +130,8 @@ def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple
 
 
 def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array, Array]:
-    """Compute the frames of the tool and of all joints by stepping from joint to joint; samples are the last
-    index.
+    """Compute the frame of the tool and the axes of all joints by stepping from joint to joint. The last
+    index of each array counts the joint positions.
 
     Args:
         chain: the arm, n joints.
@@ -171,13 +172,13 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
 
 @frozen(eq=False)
 class Links:
-    """The constants of a chain for `walk`.
+    """The constants of a chain that `walk` needs.
 
     `frames` (n, 4, 4) are the joints' frames in {B} with all joints at zero, z along the axis. `first` (4, 3)
-    holds the columns of the first frame, `steps` (n, 4, 4) the transposed transforms from each joint's frame
-    to the frame before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position,
-    `turn` (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if `turn` is 1
-    and `slide` is 0 for all joints.
+    has the columns of the first frame, `steps` (n, 4, 4) the transposed transforms from each joint's frame to
+    the frame before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position, `turn`
+    (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if `turn` is 1 and
+    `slide` is 0 for all joints.
     """
 
     frames: Array
@@ -191,7 +192,7 @@ class Links:
 
 @lru_cache(maxsize=256)
 def links_of(chain: Chain) -> Links:
-    """Return the constants of `chain`, remembered by its identity (a chain never changes)."""
+    """Return the constants of `chain` for `walk`, cached by the chain's identity (a chain never changes)."""
     linear, angular = chain.screws[:, :3], chain.screws[:, 3:]
     turn = np.linalg.norm(angular, axis=1)
     turn[np.abs(turn - 1.0) < 1e-12] = 1.0
@@ -226,7 +227,9 @@ def links_of(chain: Chain) -> Links:
 
 
 def lines_of(chain: Chain) -> Lines:
-    """Return the axes of a chain: by the chain's own kinematics if it has one, otherwise by this module."""
+    """Return the joint axes of a chain: from the chain's own kinematics if it has one, otherwise from this
+    module.
+    """
     if chain.kinematics is not None:
         return chain.kinematics.lines(chain)
     links = links_of(chain)
@@ -234,5 +237,5 @@ def lines_of(chain: Chain) -> Lines:
 
 
 def _blocks(count: int) -> list[slice]:
-    """Split the samples into blocks."""
+    """Return the blocks into which the samples are divided."""
     return [slice(start, min(start + BLOCK, count)) for start in range(0, count, BLOCK)]

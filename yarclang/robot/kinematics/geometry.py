@@ -93,7 +93,9 @@ class ParallelArm:
 
 @frozen(eq=False)
 class WristAngles:
-    """The angles between three consecutive axes [rad]: `alpha`, `beta` and `bend` as in a `WristedArm`."""
+    """The angles between the last three axes of an arm [rad]: `alpha`, `beta` and `bend` as in a
+    `WristedArm`.
+    """
 
     alpha: float
     beta: float
@@ -101,7 +103,9 @@ class WristAngles:
 
 
 def wrist_angles_of(axes: Array) -> WristAngles | None:
-    """Return the angles between three unit axes (3, 3), or None if two neighbours are parallel."""
+    """Return the angles between three consecutive unit axes (3, 3), or None if two neighbours are
+    parallel.
+    """
     alpha, beta = _angle(axes[0], axes[1]), _angle(axes[1], axes[2])
     if min(np.sin([alpha, beta])) < SMALL_ANGLE:
         return None
@@ -115,7 +119,7 @@ Form = WristedArm | ParallelArm
 
 @lru_cache(maxsize=256)
 def form_of(chain: Chain) -> Form | None:
-    """Return the closed form of `chain`, or None if it has none; remembered by the chain's identity."""
+    """Return the closed form of `chain`, or None if it has none; cached by the chain's identity."""
     return wristed_arm(chain) or parallel_arm(chain)
 
 
@@ -125,7 +129,8 @@ NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
 
 @lru_cache(maxsize=256)
 def nominal_form(chain: Chain) -> Form | None:
-    """Return the closed form of the nominal arm from which a calibrated chain differs a little.
+    """Return the closed form of the nominal arm of a calibrated chain: an arm whose axes are exactly parallel
+    or meet exactly where those of the chain do so nearly.
 
     The solutions of the nominal arm are near those of the chain, and serve as starting points for iteration.
     Return None if the chain has a closed form of its own, or resembles no arm that has one.
@@ -153,8 +158,8 @@ def nominal_form(chain: Chain) -> Form | None:
 
 @lru_cache(maxsize=256)
 def parallel_arm(chain: Chain) -> ParallelArm | None:
-    """Return the closed form of a chain with three parallel axes, or None for any other chain; remembered by
-    the chain's identity.
+    """Return the closed form of a chain with three parallel axes, or None for any other chain; cached by the
+    chain's identity.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
@@ -205,8 +210,8 @@ def _across(way: Array, axis: Array) -> Array:
 
 @lru_cache(maxsize=256)
 def wristed_arm(chain: Chain) -> WristedArm | None:
-    """Return the closed form of a chain with a spherical wrist, or None for any other chain; remembered by
-    the chain's identity.
+    """Return the closed form of a chain with a spherical wrist, or None for any other chain; cached by the
+    chain's identity.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
@@ -255,8 +260,8 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
 
 
 def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
-    """Return the point in which axes (m, 3) through `points` (m, 3) meet, or None if an axis misses that
-    point by more than `tolerance` [m].
+    """Return the point in which the axes with directions (m, 3) through `points` (m, 3) meet, or None if an
+    axis misses that point by more than `tolerance` [m].
     """
     # least squares: the sum of the projections perpendicular to the axes
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]

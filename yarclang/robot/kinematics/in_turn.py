@@ -1,5 +1,5 @@
-"""Find the nearest solutions of many consecutive poses together, with each solution as reference for the next
-pose.
+"""Find the solutions of many consecutive poses together, each solution being the nearest to the solution of
+the previous pose.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ differences].
 
 
 def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, reference: Array) -> Array:
-    """Return the first solution of `nearest_solutions` for each pose; its reference is the solution of the
-    pose before.
+    """Return, for each pose, the solution nearest to the solution of the previous pose: the one that
+    `nearest_solutions` returns first.
 
-    All poses are solved at once, on the assumption that the arm stays on one branch. The result ends before
-    the first pose at which this assumption is uncertain, because another solution is as near or an angle is
-    free. The result is empty for an arm without a closed form.
+    All poses are solved at once, on the assumption that the arm stays in one configuration (branch). The
+    result ends before the first pose at which this is uncertain, because another solution is as near, or the
+    pose leaves an angle free. The result is empty for an arm without a closed form.
 
     Args:
         chain: the arm, n joints.
         limits: its limits.
         base_from_flange: (N, 4, 4).
-        reference: (n,) [rad or m], for the first pose.
+        reference: (n,) [rad or m], to which the first solution is the nearest.
 
     Returns:
         (k, n) [rad or m] for the first k poses, k at most N.
@@ -71,8 +71,9 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
 def _costs(
     chain: Chain, limits: Limits, q: Array, reaching: NDArray[np.bool_], reference: Array
 ) -> tuple[Array, Array]:
-    """Return the branches (N, B, n) on the full turns nearest to `reference` (N, n), and their squared
-    distances from it (N, B). The distance is infinite if a branch exceeds limits or misses its pose.
+    """Return all branches (N, B, n), shifted to the full turns nearest to `reference` (N, n), and their
+    squared distances from `reference` (N, B). The distance is infinite if a branch exceeds limits or misses
+    its pose.
     """
     lifted = nearest_turn(chain, limits, q, reference[:, None])
     inside = np.abs(beyond(limits, lifted)).max(axis=2) <= EDGE

@@ -1,8 +1,8 @@
-"""Solve whole batches of poses for joint positions: for the solution nearest to a seed, or for all branches.
+"""Find joint positions for many poses at once: the solution nearest to a seed, or all solutions.
 
-Arms with a spherical wrist or three parallel axes have a closed form. A calibrated arm starts from the closed
-form of its nominal arm. Any other arm of six turning joints is solved by elimination, and all others by
-numeric search.
+Arms with a spherical wrist or three parallel axes have a closed form. For a calibrated arm, iteration starts
+from the closed form of its nominal arm. Any other arm of six turning joints is solved by elimination, and all
+remaining arms by numeric search.
 """
 
 from __future__ import annotations
@@ -59,14 +59,14 @@ seed at the edge of the workspace stays on its own branch instead of jumping to 
 
 
 def reached_within(chain: Chain) -> float:
-    """Return the miss [m or rad] up to which a joint position counts as a solution."""
+    """Return the largest distance from a pose [m or rad] at which a joint position counts as its solution."""
     return REACHED if chain.size >= 6 else NEARLY_REACHED
 
 
 def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, Array, Array]:
     """Find the solution nearest to each seed, without regard to limits.
 
-    With a closed form, the result is the branch and full turn with the least sum of squared joint
+    With a closed form, the solution is the branch and full turn with the least sum of squared joint
     differences. If the wrist is straight (or the wrist centre is on axis 1), the seed's q4 (or q1) is kept.
     Without a closed form, damped least squares start from the seed and stay on its full turn.
 
@@ -76,8 +76,9 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
         seeds: (N, n) [rad or m].
 
     Returns:
-        q (N, n) [rad or m] and its misses, measured by forward kinematics: position (N,) [m] and angle (N,)
-        [rad]. Both are under 1e-10 if the pose can be reached; otherwise q is the nearest miss found.
+        q (N, n) [rad or m], and by how much it misses the poses by forward kinematics: position (N,) [m] and
+        angle (N,) [rad]. Both are under 1e-10 if the pose can be reached; otherwise q is the nearest miss
+        found.
     """
     arm = form_of(chain)
     if arm is None:
@@ -151,7 +152,7 @@ def has_all(chain: Chain) -> bool:
 
 
 def _as_meant(chain: Chain, nominal_form: Form, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the solutions of a calibrated arm, starting from its nominal closed form.
+    """Return the solutions of a calibrated arm, found by iteration from the solutions of its nominal arm.
 
     If two nominal solutions meet or nearly meet, the calibrated arm may have more or fewer solutions. For
     such a pose, elimination is used as well, to find all of them.
@@ -217,7 +218,7 @@ def restarts(chain: Chain, count: int) -> Array:
 
 
 def extent(chain: Chain) -> float:
-    """Return the sum of the distances from joint to joint and to the flange [m], a size of the arm."""
+    """Return the size of the arm: the sum of the distances from joint to joint and to the flange [m]."""
     links = links_of(chain)
     points = np.vstack([links.frames[:, :3, 3], chain.base_from_flange[None, :3, 3]])
     # a prismatic joint's frame has an arbitrary origin: use its neighbour's
@@ -234,7 +235,9 @@ def wrapped(chain: Chain, q: Array) -> Array:
 
 
 def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
-    """Return the solution (6, N) nearest to `seed` (6, N), of all branches and full turns."""
+    """Return, for each pose, the solution (6, N) nearest to `seed` (6, N), of all branches and full turns.
+    For a pose out of reach, it is the joint position at which the arm stretches towards the pose.
+    """
     q, sure = nearest_form(arm, poses, seed)
     if not sure.all():
         rest = np.flatnonzero(~sure)
@@ -243,7 +246,7 @@ def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
 
 
 def _nearest_of_all(arm: Form, poses: Array, seed: Array) -> Array:
-    """Return the nearest solution as `_nearest_branch` does, by comparing all branches."""
+    """Compute `_nearest_branch` by comparing all branches."""
     found = closed_form(arm, poses, seed)
     near, away = next_to(found.q, seed[:, None])
     cost = np.einsum("jbn,jbn->bn", away, away)
@@ -254,7 +257,9 @@ def _nearest_of_all(arm: Form, poses: Array, seed: Array) -> Array:
 
 
 def _repeated(chain: Chain, q: Array, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask (N, R) of the solutions (N, R, n) that repeat an earlier one of the same pose."""
+    """Return a mask (N, R): True for each of the solutions (N, R, n) that repeats an earlier solution of the
+    same pose.
+    """
     count = q.shape[1]
     away = np.abs(wrapped(chain, q[:, :, None] - q[:, None])).max(axis=3)
     earlier = np.tri(count, k=-1, dtype=bool)
@@ -266,8 +271,8 @@ _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
 
 
 def _radical_inverse(index: NDArray[np.int_], base: int) -> Array:
-    """Return the radical inverse (N,) in [0, 1) of `index` (N,): its digits to `base`, mirrored at the
-    point.
+    """Return the radical inverse of `index` (N,) as (N,) in [0, 1): the digits of the index to `base`,
+    mirrored at the radix point.
     """
     result, scale, left = np.zeros(len(index)), 1.0 / base, index.copy()
     while left.any():

@@ -1,10 +1,10 @@
 """Follow a path within joint limits with a redundant arm: a joint at its limit stays there, and the other
 joints compensate.
 
-A joint path is first computed step by step, each step with the least motion of the joints; each joint's
-motion counts as a share of its range. This path has a corner wherever a joint comes to its limit or leaves
-it. It is therefore smoothed and put back onto the poses, alternately, so that a joint slows down before its
-limit.
+A joint path is first computed step by step along the path, each step with the least joint motion; each
+joint's motion counts as a share of its range. This joint path has a corner wherever a joint arrives at its
+limit or leaves it. The joint path is therefore smoothed and put back onto the poses, alternately, so that a
+joint slows down before its limit.
 """
 
 from __future__ import annotations
@@ -45,13 +45,14 @@ STEPS = 6
 def kept_within(
     chain: Chain, limits: Limits, paths: Sequence[Callable[[Array], Array]], starts: Array
 ) -> list[Strand | None]:
-    """Return, for each path, joint positions that follow it from its start within limits, or None if none are
-    found.
+    """Follow several paths within limits. Return one entry for each path: joint positions that follow it from
+    its start, or None if none are found.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
-        paths: base_from_flange (N, 4, 4) at places (N,), for each path.
+        paths: for each path, a function that returns the poses base_from_flange (N, 4, 4) at path parameters
+            (N,), from 0 to 1.
         starts: (K, n) [rad or m], each at the start of its path and within limits.
     """
     s = np.linspace(0.0, 1.0, PLACES)
@@ -80,8 +81,8 @@ class _Kept:
         self.scale = scale / scale.max()
 
     def stepped(self, poses: Array) -> dict[int, Array]:
-        """Return joint paths (PLACES, n) of least motion through poses (K, PLACES, 4, 4), by the index of
-        their pose path. Pose paths that can't be followed are left out.
+        """Return joint paths (PLACES, n) of least motion through the poses (K, PLACES, 4, 4) of K paths, by
+        the index of the path. Paths that can't be followed are left out.
         """
         ways = np.repeat(self.starts[:, None], PLACES, axis=1)
         rows = np.arange(len(ways))
@@ -100,8 +101,8 @@ class _Kept:
         return {row: ways[row] for row in rows.tolist()}
 
     def smoothed(self, row: int, poses: Array, way: Array) -> Array | None:
-        """Return the joint path `way` (PLACES, n) through poses (PLACES, 4, 4) with its corners smoothed, or
-        None if some corners remain.
+        """Return the joint path `way` (PLACES, n) with its corners smoothed, still through the poses (PLACES,
+        4, 4), or None if some corners remain.
         """
         for _ in range(ROUNDS):
             if _is_smooth(way):

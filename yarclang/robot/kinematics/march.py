@@ -1,4 +1,6 @@
-"""Follow a path with an arm that has no closed form, in leaps of several samples at once."""
+"""Follow a path with an arm that has no closed form. The path is followed in leaps: several consecutive
+samples are solved at once.
+"""
 
 from __future__ import annotations
 
@@ -57,20 +59,22 @@ def march(
 ) -> Strand:
     """Follow one path from `q_start` (n,), which reaches pose_at(0).
 
-    Each leap predicts its samples along the arm's least joint velocities, and improves them by damped least
-    squares. It keeps the samples before the first one that is too far from its prediction or from the sample
-    before. A leap that keeps no sample is repeated with a shorter length.
+    Each leap predicts the joint positions of its samples along the least joint velocities, and improves them
+    by damped least squares. It keeps the samples before the first one that is too far from its prediction or
+    from the sample before. A leap that keeps no sample is repeated with a shorter length.
 
     Args:
         chain: the arm, n joints.
-        pose_at: base_from_flange (N, 4, 4) at places (N,).
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters (N,), from 0 to
+            1.
         q_start: (n,) [rad or m].
         bends: approximate number of bends of the path; a leap passes only a few of them.
         limits: limits that a redundant arm keeps clear of, by motions that leave the flange at rest; None for
             the least motion of the joints.
 
     Returns:
-        The strand, up to the path's end or to the place after which it can't be continued.
+        The strand (the sequence of joint positions), up to the path's end or to the sample after which it
+        can't be continued.
     """
     steps = _steps(chain, pose_at, q_start, bends, limits)
     try:
@@ -89,12 +93,13 @@ def marches(
 
     Args:
         chain: the arm, n joints.
-        paths: base_from_flange (N, 4, 4) at places (N,), for each path.
+        paths: for each path, a function that returns the poses base_from_flange (N, 4, 4) at path parameters
+            (N,), from 0 to 1.
         starts: (K, n) [rad or m], where the paths begin.
         limits: as for `march`.
 
     Returns:
-        One strand for each path.
+        One strand (sequence of joint positions) for each path.
     """
     strands: dict[int, Strand] = {}
     under_way = {at: _steps(chain, path, starts[at], 0, limits) for at, path in enumerate(paths)}
@@ -117,8 +122,9 @@ def marches(
 def _steps(
     chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends: int, limits: Limits | None
 ) -> Generator[tuple[Array, Array], Fit, Strand]:
-    """Run `march` as a generator: yield poses (LEAP, 4, 4) and predictions (LEAP, n) of each leap, receive
-    the solutions, and return the strand.
+    """Run `march` as a generator. For each leap, it yields the poses (LEAP, 4, 4) and the predicted joint
+    positions (LEAP, n), and is sent the solutions. At the end it returns the strand (the sequence of joint
+    positions).
     """
     places, joints = [np.zeros(1)], [q_start[None]]
     done_to, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
@@ -158,7 +164,9 @@ def _steps(
 def _leap(
     chain: Chain, pose_at: Callable[[Array], Array], place: float, q: Array, s: Array, limits: Limits | None
 ) -> tuple[Array, Array]:
-    """Return poses (K, 4, 4) at places `s` (K,), and the joint positions (K, n) predicted there."""
+    """Return the poses (K, 4, 4) of a path at the path parameters `s` (K,), and the joint positions (K, n)
+    that are predicted for them from the joint position `q`.
+    """
     poses = pose_at(np.concatenate([[place], s]))
     columns = pose_columns(poses)
     start, target = np.repeat(columns[:, :, :1], len(s), axis=2), columns[:, :, 1:]
@@ -176,7 +184,8 @@ def _leap(
 
 
 def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: Array) -> Array:
-    """Return the least steps (n, K) that make twists (6, K), plus null-space motion away from the limits.
+    """Return the least joint steps (n, K) that make the flange twists (6, K), plus null-space motion away
+    from the limits.
 
     Each joint's motion counts as a share of its range.
 

@@ -48,8 +48,8 @@ ORIENTATION = 30.0
 class Solutions:
     """Joint positions that reach a pose within limits: `q` (m, n) [rad or m], nearest to the reference first.
 
-    `q` has one row for each branch, on its full turns nearest to the reference; `full_turns` lists the
-    others.
+    `q` has one row for each branch, on its full turns nearest to the reference. The function `full_turns`
+    lists the positions on the other full turns.
     """
 
     q: Array
@@ -59,11 +59,14 @@ class Solutions:
 class Unreachable:
     """The reason why no joint position reaches a pose.
 
-    kind "reach": the frame misses the pose by at least `miss` [m] with its orientation held; if the arm can't
-    hold the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`. kind
-    "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit by
-    `excess` [rad or m], positive above the upper limit, negative below the lower limit. `q` (n,) [rad or m]
-    is the joint position of the nearest miss, or of that solution; the reference if the miss isn't measured.
+    kind "reach": the frame misses the pose by at least `miss` [m] in the pose's orientation; if the arm can't
+    reach the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`.
+
+    kind "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit
+    by `excess` [rad or m], positive above the upper limit, negative below the lower limit.
+
+    `q` (n,) [rad or m] is the joint position of the nearest miss, or of that solution; the reference if the
+    miss isn't measured.
     """
 
     kind: Literal["reach", "limits"]
@@ -130,8 +133,8 @@ def nearest_solutions(
 def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
     """Return a mask (N,) of the poses (N, 4, 4) for which `nearest_solutions` certainly finds a solution.
 
-    False means only that `nearest_solutions` has to be called to find out. This is so for all arms without a
-    closed form, and if a singularity leaves a joint free.
+    False means only that `nearest_solutions` has to be called to find out. The mask is False for all arms
+    without a closed form, and for poses at which a singularity leaves a joint free.
     """
     arm = form_of(chain)
     sure = np.zeros(len(base_from_flange), dtype=bool)
@@ -167,7 +170,8 @@ def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
 
 
 def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, float, float]:
-    """Find where the arm comes nearest to a pose that it can't reach, with the pose's orientation held.
+    """Find the joint position at which the arm comes nearest to a pose that it can't reach. The orientation
+    of the pose is kept if possible.
 
     Args:
         chain: the arm, n joints.
@@ -175,7 +179,8 @@ def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[A
         seeds: (m, n) [rad or m], where the search starts.
 
     Returns:
-        q (n,) [rad or m], the miss [m], and the angle that is left [rad]: the best result from all seeds.
+        q (n,) [rad or m], the distance from the pose [m], and the remaining angle [rad]: the best result from
+        all seeds.
     """
     poses = np.broadcast_to(base_from_flange, (len(seeds), 4, 4))
     found = fit(chain, poses, seeds, rounds=300, angle_weight=ORIENTATION)
@@ -184,8 +189,8 @@ def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[A
 
 
 def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
-    """Return the branches (m, n) that reach the pose. At a straight wrist, joint 4 takes over the part by
-    which joint 6 would exceed its limit.
+    """Return the branches (m, n) of the closed form that reach the pose. If the wrist is straight and joint 6
+    exceeds its limit, the excess is moved to joint 4.
     """
     arm = form_of(chain)
     assert arm is not None
@@ -208,8 +213,8 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
 
 
 def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_only: bool) -> Array:
-    """Return solutions (m, n) found without a closed form: within limits if there are any, otherwise without
-    regard to limits.
+    """Return solutions (m, n) of a pose for an arm without a closed form: within limits if there are any,
+    otherwise without regard to limits.
     """
     start = np.clip(reference, limits.lower, limits.upper)
     if has_all(chain):
@@ -257,9 +262,10 @@ def _found_within(chain: Chain, limits: Limits, pose: Array, start: Array) -> Ar
 
 
 def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
-    """Return True if, at the nearest of `q` (m, 7), a second joint is free in addition to the spare one.
+    """Return True if the pose leaves a second joint free in addition to the spare one, at the joint position
+    of `q` (m, 7) that is nearest to the reference.
 
-    Return False if the nearest of `q` is the reference itself.
+    Return False if that joint position is the reference itself.
     """
     away = np.square(q - reference).sum(axis=1)
     nearest = q[int(np.argmin(away))]
@@ -270,9 +276,10 @@ def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
 
 
 def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start: Array) -> Array | None:
-    """Return all solutions (m, 6) of an arm of six turning joints, or None if more may exist.
+    """Return all solutions (m, 6) of a pose for an arm of six turning joints, or None if others may exist.
 
-    More may exist if no solution is found, or if the solutions found leave a joint free and exceed limits.
+    Others may exist if no solution is found. They may also exist if the pose leaves a joint free, unless a
+    solution is within limits and iteration from `start` arrives at the pose.
     """
     found, reached = branches(chain, pose[None])
     # the start itself, or a solution near it, may lie on a continuum
@@ -289,7 +296,9 @@ def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start
 
 
 def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
-    """Return the nearest miss, searched for from the reference and from fixed starts."""
+    """Return the reason that a pose is out of reach, with the nearest miss found from the reference and from
+    fixed starts.
+    """
     seeds = np.vstack([reference, restarts(chain, 48)])
     arm = form_of(chain)
     if arm is not None:
@@ -310,7 +319,7 @@ def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
 
 
 def _distinct(chain: Chain, q: Array) -> NDArray[np.bool_]:
-    """Return a mask (m,) of the rows of `q` (m, n) that differ from all earlier rows by more than full
+    """Return a mask (m,) of the rows of `q` (m, n) that repeat no earlier row, not even shifted by full
     turns.
     """
     away = np.abs(wrapped(chain, q[:, None] - q[None])).max(axis=2)

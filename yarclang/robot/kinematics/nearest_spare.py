@@ -1,4 +1,5 @@
-"""Find the solutions of one pose nearest to a reference, for an arm with one joint more than the pose needs.
+"""Find the solutions of one pose nearest to a reference, for an arm with one spare joint: one joint more than
+the pose needs.
 
 The spare joint is sampled over its range; the closed form gives every branch at each sample. Near each local
 minimum of a branch's distance from the reference, more samples are taken: first between the neighbouring
@@ -60,11 +61,12 @@ UNCLEAR, OUTSIDE = 1e6, 1e9
 def nearest_along(
     chain: Chain, limits: Limits, form: SpareForm, base_from_flange: Array, reference: Array
 ) -> Array:
-    """Return joint positions (m, 7) within limits that are locally nearest to a reference along their
-    self-motions.
+    """Return joint positions (m, 7) within limits that reach a pose. Each one is locally nearest to the
+    reference along its self-motion, the joint motion that leaves the flange at rest.
 
-    If some of them are clear of limits, only those are returned; for this, the limits include the reference.
-    The result is empty if the samples show no solution within limits.
+    If some of them are clear of limits, only those are returned. To be clear means to keep a distance from
+    the limits, which is reduced so that the reference is clear too. The result is empty if the samples show
+    no solution within limits.
 
     Args:
         chain: the arm.
@@ -115,7 +117,7 @@ def nearest_along(
 
 
 class _Seen:
-    """Solver for the joint positions of one pose, and for their costs."""
+    """Solver for the joint positions that reach one pose, and for their costs."""
 
     __slots__ = ("chain", "form", "high", "limits", "low", "pose", "reference")
 
@@ -127,8 +129,8 @@ class _Seen:
         self.low, self.high = clear_of_limits(limits, reference)
 
     def at(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return all branches (B, N, 7) at places of the spare joint (N,), and a mask (B, N) of the branches
-        that reach the pose.
+        """Return all branches (B, N, 7) for positions of the spare joint (N,), and a mask (B, N) of the
+        branches that reach the pose.
         """
         return solutions_with(self.form, self.pose, values, self.reference)
 
@@ -150,8 +152,8 @@ class _Seen:
         return q, cost, over
 
     def slid(self, q: Array, cost: float) -> tuple[Array, float]:
-        """Slide a joint position (7,) along its self-motion towards the place nearest to the reference,
-        within limits.
+        """Move a joint position (7,) along its self-motion to the position nearest to the reference, within
+        limits.
 
         The steps are those of the secant method, each followed by one Newton step back to the pose.
 
@@ -160,7 +162,7 @@ class _Seen:
             cost: its cost, as returned by `costs`.
 
         Returns:
-            The position reached and its cost, or `q` and `cost` if no nearer position is found.
+            The joint position reached and its cost, or `q` and `cost` if no nearer position is found.
         """
         place = q
         low, high = (self.low, self.high) if cost < UNCLEAR else (self.limits.lower, self.limits.upper)
@@ -203,15 +205,16 @@ class _Seen:
 
 
 def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
-    """Return the vertices (K,) of parabolas through the lowest costs and their neighbours.
+    """Return the vertices (K,) of parabolas through the lowest cost of each row and its two neighbours.
 
     Args:
-        places: (K, P), sorted.
-        costs: (K, P).
+        places: (K, P) positions of the spare joint, sorted.
+        costs: (K, P) the costs there.
         lowest: (K,) index of each row's lowest cost.
 
     Returns:
-        The vertex if it is between the neighbours, otherwise the place of the lowest cost.
+        The position of each vertex if it is between the neighbours, otherwise the position of the lowest
+        cost.
     """
     rows = np.arange(len(places))
     inner = np.clip(lowest, 1, places.shape[1] - 2)
@@ -246,7 +249,9 @@ def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float
 
 
 def _lowest(costs: Array) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-    """Return the branches and places of the local minima of costs (B, N)."""
+    """Return the indices of the local minima of costs (B, N): their branches, and their positions of the
+    spare joint.
+    """
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
     low = np.isfinite(costs) & (costs <= padded[:, :-2]) & (costs < padded[:, 2:])
     # if several consecutive costs are equal, the last one counts as the minimum

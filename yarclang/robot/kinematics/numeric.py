@@ -1,9 +1,10 @@
-"""Solve inverse kinematics by damped least squares, for any serial arm and whole batches of poses.
+"""Solve inverse kinematics by damped least squares, for any serial arm and many poses at once.
 
 The method is Levenberg-Marquardt with damping in proportion to the squared error (Sugihara,
 Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011). It
-converges quadratically if the pose can be reached, and to the nearest miss if it can't. Every sample has its
-own damping factor, and a step that increases the error is rejected. The last index counts the samples.
+converges quadratically if the pose can be reached, and to the nearest miss if it can't. Every pose has its
+own damping factor, and a step that increases the error is rejected. The last index of each array counts the
+poses.
 """
 
 from __future__ import annotations
@@ -36,7 +37,9 @@ BLOCK = 2048
 
 @frozen(eq=False)
 class Fit:
-    """The result of a fit: joint positions `q` (N, n), and their misses (N,) [m] and (N,) [rad]."""
+    """The result of a fit: joint positions `q` (N, n), and by how much they miss the poses, (N,) [m] and (N,)
+    [rad].
+    """
 
     q: Array
     miss_position: Array
@@ -44,7 +47,7 @@ class Fit:
 
     @property
     def total(self) -> Array:
-        """Both misses together (N,), 1 m counted like 1 rad."""
+        """The position miss and the angle miss together (N,), 1 m counted like 1 rad."""
         return np.hypot(self.miss_position, self.miss_angle)
 
 
@@ -67,8 +70,8 @@ def fit(
         lower: (n,) lower limits to which each step is clipped [rad or m]; None for no clipping.
         upper: (n,) upper limits, likewise.
         rounds: the largest number of steps.
-        angle_weight: weight of 1 rad against 1 m. With a large weight, the orientation is held if a pose is
-            out of reach, and only the position misses.
+        angle_weight: weight of 1 rad against 1 m. With a large weight, the orientation of a pose that is out
+            of reach is kept, and only the position misses.
 
     Returns:
         The best joint positions found; turning joints are not wrapped to (-pi, pi].
@@ -141,7 +144,7 @@ def _fit_block(
     rounds: int,
     angle_weight: float,
 ) -> Fit:
-    """Run `fit` for one block."""
+    """Run `fit` for one block of poses."""
     target = pose_columns(poses)
     best = np.array(seeds.T, dtype=float, order="C")
     if lower is not None and upper is not None:
@@ -242,8 +245,8 @@ def _step_of_few(jacobian: Array, error: Array, damping: Array) -> Array | None:
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    """Solve the systems matrix x = right for positive definite matrices (m, m, N) and right sides (m, N), by
-    elimination; both arguments are overwritten.
+    """Solve the linear systems matrix x = right, for positive definite matrices (m, m, N) and right sides (m,
+    N), by Gaussian elimination. Both arguments are overwritten.
     """
     size = len(matrix)
     for k in range(size - 1):

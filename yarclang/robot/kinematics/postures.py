@@ -1,9 +1,9 @@
-"""Look up joint positions that nearly reach a pose: starts of the search for a redundant arm.
+"""Look up joint positions that nearly reach a pose: starts of the inverse kinematics of a redundant arm.
 
-The first and the last joint need no table. Consider a pose as the line of the last axis. Its position
-relative to the first axis doesn't depend on the first joint, and the last joint only turns about that line.
-The table therefore varies only the joints between, and records for each row the last axis as seen from the
-first axis. The rows that come nearest to the pose determine the first and the last joint.
+The first and the last joint need no table. A pose gives the line of the last joint's axis. The position of
+this line relative to the first axis doesn't depend on the first joint, and the last joint only turns about
+the line. The table therefore varies only the joints between, and records for each row the last axis as seen
+from the first axis. The rows that come nearest to the pose then determine the first and the last joint.
 """
 
 from __future__ import annotations
@@ -39,14 +39,15 @@ BEYOND = 10.0
 
 @frozen(eq=False)
 class Table:
-    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and the last axis
-    at each of them.
+    """A table of joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and of
+    the last joint's axis at each of them.
 
     `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that don't depend
-    on the first joint, lengths in units of `unit` [m]. `sizes` (ROWS,) are their squared norms. `bearings`
-    (ROWS,) is the first joint's share of the point's position [rad or m]. `across` (ROWS, 3) is a direction
-    perpendicular to the last axis. `axis`, `point` and `side` (3,) are the last axis, a point of it, and that
-    direction, in the flange. `turns` is True if the first joint turns, `first` (4, 4) is its frame in {B}.
+    on the first joint, lengths in units of `unit` [m]. `sizes` (ROWS,) are the squared norms of these rows.
+    `bearings` (ROWS,) is the one coordinate of the point that the first joint changes [rad or m]. `across`
+    (ROWS, 3) is a direction perpendicular to the last axis. `axis`, `point` and `side` (3,) are the last
+    axis, a point of it, and that direction, in the flange. `turns` is True if the first joint turns, `first`
+    (4, 4) is its frame in {B}.
     """
 
     q: Array
@@ -93,7 +94,7 @@ def seeds_near(
 
 @lru_cache(maxsize=16)
 def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
-    """Return an arm's table, remembered by the identity of the chain and its limits.
+    """Return an arm's table, cached by the identity of the chain and its limits.
 
     Return None if the first joint is a screw, if the last joint doesn't purely turn, or if another joint
     slides so far that a table would be too coarse.
@@ -187,8 +188,8 @@ def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -
 def _coordinates(
     poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
 ) -> tuple[Array, Array]:
-    """Return the coordinates of the last axis that don't depend on the first joint, and the coordinate that
-    does: the bearing about the first axis, or the position along it.
+    """Return the coordinates of the last joint's axis, divided into those that don't depend on the first
+    joint and the one that does: the bearing about the first axis, or the position along it.
 
     Args:
         poses: flange poses (N, 4, 4).
@@ -199,7 +200,7 @@ def _coordinates(
         unit: unit of lengths [m].
 
     Returns:
-        Coordinates (N, 5), and the first joint's share (N,) [rad or m].
+        The independent coordinates (N, 5), and the dependent coordinate (N,) [rad or m].
     """
     place = (poses[:, :3, :3] @ point + poses[:, :3, 3] - first[:3, 3]) @ first[:3, :3]
     way = (poses[:, :3, :3] @ axis) @ first[:3, :3]

@@ -1,10 +1,10 @@
 """Find the solutions of one pose nearest to a reference, for any redundant arm.
 
 Many joint positions move together towards the pose and, through their null spaces, towards the reference.
-Each step leads to the point of the linearised self-motion that is nearest to the reference. The length of a
-step along the self-motion follows from the curvature that the last two steps show (Barzilai and Borwein, IMA
-Journal of Numerical Analysis 8, 1988). A joint that would exceed its limit stays there, and the other joints
-compensate.
+The null-space motion is called self-motion: it leaves the flange at rest. Each step leads to the point of the
+linearised self-motion that is nearest to the reference. The length of a step along the self-motion follows
+from the curvature that the last two steps show (Barzilai and Borwein, IMA Journal of Numerical Analysis 8,
+1988). A joint that would exceed its limit stays there, and the other joints compensate.
 """
 
 from __future__ import annotations
@@ -99,17 +99,17 @@ LOST: Array = np.array([math.inf] * 8 + [0.1] * 6 + [1e-3] * 40)
 def nearest_pulled(
     chain: Chain, limits: Limits, base_from_flange: Array, reference: Array, *, is_only: bool = False
 ) -> Array:
-    """Return joint positions (m, n) [rad or m] at a pose within limits, found from many seeds and pulled to a
-    reference.
+    """Return joint positions (m, n) [rad or m] within limits that reach a pose, found from many seeds and
+    moved towards a reference.
 
-    They are clear of limits if any such joint positions are found.
+    They keep a distance from the limits if any such joint positions are found.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m], within limits.
-        is_only: True if only the nearest is needed.
+        is_only: True if only the joint position nearest to the reference is needed.
     """
     for lower, upper in (clear_of_limits(limits, reference), (limits.lower, limits.upper)):
         pull = Pull(chain, lower, upper, base_from_flange, reference)
@@ -137,7 +137,7 @@ def nearest_pulled(
 
 
 def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Array, reference: Array) -> Array:
-    """Return joint positions (m, n) [rad or m] at a pose within limits, each locally nearest to the
+    """Return joint positions (m, n) [rad or m] within limits that reach a pose, each locally nearest to the
     reference.
 
     Args:
@@ -151,7 +151,8 @@ def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Arra
 
 
 class Pull:
-    """Target to which joint positions (k, n) are pulled: a pose and a reference.
+    """The target towards which joint positions (k, n) are moved: a pose and, as far as the pose allows, a
+    reference.
 
     The pose is (4, 4) for all joint positions, or (k, 4, 4) with one for each. The reference is (n,) or (k,
     n), within the limits `lower` and `upper` (n,). Joint motions are counted in units of `scale` (n,) [rad or
@@ -180,8 +181,8 @@ class Pull:
         return result
 
     def reaching(self, seeds: Array) -> Array:
-        """Return joint positions (m, n) at the pose, reached from seeds (k, n) without regard to the
-        reference. The search ends when `ENOUGH` are found.
+        """Return joint positions (m, n) within limits that reach the pose, found from seeds (k, n) without
+        regard to the reference. The search ends when `ENOUGH` are found.
         """
         q, reached = np.clip(seeds, self.lower, self.upper), []
         for number in range(LAST_STEPS):
@@ -200,8 +201,8 @@ class Pull:
         return np.concatenate(reached)
 
     def put_back(self, q: Array, steps: int) -> tuple[Array, Array]:
-        """Return joint positions (k, n) after a number of steps towards their poses and the reference, and
-        their misses (k,) [m and rad together].
+        """Move joint positions (k, n) back to their poses and towards the reference in a number of steps.
+        Return the new joint positions (k, n), and by how much they miss the poses (k,) [m and rad together].
         """
         q = np.clip(q, self.lower, self.upper)
         for number in range(steps + LAST + 1):
@@ -223,11 +224,13 @@ class Pull:
     def arriving(
         self, seeds: Array, *, is_only: bool = False, bound: float = np.inf, steps: int = STEPS
     ) -> Array:
-        """Return the joint positions (m, n) at which seeds arrive.
+        """Return the joint positions (m, n) that reach the pose when seeds are moved to the pose and towards
+        the reference.
 
         Args:
             seeds: (k, n) [rad or m].
-            is_only: True if only the nearest is needed, and only if it is nearer than `bound`.
+            is_only: True if only the joint position nearest to the reference is needed, and only if it is
+                nearer than `bound`.
             bound: squared distance from the reference [squared joint differences].
             steps: the largest number of steps.
         """
@@ -282,8 +285,8 @@ class Pull:
         return np.concatenate(arrived) if arrived else np.empty((0, self.chain.size))
 
     def _hopeful(self, q: Array, away: Array, hoped: Array, miss: Array, nearest: float) -> NDArray[np.bool_]:
-        """Return a mask (k,) of the joint positions (k, n) that may still become the nearest. Of joint
-        positions that have come together, only the first is kept.
+        """Return a mask (k,) of the joint positions (k, n) that may still become the nearest to the
+        reference. Of joint positions that have come together, only the first may.
         """
         close = miss < CLOSE
         if close.any():
@@ -295,7 +298,9 @@ class Pull:
         return hopeful
 
     def _exact(self, q: Array) -> Array:
-        """Return the joint positions near the pose, of (k, n), that reach it in a few steps within limits."""
+        """Move joint positions (k, n) near the pose to the pose, within limits. Return those that reach it in
+        a few steps.
+        """
         for number in range(LAST + 1):
             jacobian, error = self._jacobians(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
@@ -320,8 +325,8 @@ class Pull:
     def _steps(
         self, q: Array, jacobian: Array, error: Array, miss: Array, to_reference: Array
     ) -> tuple[Array, Array]:
-        """Compute steps towards the pose and along the self-motion, holding joints that would leave their
-        limits.
+        """Compute joint steps towards the pose and along the self-motion. Joints that would exceed their
+        limits are kept at rest.
 
         Args:
             q: (k, n) [rad or m].
@@ -343,7 +348,7 @@ class Pull:
     def _scaled_steps(
         self, q: Array, jacobian: Array, error: Array, miss: Array, wanted: Array
     ) -> tuple[Array, Array]:
-        """Compute `_steps` with all joint motions in one unit."""
+        """Compute `_steps` for joint motions that are all counted in the same unit."""
         towards, along = _least(jacobian, error, miss, wanted)
         low, high = q <= self.lower + EDGE, q >= self.upper - EDGE
         if not (low | high).any():
@@ -365,13 +370,14 @@ class Pull:
 
 
 def _least(jacobian: Array, error: Array, miss: Array, towards: Array) -> tuple[Array, Array]:
-    """Return the least steps that correct errors, and the part of wanted moves that lies in the null space.
+    """Return the least joint steps that correct the pose errors, and the component of the wanted joint moves
+    that lies in the null space.
 
     Args:
         jacobian: (k, 6, n).
         error: (k, 6).
         miss: norms of the errors (k,).
-        towards: (k, n).
+        towards: (k, n) the wanted moves.
 
     Returns:
         J⁺ error (k, n) and (I - J⁺ J) wanted (k, n), with the damped pseudoinverse J⁺ = Jᵀ (JJᵀ + d)⁻¹.

@@ -1,4 +1,6 @@
-"""Bound the distance of the tool from each joint axis: the lever by which joint motion becomes path error."""
+"""Compute an upper bound on the distance of the tool from each joint axis: the lever by which joint errors
+become path errors.
+"""
 
 from __future__ import annotations
 
@@ -48,12 +50,12 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
 
 
 def arm_length(chain: Chain, flange_from_tool: Array) -> float:
-    """Return an upper bound on the distance of the tool from the first turning axis [m], with slides at zero;
-    1 m if no joint turns.
+    """Return an upper bound on the distance of the tool from the first turning axis [m], with sliding joints
+    at zero; 1 m if no joint turns.
 
     The bound is a sum of distances: from the tool to the last turning axis, from the foot of this
-    perpendicular to the turning axis before, and so on. This size of the arm doesn't depend on where along
-    their axes the URDF puts the joints.
+    perpendicular to the turning axis before, and so on. It doesn't depend on where along their axes the URDF
+    puts the joints.
 
     Args:
         chain: the arm.
@@ -64,7 +66,7 @@ def arm_length(chain: Chain, flange_from_tool: Array) -> float:
 
 @lru_cache(maxsize=256)
 def _arm_length(chain: Chain, tool: bytes) -> float:
-    """Compute `arm_length`, remembered by the chain's identity and the tool's numbers (4, 4)."""
+    """Compute `arm_length`, cached by the chain's identity and the numbers of the tool's transform (4, 4)."""
     links = links_of(chain)
     point = (chain.base_from_flange @ np.frombuffer(tool).reshape(4, 4))[:3, 3]
     total = 0.0

@@ -24,10 +24,10 @@ LEAST = 1e-3
 
 
 def weights(chain: Chain, limits: Limits) -> Array:
-    """Return the unit in which each joint's motion is counted (n,) [rad or m].
+    """Return the unit in which the motion of each joint is counted (n,) [rad or m].
 
-    The unit is half of the joint's range, but not more than half a turn, or than the arm's size for a sliding
-    joint.
+    The unit is half of the joint's range, but at most half a turn for a turning joint, or the arm's size for
+    a sliding joint.
     """
     half = 0.5 * (limits.upper - limits.lower)
     ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))
@@ -37,8 +37,8 @@ def weights(chain: Chain, limits: Limits) -> Array:
 
 
 def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array) -> Array:
-    """Sample joint positions within limits that reach the same pose, along motions that leave the flange at
-    rest.
+    """Return samples of joint positions within limits that all reach the same pose. They are connected by
+    self-motion: joint motion that leaves the flange at rest.
 
     Starting from each given position, steps are made in both senses of each direction of the null space, up
     to the limits.
@@ -80,7 +80,8 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
 
 
 def null_spaces(chain: Chain, q: Array, scale: Array) -> Array:
-    """Return orthonormal directions (m, k, n) in which joint positions (m, n) leave the flange at rest.
+    """Return orthonormal directions of joint motion (m, k, n) that leave the flange at rest at joint
+    positions (m, n): k directions for each.
 
     Joint motions are counted in units of `scale` (n,) [rad or m].
     """

@@ -2,8 +2,8 @@
 
 If there is a closed form, its branches are tried. For a calibrated arm, the solutions near its nominal
 solutions are tried first. Otherwise damped least squares start from some thousand fixed joint positions
-within limits. Each pose first tries the start whose own pose is nearest; poses that are still unsolved then
-try more starts.
+within limits. For each pose, the first start is the one whose own pose is nearest; poses that are still
+unsolved then try more starts.
 """
 
 from __future__ import annotations
@@ -119,8 +119,8 @@ def _next_to_meant(
 
 
 def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return `q` (..., n) on the full turns nearest to the middle of the limits, and a mask (...) of those
-    within limits.
+    """Return `q` (..., n) shifted to the full turns nearest to the middle of the limits, and a mask (...) of
+    the positions within limits.
     """
     low, high = span(chain, limits)
     lifted = nearest_turn(chain, limits, q, 0.5 * (low + high))
@@ -129,10 +129,10 @@ def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.b
 
 
 def span(chain: Chain, limits: Limits) -> tuple[Array, Array]:
-    """Return the interval in which each joint is searched, (n,) each [rad or m].
+    """Return the lower and upper ends of the interval in which each joint is searched, (n,) each [rad or m].
 
-    It is the joint's range; for a turning joint, at most a full turn about its middle. For a joint without
-    limits, it is half a turn to either side of 0, or the arm's size for a slide.
+    The interval is the joint's range; for a turning joint, at most a full turn about the middle of the range.
+    For a joint without limits, it is half a turn to either side of 0, or the arm's size for a sliding joint.
     """
     half = np.where(chain.is_prismatic, extent(chain), math.pi)
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
@@ -154,7 +154,9 @@ def within(chain: Chain, limits: Limits, count: int) -> Array:
 
 @lru_cache(maxsize=16)
 def _start_positions(chain: Chain, limits: Limits) -> Array:
-    """Return the fixed joint positions (STARTS, n), remembered by the identity of chain and limits."""
+    """Return the fixed joint positions (STARTS, n) from which searches start, cached by the identity of chain
+    and limits.
+    """
     return within(chain, limits, STARTS)
 
 
@@ -174,7 +176,9 @@ def _features(chain: Chain, poses: Array) -> Array:
 
 
 def _nearest_starts(chain: Chain, limits: Limits, poses: Array, most: int) -> NDArray[np.int_]:
-    """Return the numbers (N, most) of the starts whose poses are nearest, the nearest first."""
+    """Return, for each pose, the indices of the starts whose own poses are nearest, the nearest first, as (N,
+    most).
+    """
     features = _start_features(chain, limits)
     half_square = 0.5 * np.square(features).sum(axis=1)
     result = np.empty((len(poses), most), dtype=int)

@@ -1,5 +1,5 @@
-"""Compute pose, Jacobian and error of a single joint position, in a fifth of the time that `fk` and `numeric`
-take for a batch of one.
+"""Compute the pose, Jacobian and pose error of a single joint position, in a fifth of the time that `fk` and
+`numeric` take for a batch of one.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from yarclang.transforms import sealed
 
 
 def pose_with_jacobian(chain: Chain, q: Array) -> tuple[Array, Array]:
-    """Return base_from_flange (4, 4) of a joint position (n,) [rad or m], and the Jacobian (6, n) at the
-    flange's origin: linear part above angular part, in the axes of {B}.
+    """Return the pose base_from_flange (4, 4) at a joint position (n,) [rad or m], and the Jacobian (6, n) at
+    the flange's origin: linear part above angular part, in the axes of {B}.
     """
     links, (first, after) = links_of(chain), _constants(chain)
     turns = q if links.uniform else q * links.turn
@@ -67,7 +67,7 @@ def twist_between(pose: Array, target: Array) -> Array:
 @lru_cache(maxsize=256)
 def _constants(chain: Chain) -> tuple[Array, Array]:
     """Return the first joint's frame in {B} (4, 4), and the transforms from each joint to the next or to the
-    flange (n, 4, 4); remembered by the chain's identity.
+    flange (n, 4, 4); cached by the chain's identity.
     """
     links: Links = links_of(chain)
     after = np.empty((chain.size, 4, 4))

@@ -1,5 +1,5 @@
-"""Measure the distance of joint positions from a singularity, and find the motions that a singularity makes
-expensive.
+"""Measure the distance of joint positions from a singularity, and find the tool motions that need large joint
+motions there.
 
 A Jacobian mixes m and rad, so its singular values are meaningless until lengths and angles are weighted. Here
 every length is divided by the arm's characteristic length L, the largest distance of the tool from the first
@@ -38,7 +38,8 @@ class Nearness:
 
 
 def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
-    """Compute the smallest singular value at each joint position, and the motions that belong to it.
+    """Compute the smallest singular value of the weighted Jacobian at each joint position, and the joint
+    motion and tool motion that belong to it.
 
     An arm with fewer than six joints has as many singular values as joints: it is singular where it can move
     in fewer directions than elsewhere. An arm with more than six joints has six singular values; its null

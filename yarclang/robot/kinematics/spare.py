@@ -1,6 +1,6 @@
-"""Solve arms with one spare joint in closed form: all solutions of a pose for given values of that joint.
+"""Solve arms with one spare joint in closed form: all solutions of a pose for given positions of that joint.
 
-With one joint held, two kinds of arms with seven joints have a closed form:
+With one joint held at a given position, two kinds of arms with seven joints have a closed form:
 
 - The held joint is the first or the last (a rail under an arm, or a turn after its flange), and the other six
   joints are an arm of `closed_form`.
@@ -8,7 +8,7 @@ With one joint held, two kinds of arms with seven joints have a closed form:
   first two with the third held (a spherical shoulder, as in LBR iiwa), or the second and third with the first
   held.
 
-In the second case, the distance of the wrist centre from the point where these two axes meet gives the fourth
+In the second kind, the distance of the wrist centre from the point where these two axes meet gives the fourth
 angle (subproblem 3), the direction of the wrist centre gives the angles of these two axes (subproblem 2), and
 the rotation that is left gives the wrist. An arm whose first three axes meet (Panda, xArm 7) is of this kind
 if it is read from its flange. The decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine
@@ -48,9 +48,10 @@ BRANCHES = 8
 
 @frozen(eq=False)
 class HeldAtEnd:
-    """An arm in which joint `joint` (0 or 6) is held, and the other six joints have the closed form `arm`.
+    """An arm of seven joints whose first or last joint, `joint` (0 or 6), is held at a given position; the
+    other six joints have the closed form `arm`.
 
-    `screw` (6,) is that of the held joint: in {B} if it is the first, in the flange if it is the last.
+    `screw` (6,) is the screw of the held joint: in {B} if it is the first, in the flange if it is the last.
     """
 
     joint: int
@@ -60,13 +61,14 @@ class HeldAtEnd:
 
 @frozen(eq=False)
 class HeldWithin:
-    """An arm of seven turning joints with a wrist, read from the base or from the flange (`is_reversed`).
+    """An arm of seven turning joints with a wrist; a joint before the wrist is held at a given position. The
+    arm is read from the base, or from the flange (`is_reversed`).
 
     All fields describe the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the
     joints' axes. `held` (0 or 2) is the held joint, `pair` are the two joints whose axes meet in `meeting`
     (3,). Joint 3 bends the arm; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles
-    `angles`. `home` (4, 4) is the tip. `fourth` and `sixth` (3, 3) are the frames of the wrist's first and
-    last axis. `crosses` (7, 3, 3) are the cross product matrices of the axes.
+    `angles`. `home` (4, 4) is the pose of the tip. `fourth` and `sixth` (3, 3) are the frames of the wrist's
+    first and last axis. `crosses` (7, 3, 3) are the cross product matrices of the axes.
     """
 
     is_reversed: bool
@@ -84,7 +86,7 @@ class HeldWithin:
 
     @property
     def joint(self) -> int:
-        """The held joint, counted from the base."""
+        """The number of the held joint, counted from the base."""
         return 6 - self.held if self.is_reversed else self.held
 
 
@@ -93,8 +95,8 @@ SpareForm = HeldAtEnd | HeldWithin
 
 @lru_cache(maxsize=256)
 def spare_form(chain: Chain) -> SpareForm | None:
-    """Return the closed form of an arm of seven joints with one of them held, or None if it has none;
-    remembered by the chain's identity.
+    """Return the closed form of an arm of seven joints with one of them held at a given position, or None if
+    the arm has none; cached by the chain's identity.
     """
     if chain.size != 7:
         return None
@@ -104,17 +106,17 @@ def spare_form(chain: Chain) -> SpareForm | None:
 def solutions_with(
     form: SpareForm, base_from_flange: Array, values: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Find all solutions of a pose for given values of the held joint, without regard to limits.
+    """Find all solutions of a pose for given positions of the held joint, without regard to limits.
 
     Args:
         form: the arm.
         base_from_flange: (4, 4).
-        values: (N,) values of the held joint [rad or m].
-        hold: (7,) [rad or m], the values of joints that a singularity leaves free.
+        values: (N,) positions of the held joint [rad or m].
+        hold: (7,) [rad or m], the values for joints that a singularity leaves free.
 
     Returns:
         q (BRANCHES, N, 7) [rad or m], turns in (-pi, pi] except for the held joint, and a mask (BRANCHES, N)
-        of those that reach the pose.
+        of the entries that reach the pose.
     """
     if isinstance(form, HeldAtEnd):
         return _solved_at_end(form, base_from_flange, values, hold)
@@ -128,7 +130,7 @@ def solutions_with(
 
 
 def _at_end(chain: Chain) -> HeldAtEnd | None:
-    """Return the form with the first or the last joint held, or None if the other six joints have no
+    """Return the closed form with the first or the last joint held, or None if the other six joints have no
     closed form.
     """
     without_first = Chain(sealed(chain.screws[1:]), chain.base_from_flange)
@@ -144,7 +146,7 @@ def _at_end(chain: Chain) -> HeldAtEnd | None:
 def _solved_at_end(
     form: HeldAtEnd, pose: Array, values: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Compute `solutions_with` for a held joint at an end."""
+    """Compute `solutions_with` for an arm whose first or last joint is held."""
     away = _moves(form.screw, -values)
     others = slice(1, 7) if form.joint == 0 else slice(0, 6)
     poses = away @ pose if form.joint == 0 else pose @ away
@@ -156,8 +158,8 @@ def _solved_at_end(
 
 
 def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
-    """Return the form with a joint inside the arm held, read from the base or from the flange, or None if
-    there is none.
+    """Return the closed form of an arm with a wrist, read from the base or from the flange, with a joint
+    before the wrist held; None if there is none.
     """
     if not links_of(chain).uniform:
         return None
@@ -203,8 +205,8 @@ def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
 def _solved_within(
     form: HeldWithin, pose: Array, values: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return solutions (7, BRANCHES, N) of the chain as it is read, and a mask (BRANCHES, N) of those that
-    reach the pose; samples are the last index.
+    """Return solutions (7, BRANCHES, N) for the chain as it is read (from the base or from the flange), and a
+    mask (BRANCHES, N) of those that reach the pose. The last index counts the positions of the held joint.
     """
     count, (first_joint, other) = len(values), form.pair
     turned = pose[:3, :3] @ form.home[:3, :3].T
@@ -253,7 +255,7 @@ def _solved_within(
 
 
 def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Solve subproblem 3: the fourth angle that brings the wrist centre to a distance of |`way`| from
+    """Solve subproblem 3: find the fourth angle at which the wrist centre is at the distance |`way`| from
     `middle`.
 
     Args:
@@ -262,7 +264,7 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
         way: (3, N) [m].
 
     Returns:
-        The angle (2, N) [rad], and a mask (N,) of the samples that have one.
+        The two values of the angle (2, N) [rad], and a mask (N,) of the samples for which they exist.
     """
     axis = form.axes[3]
     arm, target = form.centre - form.points[3], middle - form.points[3][:, None]
@@ -283,10 +285,11 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
 def _two_turns(
     form: HeldWithin, way: Array, reach: Array, hold: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Solve subproblem 2: the turns about the pair of axes that bring `reach` to `way`.
+    """Solve subproblem 2: find the angles of the two joints `form.pair` at which the vector `reach` turns to
+    the vector `way`.
 
-    If `way` lies along the first axis, the turn about the first axis is `hold[0]`. If `reach` lies along the
-    other axis, the turn about the other axis is `hold[1]`.
+    If `way` lies along the first axis, the angle about the first axis is `hold[0]`. If `reach` lies along the
+    other axis, the angle about the other axis is `hold[1]`.
 
     Args:
         form: the arm.
@@ -295,8 +298,8 @@ def _two_turns(
         hold: (2,) [rad].
 
     Returns:
-        The turns about the first and about the other axis, (2, 2, N) each [rad], and a mask (2, N) of the
-        samples that have them.
+        The angles about the first and about the other axis, (2, 2, N) each [rad], and a mask (2, N) of the
+        samples for which they exist.
     """
     first_joint, other = (form.axes[joint] for joint in form.pair)
     cosine, normal = float(first_joint @ other), form.crosses[form.pair[0]] @ other
@@ -327,7 +330,7 @@ def _two_turns(
 
 
 def _turn_between(start: Array, across: Array, end: Array) -> Array:
-    """Return the turn about an axis that brings one vector to another [rad].
+    """Return the angle [rad] by which a turn about an axis brings one vector to another.
 
     Args:
         start: the axis crossed with the first vector (3, ...).
@@ -373,7 +376,7 @@ def _back(transform: Array) -> Array:
 
 
 def _seen_from(frame: Array, screws: Array) -> Array:
-    """Return screws (m, 6) of {B}, linear part first, as seen from a frame (4, 4)."""
+    """Transform screws (m, 6), linear part first, from {B} into a frame (4, 4)."""
     turn, origin = frame[:3, :3], frame[:3, 3]
     angular = screws[:, 3:]
     linear = screws[:, :3] + np.cross(angular, origin)
@@ -381,7 +384,7 @@ def _seen_from(frame: Array, screws: Array) -> Array:
 
 
 def _moves(screw: Array, values: Array) -> Array:
-    """Return the motions (N, 4, 4) of a joint with screw (6,) for its values (N,) [rad or m]."""
+    """Return the motions (N, 4, 4) that a joint with screw (6,) makes for joint positions (N,) [rad or m]."""
     linear, angular = screw[:3], screw[3:]
     result = np.tile(np.eye(4), (len(values), 1, 1))
     size = float(np.linalg.norm(angular))

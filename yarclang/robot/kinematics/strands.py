@@ -49,8 +49,8 @@ End = Literal["whole", "jump", "nothing"]
 
 @frozen(eq=False)
 class Strand:
-    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, up to the last place that is
-    reached without a jump.
+    """Joint positions `q` (M, n) [rad or m] at path parameters `s` (M,) from 0 to 1, up to the last one that
+    is reached without a jump of a joint.
 
     `end` is "whole" if they reach the path's end, "jump" if the nearest solution after them would be a jump
     (to `beyond` (n,)), and "nothing" if there is no solution after them.
@@ -64,9 +64,10 @@ class Strand:
 
 @dataclass(slots=True, eq=False)
 class _Samples:
-    """All branches at all places that were computed so far.
+    """All branches (solutions) at all path parameters for which they were computed so far.
 
-    The places are the first index: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M, 8, 2).
+    The first index of each array counts the path parameters: `q` (M, 8, 6), `valid` and `singular` (M, 8),
+    `free` (M, 8, 2).
     """
 
     s: Array
@@ -79,7 +80,8 @@ class _Samples:
 
 @frozen(eq=False)
 class _Held:
-    """A singularity that the strand has entered.
+    """A singularity that the joint motion along a path has entered. Inside it, the angle that the pose leaves
+    free keeps its value (it is held).
 
     `before` is the index of the last sample before it, `q` (6,) are the joint positions there, and `joints`
     are the joints that the singularity frees.
@@ -90,24 +92,26 @@ class _Held:
     joints: list[int]
 
     def turned(self, q: Array) -> Array:
-        """Return, for each joint position `q` (K, 6), the largest difference of a free joint from its held
-        value [rad].
+        """Return by how much the free joints have turned from their held values at joint positions `q` (K,
+        6): the largest difference at each position, (K,) [rad].
         """
         away: Array = np.abs(q[:, self.joints] - self.q[self.joints]).max(axis=1)
         return away
 
 
 def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
-    """Follow a path from `q_start` (6,) [rad], which reaches pose_at(s[0]).
+    """Follow a path with an arm that has a closed form, from `q_start` (6,) [rad], which reaches
+    pose_at(s[0]).
 
     Args:
         arm: the closed form.
-        pose_at: base_from_flange (N, 4, 4) at places (N,).
-        s: (M,) the first skeleton, from 0 to 1.
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters (N,).
+        s: (M,) the path parameters that are sampled first, from 0 to 1.
         q_start: (6,) [rad].
 
     Returns:
-        The strand, up to the path's end or to the place after which it can't be continued.
+        The strand (the sequence of joint positions), up to the path's end or to the sample after which it
+        can't be continued.
     """
     samples = _sampled(arm, pose_at(s), s, q_start)
     for _ in range(ROUNDS):
@@ -124,18 +128,19 @@ def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_st
 def plain_strands(
     arm: Form, poses: Array, s: Array, starts: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Follow many paths at once along one branch; paths that need a decision are marked.
+    """Follow many paths at once, each along the same branch (configuration) of the closed form. Paths that
+    need more samples or a change of branch are marked.
 
     Args:
         arm: the closed form.
-        poses: base_from_flange (m * M, 4, 4) of m paths, at the same places of each.
-        s: (M,) the places, from 0 to 1; M at least 3.
+        poses: base_from_flange (m * M, 4, 4) of m paths, at the same path parameters of each.
+        s: (M,) the path parameters, from 0 to 1; M at least 3.
         starts: (m, 6) [rad], where each path begins.
         branch: the branch on which all paths begin.
 
     Returns:
-        Joint positions (m, M, 6), and a mask (m,) of the paths that stay on the branch without refinement.
-        For these paths, `follow_branches` returns the same strand, and it is whole.
+        Joint positions (m, M, 6), and a mask (m,) of the paths that stay on the branch without more samples.
+        For these paths, `follow_branches` returns the same joint positions, up to the path's end.
     """
     q = np.empty((len(starts), len(s), 6))
     beyond = poses.reshape(*q.shape[:2], 4, 4)[:, 1:]
@@ -161,15 +166,16 @@ def plain_strands(
 
 
 def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
-    """Follow the samples from `q_start` (6,) until a jump or the end.
+    """Follow the samples of a path from `q_start` (6,) until a joint would have to jump, or to the end.
 
     Args:
         arm: the closed form.
-        samples: all branches at the places so far.
+        samples: all branches at the path parameters so far.
         q_start: (6,) [rad].
 
     Returns:
-        The strand, and the places (K,) at which more samples are needed.
+        The strand (the sequence of joint positions), and the path parameters (K,) at which more samples are
+        needed.
     """
     s, count = samples.s, len(samples.s)
     q = np.empty((count, 6))
@@ -239,11 +245,12 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
 
 
 def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, q: Array) -> Array:
-    """Return joint positions (K, 6) of consecutive singular samples, with the free angle held.
+    """Return joint positions (K, 6) of consecutive samples inside a singularity. The angle that the poses
+    leave free keeps its value (it is held).
 
     Args:
         arm: the closed form.
-        samples: all branches at the places so far.
+        samples: all branches at the path parameters so far.
         first: the first singular sample.
         last: the sample after the last singular one.
         branch: the branch to follow.
@@ -262,10 +269,11 @@ def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, 
 
 
 def _bends(strand: Strand) -> Array:
-    """Return places (K,) halfway to the neighbours of samples that lie off the chord between these
-    neighbours.
+    """Return path parameters (K,) at which more samples are needed: halfway between each sample that lies off
+    the chord of its neighbours and these neighbours.
 
-    Without these places, a short event between two samples, such as a stretch out of reach, would be missed.
+    Without them, a short event between two samples would be missed, such as an interval in which the path is
+    out of reach.
     """
     s, q = strand.s, strand.q
     if len(s) < 3:
@@ -281,17 +289,17 @@ def _bends(strand: Strand) -> Array:
 
 
 def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Array, bool]:
-    """Return the branch at sample `index` that is nearest to `q` (6,).
+    """Return the branch at sample `index` that is nearest to the joint position `q` (6,).
 
     Args:
         arm: the closed form.
-        samples: all branches at the places so far.
+        samples: all branches at the path parameters so far.
         index: the sample.
         q: (6,) [rad].
 
     Returns:
         The branch, or -1 if no branch reaches the pose; its joint values (6,) on the full turns nearest to
-        `q`; and True if it is singular at the sample, in which case its free angle is held at that of `q`.
+        `q`; and True if it is singular at the sample, in which case its free angle has the value in `q`.
     """
     solutions, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
     if not valid.any():
@@ -306,13 +314,13 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
 
 
 def _sections(start: float, end: float, pieces: int) -> Array:
-    """Return the places (pieces - 1,) that divide an interval into equal pieces."""
+    """Return the path parameters (pieces - 1,) that divide an interval of the path into equal pieces."""
     result: Array = np.linspace(start, end, pieces + 1)[1:-1]
     return result
 
 
 def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
-    """Compute all branches at new places."""
+    """Compute all branches (solutions) at new path parameters."""
     solutions = closed_form(arm, poses, hold[:, None])
     return _Samples(
         s,
@@ -325,7 +333,7 @@ def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
 
 
 def _merged(samples: _Samples, extra: _Samples) -> _Samples:
-    """Merge two sets of samples in the order of their places."""
+    """Merge two sets of samples in the order of their path parameters."""
     s = np.concatenate([samples.s, extra.s])
     order = np.argsort(s, kind="stable")
     return _Samples(

@@ -1,7 +1,7 @@
-"""Follow a path of flange poses by continuity, or report where and why it can't be followed.
+"""Follow a path of flange poses with continuous joint motion, or report where and why it can't be followed.
 
-A path is sampled at a skeleton of places, dense enough that each joint moves little from one sample to the
-next. If a joint moves more, the skeleton is refined until the move is small, or until the interval is so
+A path is sampled at places that are dense enough for each joint to move little from one sample to the next
+(the skeleton). If a joint moves more, samples are added until the move is small, or until the interval is so
 short that the joint would have to jump.
 """
 
@@ -63,10 +63,10 @@ class Track:
     """Joint positions along a path.
 
     `s` (M,) grows from 0 to 1. `q` (M, n) [rad or m] reach the path's poses, each joint without jumps by full
-    turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that `at` returns seeds for
-    `follow` on the same branch. `bend` (M, n) are the second derivatives of the natural cubic spline through
-    `q`, for a redundant arm only: its seeds choose among a continuum of solutions and therefore have to be
-    smooth.
+    turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that the joint positions that
+    `at` interpolates lead `follow` to the same branch. `bend` (M, n) are the second derivatives of the
+    natural cubic spline through `q`. Only a redundant arm has them: its seeds choose among a continuum of
+    solutions and therefore have to be smooth.
     """
 
     s: Array
@@ -74,8 +74,8 @@ class Track:
     bend: Array | None = None
 
     def at(self, s: Array) -> Array:
-        """Return joint positions (N, n) at path places `s` (N,), interpolated between the samples: seeds, not
-        solutions.
+        """Return joint positions (N, n) interpolated between the samples at path parameters `s` (N,). They
+        are seeds for inverse kinematics, not solutions.
         """
         after = np.clip(np.searchsorted(self.s, s, side="right"), 1, len(self.s) - 1)
         before = after - 1
@@ -94,20 +94,24 @@ class Track:
 class Broken:
     """The place after which a path can't be followed, and the reason.
 
-    `s` is the last place reached, `q` (n,) [rad or m] the joint position there.
+    `s` is the last path parameter reached, from 0 to 1, and `q` (n,) [rad or m] the joint position there.
+    `kind` is the reason:
 
-    kind "reach": the rest of the path is out of reach. At the worst place it misses by `amount` [m] with the
-    orientation held; if the arm can't hold the orientation either, `angle` [rad] remains. Both are valid only
-    if `is_measured`.
-    kind "limits": `joint` (from 0) leaves its limits here. On the rest of the path it would exceed them by up
-    to `amount` [rad or m], positive above the upper limit, negative below the lower one. Some later pose
-    can't be reached within limits by any configuration.
-    kind "configuration": only another configuration (or another full turn of a joint) continues from here. If
+    "reach": the rest of the path is out of reach. At its worst place the flange misses the pose by `amount`
+    [m] in the right orientation; if the arm can't reach the orientation either, `angle` [rad] remains. Both
+    are valid only if `is_measured`.
+
+    "limits": `joint` (from 0) leaves its limits here. On the rest of the path it would exceed them by up to
+    `amount` [rad or m], positive above the upper limit, negative below the lower one. Some later pose can't
+    be reached within limits by any configuration.
+
+    "configuration": only another configuration (or another full turn of a joint) continues from here. If
     limits are the reason, `joint` and `amount` are as for "limits", and every sampled pose of the rest of the
     path can be reached within limits by some other configuration. If this configuration ends here, `joint` is
     the joint that differs most in the nearest other configuration and `amount` the difference, or `joint` is
     None.
-    kind "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
+
+    "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
     """
 
     s: float
@@ -128,15 +132,16 @@ def track(
     samples: int = SAMPLES,
     reason: Reason = "measured",
 ) -> Track | Broken:
-    """Follow a path of flange poses from a given joint position, without jumps.
+    """Follow a path of flange poses from a given joint position, without jumps of a joint.
 
     Args:
         chain: the arm, n joints.
         limits: its limits; q_start is within them.
-        pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
+        pose_at: function that returns the poses base_from_flange (N, 4, 4) at path parameters s (N,) in [0,
+            1]; continuous.
         q_start: (n,) [rad or m], reaches pose_at(0) within 1e-6.
-        samples: number of places at which the path is sampled first, at equal distances.
-        reason: how much to find out if the path can't be followed.
+        samples: number of path parameters that are sampled first, at equal distances.
+        reason: what to find out about the reason if the path can't be followed.
 
     Returns:
         The joint positions along the whole path, or the place after which it can't be followed, and why.
@@ -188,7 +193,8 @@ def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: A
     Args:
         chain: the arm, n joints.
         limits: its limits.
-        paths: base_from_flange (N, 4, 4) for path places (N,), for each path.
+        paths: for each path, a function that returns the poses base_from_flange (N, 4, 4) at path parameters
+            (N,), from 0 to 1.
         starts: (K, n) [rad or m], within limits, exactly at the paths' starts.
     """
     if form_of(chain) is not None:
@@ -213,8 +219,8 @@ def _keeps(limits: Limits, strand: Strand) -> bool:
 
 
 def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -> Broken | None:
-    """Return the break at which the joints of a strand first leave their limits, or None if they stay
-    within them.
+    """Return the place and reason at which the joints of a strand (a sequence of joint positions) first
+    exceed their limits, or None if they stay within them.
     """
     excess = beyond(limits, strand.q)
     out = np.abs(excess) > EDGE
@@ -247,7 +253,7 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
 
 
 def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) -> Broken:
-    """Return the reason why a strand ends before the path does."""
+    """Return the reason why a strand (a sequence of joint positions) ends before the path does."""
     s, q = float(strand.s[-1]), sealed(strand.q[-1])
     if strand.end == "jump":
         return _jump(chain, pose_at, s, q, strand.beyond)
@@ -270,8 +276,8 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) 
 
 
 def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -> Broken:
-    """Return the reason why a strand ends if its nearest continuation `beyond` (n,) is a jump away from
-    `q` (n,).
+    """Return the reason why a strand ends at `q` (n,) if the nearest solution after it, `beyond` (n,), is a
+    jump of a joint away.
     """
     # measure the jump a little further on, where the joints are clear of the singularity
     ends = pose_columns(pose_at(np.array([s, 1.0])))
@@ -294,7 +300,7 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
 
 
 def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> bool:
-    """Return True if every pose (N, 4, 4) can be reached within limits by some configuration."""
+    """Return True if every pose (N, 4, 4) can be reached within limits, each by any configuration."""
     q, valid = branches(chain, poses, reference)
     lifted = nearest_turn(chain, limits, q, reference)
     inside = (np.abs(beyond(limits, lifted)) <= EDGE).all(axis=2) & valid
@@ -302,7 +308,9 @@ def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> 
 
 
 def spline_bends(s: Array, q: Array) -> Array:
-    """Return the second derivatives (M, n) of the natural cubic spline through `q` (M, n) at `s` (M,)."""
+    """Return the second derivatives (M, n) of the natural cubic spline through joint positions `q` (M, n) at
+    path parameters `s` (M,).
+    """
     from scipy.linalg import solveh_banded
 
     width = np.diff(s)

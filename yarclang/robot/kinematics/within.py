@@ -1,4 +1,6 @@
-"""Relate joint positions to limits: excess, nearest full turn, clearance."""
+"""Compare joint positions with limits: by how much they exceed limits, their nearest full turn within limits,
+and limits narrowed by a clearance.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +46,8 @@ def beyond(limits: Limits, q: Array) -> Array:
 
 
 def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
-    """Return limits (n,) [rad or m] narrowed so that they keep clear of the real limits, but include the
-    reference.
+    """Return the limits narrowed by a clearance, as lower and upper (n,) [rad or m]. They are widened again
+    where the reference would exceed them.
     """
     room = np.minimum(CLEAR, 0.05 * (limits.upper - limits.lower))
     return (

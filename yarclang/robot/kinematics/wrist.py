@@ -1,5 +1,5 @@
-"""Solve the three angles of a wrist whose axes meet, both solutions, for whole batches. Angles that a
-singularity leaves free are held.
+"""Compute both solutions for the three angles of a wrist whose axes meet, for many poses at once. An angle
+that a singularity leaves free takes a given value.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ TURN = 2.0 * math.pi
 def wrist_angles(
     arm: Form | WristAngles, rest: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Solve the wrist's three angles for the rotation that is left for it.
+    """Solve the wrist's three angles for the rotation that the wrist must make.
 
     rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), with t5 = q5 + bend. The last column of `rest` is axis 6.
     The angle between axes 4 and 6 gives t5 (subproblem 4); then the direction of axis 6 gives q4 (subproblem
@@ -38,11 +38,11 @@ def wrist_angles(
     Args:
         arm: has the angles between the wrist's axes.
         rest: the rotation (3, 3, arm 4, N).
-        hold: q4 for a straight wrist [rad].
+        hold: the value of q4 if the wrist is straight [rad].
 
     Returns:
-        The angles (3, wrist 2, arm 4, N) [rad]; a mask (arm 4, N) of the rotations that the wrist can bend
-        to; and a mask (arm 4, N) of those at which the wrist is straight.
+        The angles (3, wrist 2, arm 4, N) [rad]; a mask (arm 4, N) of the rotations that the wrist can make;
+        and a mask (arm 4, N) of the rotations for which it is straight.
     """
     alpha, beta = arm.alpha, arm.beta
     sin_a, cos_a, sin_b, cos_b = math.sin(alpha), math.cos(alpha), math.sin(beta), math.cos(beta)
@@ -78,7 +78,9 @@ def wrist_angles(
 
 
 def held(angle: Array, hold: Array, weight: Array) -> Array:
-    """Return `angle`, replaced by `hold` where `weight` is far below HOLD, with a smooth transition."""
+    """Return `angle`, changed smoothly to the given value `hold` where `weight` (the distance from a
+    singularity) is far below HOLD.
+    """
     square = weight * weight
     away = angle - hold
     away -= TURN * np.round(away * (1.0 / TURN))

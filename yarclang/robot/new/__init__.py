@@ -1,3 +1,3 @@
-"""Make a robot folder from a URDF: the chain, the values of the URDF, and rules for missing values, each
-marked as a guess.
+"""Make a robot folder from a URDF: choose the arm's chain, take over the values of the URDF, and guess
+missing values by rules. Each guess is marked in the robot.toml.
 """

@@ -1,4 +1,6 @@
-"""Choose the chain of a URDF that is the arm: its base, its tip, and the joints that don't belong to it."""
+"""Choose the chain of a URDF's joints that is the arm: its base, its tip, and the joints that don't belong
+to it.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,7 @@ _TCP_NAMES = (r"tcp|grasp|tool_tip",)
 
 @frozen
 class ArmChain:
-    """The proposed chain.
+    """The chain of a URDF that is proposed as the arm.
 
     Attributes:
         base: the link that is {B}.
@@ -73,7 +75,9 @@ class ArmChain:
     left_out: tuple[str, ...] = ()
 
     def incomplete(self, source: SourceFile) -> Diagnostic:
-        """Return the finding about limbs as large as an arm that the chain leaves out."""
+        """Return the finding about limbs (such as a second arm) that are as large as an arm, but not in
+        the chain.
+        """
         names = f"{', '.join(self.left_out[:6])}{', ...' * (len(self.left_out) > 6)}"
         message = (
             f"the chain from {self.base} to {self.flange} has {len(self.joints)} joints and leaves out "
@@ -85,16 +89,16 @@ class ArmChain:
 
 
 def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
-    """Find the longest serial chain of a URDF, or the one between two links.
+    """Find the arm in a URDF: the longest serial chain of joints, or the chain between two links.
 
     The chain leaves out joints after a link called tool0, which belong to a tool; joints whose names denote
     fingers; joints on the tip that others mimic; and the branches into which an arm splits at its end. It
     also leaves out a joint that mimics another one, but not the joint that is mimicked. If a mimicking joint
-    carries the rest of the arm, the chain is coupled, which is reported as a finding. Of several chains with
-    equally many joints, the first one of the file is chosen.
+    carries the rest of the arm, the chain is coupled, and only a finding about this is returned. Of several
+    chains with equally many joints, the first one of the file is chosen.
 
     Args:
-        urdf: a sound tree.
+        urdf: a URDF whose links form one tree.
         base: the link to begin with, or None.
         tip: the link to end with, or None.
     """
@@ -190,7 +194,7 @@ class _Tree:
                 self.leaders[joint.name] = mimic.attributes.get("joint", "")
 
     def deeper_than(self, most: int) -> str:
-        """Return a link that has more than `most` joints between a root and itself; empty if there is
+        """Return a link to which more than `most` joints lead from a root of the tree; empty if there is
         none.
         """
         row = [link for link in self.below if link not in self.above]
@@ -199,21 +203,23 @@ class _Tree:
         return next(iter(row), "")
 
     def starts(self) -> list[str]:
-        """Return the links at which an arm may begin: the roots, and links below a planar or floating joint,
-        as a vehicle has.
+        """Return the links at which an arm may begin: the roots of the tree, and links below a planar or
+        floating joint, by which a URDF lets a vehicle move.
         """
         roots = [link for link in self.below if link not in self.above]
         return roots + [joint.child for joint in self.above.values() if joint.kind in UNARMED]
 
     def body(self, link: str) -> list[str]:
-        """Return `link` and the links below it that fixed joints connect to it."""
+        """Return the links that form one rigid body with `link`: `link` itself, and the links below it that
+        fixed joints connect to it.
+        """
         found = [link]
         for name in found:
             found += [joint.child for joint in self.below[name] if joint.kind == "fixed"]
         return found
 
     def moving(self, link: str) -> list[Joint]:
-        """Return the joints that move a part of an arm relative to the body of `link`.
+        """Return the joints that move the next part of an arm relative to the rigid body of `link`.
 
         These are joints with a motor, and mimicking joints that carry a joint with a motor or the flange.
         """
@@ -228,14 +234,14 @@ class _Tree:
         return self._moving[link]
 
     def carries(self, joint: Joint) -> bool:
-        """Return True if the chain continues after a joint: to another moving joint, or to a link with a
-        flange's name.
+        """Return True if the arm continues after a joint: with another moving joint, or with a link that has
+        a flange's name.
         """
         return bool(_named(self.body(joint.child), _FLANGE_NAMES) or self.moving(joint.child))
 
     def grips(self, joint: Joint, beside: Sequence[Joint]) -> bool:
-        """Return True if a joint carries only fingers: it is the last of its branch, and joints beside it or
-        below it mimic it.
+        """Return True if a joint carries only fingers of a gripper: no moving joint comes after it, and
+        joints beside it or below it mimic it.
         """
         if joint.name not in self.leaders.values():
             return False
@@ -244,8 +250,8 @@ class _Tree:
         return follow and not self.carries(joint)
 
     def limbs(self, inside: Collection[str], size: int) -> tuple[str, ...]:
-        """Return the joints of limbs outside a chain of `size` joints that have at least as many joints as an
-        arm, or as that chain.
+        """Return the joints of limbs outside a chain of `size` joints, such as a second arm. A limb has at
+        least as many joints as the smallest arm, or as the chain.
         """
         paths = [path for start in self.starts() for path in self.arms(start)]
         outside = [[joint.name for joint in path if joint.name not in inside] for path in paths]
@@ -253,8 +259,8 @@ class _Tree:
         return tuple(dict.fromkeys(name for names in long for name in names))
 
     def driven_above(self, link: str) -> tuple[str, ...]:
-        """Return the driven joints above a link. There are some if a planar or floating joint in the middle
-        of an arm divides the arm into two.
+        """Return the joints with motors above a link, the root's first. There are some if a planar or
+        floating joint in the middle of an arm divides the arm into two.
         """
         joints = []
         while link in self.above:
@@ -264,11 +270,11 @@ class _Tree:
         return tuple(reversed(joints))
 
     def depth(self, link: str) -> int:
-        """Return the largest number of moving joints of a chain that begins at `link`."""
+        """Return the largest number of moving joints in a chain that begins at `link`."""
         return max((1 + self.depth(joint.child) for joint in self.moving(link)), default=0)
 
     def arms(self, link: str, path: tuple[Joint, ...] = ()) -> list[tuple[Joint, ...]]:
-        """Return all chains of moving joints from `link` to a tip, without the fingers on it."""
+        """Return all chains of moving joints from `link` to a tip, without the fingers at the tip."""
         ways = self.moving(link)
         splits = len(ways) > 1 and self.depth(link) <= LONGEST_HAND
         ends = self.depth(link) <= LONGEST_HAND and _named(self.body(link), _FLANGE_NAMES[:1])
@@ -278,7 +284,7 @@ class _Tree:
         return [arm for joint in ways for arm in self.arms(joint.child, (*path, joint))]
 
     def flange_of(self, link: str) -> tuple[str, tuple[str, ...]]:
-        """Return the flange after the last moving link, and other links that could be the flange.
+        """Return the flange after the last moving link of a chain, and other links that could be the flange.
 
         The flange is chosen by name. If no name fits, it is the only link that is fixed to the last moving
         link, or else the last moving link itself.
@@ -299,9 +305,9 @@ class _Tree:
         return _named(self.body(flange)[1:], _TCP_NAMES)
 
     def base_of(self, link: str) -> tuple[str, tuple[str, ...]]:
-        """Return the base above the first moving joint, and other links that could be the base.
+        """Return the base above the first moving joint of a chain, and other links that could be the base.
 
-        The base is chosen by name; if no name fits, it is the joint's parent.
+        The base is chosen by name; if no name fits, it is the parent link of that joint.
         """
         body = [link]
         while body[-1] in self.above and self.above[body[-1]].kind == "fixed":
@@ -310,7 +316,9 @@ class _Tree:
         return base, tuple(name for name in body if name != base)
 
     def foot_of(self, tip: str) -> str:
-        """Return the parent of the first moving joint above `tip`, without the joints of a vehicle."""
+        """Return the parent link of the first moving joint of the chain that ends at `tip`. Joints by which a
+        vehicle moves don't count.
+        """
         first = here = tip
         while here in self.above and self.above[here].kind not in UNARMED:
             if self.above[here].kind in MOVING:
@@ -327,8 +335,8 @@ class _Tree:
 
 
 def _named(links: Sequence[str], patterns: Sequence[str]) -> str:
-    """Return the first link that matches a pattern; patterns come in the order of preference. Empty if no
-    link matches any of them.
+    """Return the first link whose name matches a pattern; patterns come in the order of preference. Empty if
+    no link matches any of them.
     """
     for pattern in patterns:
         for link in links:

@@ -1,9 +1,9 @@
-"""Copy a URDF into a robot folder: its text, and the meshes that it names.
+"""Copy a URDF into a robot folder: its text, and the mesh files that it names.
 
 Collision meshes are required. It is an error if one is missing (`lookup.py`), isn't a mesh, or isn't from the
-URDF's package (`meshes.py`). If the user allows missing meshes, their <collision> is removed from the copy,
-so that the copy doesn't name a file that isn't there. Visual meshes are optional: a mesh that can't be copied
-is left out, and pictures show the collision shapes of its link.
+URDF's package (`meshes.py`). If the user allows missing meshes, their <collision> elements are removed from
+the copy, so that the copy doesn't name a file that isn't there. Visual meshes are optional: a mesh that can't
+be copied is left out, and pictures show the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class UrdfCopy:
 
     Attributes:
         text: text of the copy.
-        meshes: names in the folder and contents of its meshes.
+        meshes: names in the robot folder and contents of the mesh files.
         without: links that lost a collision mesh, with the names of these meshes.
         unseen: names of visual meshes that weren't copied, with the reasons.
         hulls: large collision meshes that were replaced by their convex hull; only the hull is used anyway.
@@ -57,10 +57,10 @@ class UrdfCopy:
 def copy_urdf(
     urdf: Urdf, file: Path, more: Iterable[Path], packages: Packages, partial: bool = False
 ) -> UrdfCopy:
-    """Copy a URDF; its findings name the files that can't be copied.
+    """Copy a URDF and its meshes. Findings name the files that can't be copied.
 
     Args:
-        urdf: a sound tree.
+        urdf: a URDF whose links form one tree.
         file: its path.
         more: additional folders that meshes may come from.
         packages: the ROS packages that `package://` may name.
@@ -118,15 +118,15 @@ def _copy_visuals(
     """Copy the visual meshes that can be copied.
 
     Args:
-        urdf: a sound tree.
-        lookup: finds the files.
+        urdf: a URDF whose links form one tree.
+        lookup: object that finds the files.
         surroundings: the folders that meshes may come from.
         collisions: content and name of each collision mesh; a file that is also a visual mesh isn't copied
             twice.
         edits: start, end and new text of each change of the copy. Changes are added to it.
 
     Returns:
-        The meshes (name in the folder, content), and those that weren't copied, each with the reason.
+        The meshes (name in the robot folder, content), and those that weren't copied, each with the reason.
     """
     contents, given = collisions
     names = {path: f"{MESHES}/{name}" for path, name in given.items() if contents[path]}
@@ -214,7 +214,7 @@ def _mesh(body: Element) -> Element | None:
 
 
 def _free(name: str, names: set[str]) -> str:
-    """Return a plain file name that isn't taken."""
+    """Return a file name without unusual characters that isn't among `names`."""
     stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
     stem, suffix = re.sub(r"[^A-Za-z0-9_.-]", "_", stem), re.sub(r"[^A-Za-z0-9_.-]", "_", suffix)
     free, number = f"{stem}{suffix}", 2
@@ -224,7 +224,9 @@ def _free(name: str, names: set[str]) -> str:
 
 
 def _filename(text: str, mesh: Element) -> tuple[int, int]:
-    """Return start and end of the value of a mesh's filename, with its quotes."""
+    """Return the start and the end of the value of a <mesh> element's filename attribute in the text, with
+    its quotes.
+    """
     match = re.compile(r"""\sfilename\s*=\s*("[^"]*"|'[^']*')""").search(text, mesh.start, mesh.end)
     assert match is not None  # the element was read from this text
     return match.span(1)

@@ -1,4 +1,4 @@
-"""Edit a URDF's text by its elements, and describe the edits."""
+"""Edit the text of a URDF element by element, and describe the edits for the user."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.robot.urdf_xml import Element, UrdfText
 
 
 class Edits:
-    """Edits of a text, and a sentence for each kind of edit."""
+    """Edits of a URDF's text, and a sentence about each kind of edit."""
 
     def __init__(self, urdf: UrdfText) -> None:
         self._urdf = urdf
@@ -25,7 +25,7 @@ class Edits:
         return "".join((*parts, self._urdf.text[at:]))
 
     def put(self, place: Element, attribute: str, value: str) -> None:
-        """Set an element's attribute, which may be missing."""
+        """Set the value of an element's attribute, and add the attribute if the element doesn't have it."""
         pattern = re.compile(rf"""\s{attribute}\s*=\s*("[^"]*"|'[^']*')""")
         match = pattern.search(self._urdf.text, place.start, place.end)
         if match:
@@ -35,8 +35,8 @@ class Edits:
             self._edits[after, after] = f' {attribute}="{value}"'
 
     def remove(self, element: Element) -> bool:
-        """Remove an element, but keep the line ends in it, so that later lines keep their numbers. Return
-        False if the element's end isn't found.
+        """Remove an element. Its line breaks are kept, so that later lines keep their numbers. Return False
+        if the end of the element isn't found.
         """
         end = element.end
         if self._urdf.text[end - 2 : end] != "/>":
@@ -48,6 +48,6 @@ class Edits:
         return True
 
     def count(self, number: int, kind: str) -> None:
-        """Add a note with the number of changes of a kind, if there are any."""
+        """Add a sentence with the number of edits of a kind, if there are any."""
         if number:
             self.notes.append(f"{number} {kind}")

@@ -1,4 +1,4 @@
-"""Make a robot folder from a URDF: ask for unknown values, then write the files."""
+"""Make a robot folder from a URDF: ask the user for unknown values, then write the files."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from yarclang.toml.reading import read_text
 
 @frozen
 class Arm:
-    """A URDF, and the chain in it that is the arm.
+    """A URDF, and its chain of joints that is the arm.
 
     Attributes:
         path: the file.
-        urdf: its content, after mending.
+        urdf: its content, after mistakes were mended.
         chain: the chain.
-        notes: sentences about the mending.
+        notes: sentences about what was mended.
     """
 
     path: Path
@@ -43,7 +43,7 @@ class Arm:
 
 @frozen
 class NewRobot:
-    """The files of a robot folder.
+    """The files of a new robot folder.
 
     Attributes:
         sketch: the values of robot.toml.
@@ -60,7 +60,7 @@ class NewRobot:
     homes: tuple[Said, ...]
 
     def with_home(self, home: Said) -> NewRobot:
-        """Return the robot with another HOME."""
+        """Return the new robot with another joint position as HOME."""
         return replace(self, toml=robot_toml(self.sketch, home), homes=(home,))
 
 
@@ -69,9 +69,9 @@ class Question:
     """A question about a robot that only its maker can answer.
 
     Attributes:
-        option: the option that answers it.
+        option: the command-line option that answers it.
         text: the question.
-        rule: the rule by which the value is chosen without an answer.
+        rule: the rule by which the value is chosen if there is no answer.
     """
 
     option: str
@@ -139,7 +139,7 @@ def proposed_name(urdf: Urdf) -> str:
 
 
 def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tuple[Question, ...]:
-    """Return questions about unknown values, in the order of asking: questions on which others depend come
+    """Return questions about unknown values of the robot. Questions on whose answers others depend come
     first.
 
     Args:
@@ -186,7 +186,7 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
 
 
 def lost_meshes(arm: Arm, meshes: Iterable[Path], packages: Iterable[Path]) -> tuple[Diagnostic, ...]:
-    """Return the finding about missing collision meshes. It is reported before any question is asked.
+    """Return the finding about missing collision meshes; it is reported before the user is asked anything.
 
     Args:
         arm: the URDF and its chain.
@@ -209,7 +209,7 @@ def make(
     packages: Iterable[Path] = (),
     partial: bool = False,
 ) -> Result[NewRobot]:
-    """Make the files of the folder.
+    """Make the files of a new robot folder.
 
     Args:
         arm: the URDF and its chain.

@@ -28,8 +28,8 @@ BENT = 0.6
 
 
 def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
-    """Return positions that could be HOME, in deg and mm, the best first. A position given by the user is the
-    only one.
+    """Return joint positions that could be HOME, in deg and mm, the best first. If the user gives HOME, it is
+    the only one.
 
     Candidates are the position with all joints at zero and positions from a fixed list, in round numbers. All
     of them are well within limits, and those near a singularity are left out. They are sorted by their
@@ -65,8 +65,8 @@ STANDS = 0.9
 
 
 def standing(robot: Robot, positions: Array) -> Array:
-    """Return the share of each joint's effort (K, n) that holding positions (K, n) [rad or m] needs; 0 if
-    masses or efforts aren't known.
+    """Return the share of each joint's effort limit that gravity needs at joint positions (K, n) [rad or m],
+    as (K, n); 0 if masses or efforts aren't known.
     """
     dynamics = robot.dynamics
     if dynamics is None or not dynamics.wanted or (dynamics.mass <= 0.0).any():
@@ -76,7 +76,9 @@ def standing(robot: Robot, positions: Array) -> Array:
 
 
 def _limits(sketch: Sketch, units: Array) -> Limits:
-    """Return limits with the position limits of a sketch; all other values are placeholders."""
+    """Return joint limits with the position limits of a sketch (the values of a new robot.toml); all other
+    limits are placeholders.
+    """
     ends = [joint.position.value if joint.position else (-np.inf, np.inf) for joint in sketch.joints]
     lower, upper = (np.array([end[side] for end in ends]) * units for side in (0, 1))
     ones = np.ones(len(ends))

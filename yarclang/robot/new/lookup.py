@@ -1,7 +1,8 @@
-r"""Find the files of meshes, and report those that are missing.
+r"""Find the mesh files that a URDF names, and report those that are missing.
 
 A name from another computer (`C:\cad\link1.stl`, `file:///home/somebody/link1.stl`, `model://arm/link1.stl`)
-is searched for by its end in the folders that the user names for meshes; the longest match of folders wins.
+is looked for in the folders that the user names for meshes. The longest end of the name that is a file's path
+in one of these folders counts: `arm/link1.stl` before `link1.stl`.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ _DEEPEST = 32
 
 @frozen
 class Missing:
-    """A missing collision mesh.
+    """A collision mesh whose file is missing.
 
     Attributes:
         link: the link that needs it.
-        name: its name.
-        element: the element that names it.
+        name: its name in the URDF.
+        element: the XML element that names it.
     """
 
     link: str
@@ -40,7 +41,7 @@ class Missing:
 
 
 class Lookup:
-    """A search for the files of meshes.
+    """A search for the files of a URDF's meshes.
 
     Args:
         urdf: the URDF's file.
@@ -72,7 +73,9 @@ class Lookup:
         return next((place for place in places if place.is_file()), None)
 
     def missing(self, urdf: Urdf) -> list[Missing]:
-        """Return the collision meshes of a sound tree that are missing."""
+        """Return the collision meshes of a URDF whose files are missing; the URDF's links must form one
+        tree.
+        """
         links = urdf.root.all("link") if urdf.root else ()
         meshes = [
             (link, shape)
@@ -103,7 +106,7 @@ class Lookup:
         urdf.say("Y1357", message, f"{self._looked(names)} {_REMEDY}", missing[0].element, "filename")
 
     def _looked(self, names: Iterable[str]) -> str:
-        """Return sentences about the folders in which names were searched for."""
+        """Return sentences that tell the user in which folders mesh files were looked for."""
         sentences: dict[str, None] = {}
         below = listed([str(one) for one in self._packages.paths], 3)
         also = f" and below {below}" if below else ""
@@ -141,18 +144,20 @@ _REMEDY = (
 
 
 def shown_name(name: str) -> str:
-    """Return a file's name as messages show it."""
+    """Return a file's name as messages show it: printable and, if it is long, only its end."""
     plain = printable(name)
     return plain if len(plain) <= _SHOWN else f"...{plain[-_SHOWN:]}"
 
 
 def printable(text: str) -> str:
-    """Return a text without line ends and marks that change the writing direction."""
+    """Return a text in which a question mark replaces each unprintable character, such as a line break or a
+    mark that changes the writing direction.
+    """
     return "".join(one if one.isprintable() else "?" for one in text)
 
 
 def _parts(name: str) -> list[str]:
-    """Return the folders and the file of a name, without those that lead upwards."""
+    """Return the folder names and the file name in a mesh's name, without `.`, `..` and drive letters."""
     url = urlparse(name)
     path = f"{url.netloc}/{unquote(url.path)}" if len(url.scheme) > 1 else name
     return [

@@ -1,5 +1,5 @@
-"""Mend the text of a URDF from elsewhere before it is read, so that it meets the rules for a robot's own
-URDF.
+"""Mend the text of a URDF from elsewhere before it is read, so that it meets yarclang's rules for the URDF of
+a robot.
 
 Each change preserves the meaning or affects only pictures, and is reported.
 """
@@ -33,11 +33,11 @@ _REFERENCES = {"parent": "link", "child": "link", "mimic": "joint"}
 
 @frozen
 class Mended:
-    """A mended text.
+    """The text of a URDF after it was mended.
 
     Attributes:
         source: the text.
-        notes: one sentence for each change.
+        notes: one sentence for each kind of change.
     """
 
     source: SourceFile
@@ -45,8 +45,8 @@ class Mended:
 
 
 def mend(source: SourceFile) -> Mended:
-    """Return a URDF with plain names and shapes. A text that isn't XML is returned unchanged, and the reader
-    reports it.
+    """Return a URDF with its names, limits, shapes and colours mended. A text that isn't XML is returned
+    unchanged; the reader reports it then.
     """
     text, stray = source.text, 0
     if "<xacro:" in text:
@@ -81,8 +81,8 @@ def mend(source: SourceFile) -> Mended:
 
 
 def _unwrapped(text: str) -> tuple[str, int]:
-    """Return a text with blanks in place of tabs and line ends in lists of numbers, and the number of lists
-    changed. XML treats both as equal.
+    """Return a URDF's text in which lists of numbers have blanks in place of tabs and line breaks, and the
+    number of lists changed. To XML, both texts are equal.
     """
     count = 0
 
@@ -97,7 +97,7 @@ def _unwrapped(text: str) -> tuple[str, int]:
 
 
 def _names(edits: Edits, root: Element) -> None:
-    """Give links and joints names of ASCII letters, digits, and . _ -."""
+    """Rename links and joints whose names have other characters than ASCII letters, digits, and . _ -."""
     for tag in ("link", "joint"):
         elements = root.all(tag)
         old = [element.attributes.get("name", "") for element in elements]
@@ -130,8 +130,8 @@ def _rename(edits: Edits, place: Element, attribute: str, new: dict[str, str]) -
 
 
 def _limits(edits: Edits, root: Element) -> None:
-    """Replace limits that are infinite, or larger than any number of a URDF may be, by large numbers, and
-    such efforts by 0. All of these mean that there is no limit, or that it isn't known.
+    """Replace joint limits that are infinite, or larger than any number of a URDF may be: efforts by 0, all
+    others by a large number. All of these mean that there is no limit, or that it isn't known.
     """
     count = 0
     for joint in root.all("joint"):
@@ -168,8 +168,8 @@ def _efforts(edits: Edits, root: Element) -> None:
 
 
 def _printable(name: str) -> str:
-    """Return a name that is safe on a terminal: without line ends and marks that change the writing
-    direction.
+    """Return a name that is safe to print on a terminal: without line breaks and marks that change the
+    writing direction.
     """
     plain = "".join(one if one.isprintable() else "?" for one in name)
     return plain if len(plain) <= 40 else f"{plain[:37]}..."

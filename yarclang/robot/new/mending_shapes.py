@@ -1,4 +1,4 @@
-"""Mend shapes and colours of URDFs from elsewhere that no reader accepts. No collision shape becomes
+"""Mend shapes and colours in URDFs from elsewhere that no reader of URDFs accepts. No collision shape becomes
 smaller.
 """
 
@@ -22,8 +22,8 @@ _SIZES = {
 
 
 def mend_shapes(edits: Edits, root: Element) -> None:
-    """Remove visual shapes that show nothing, and give flat collision shapes a thickness. A URDF with
-    capsules gets the version number of the format that has them.
+    """Remove visual shapes that show nothing, and give flat collision shapes a thickness. If the URDF has
+    capsules, change its version number to that of the format version that has capsules.
     """
     bodies = [body for link in root.all("link") for body in (*link.all("visual"), *link.all("collision"))]
     removed = thick = broken = capsules = 0
@@ -64,8 +64,9 @@ def _shows_nothing(shape: Element | None) -> bool:
 
 
 def mend_materials(edits: Edits, root: Element) -> None:
-    """Remove materials that no reader accepts, and convert colours from the range 0 to 255. Only pictures
-    change.
+    """Remove <material> elements that no reader of URDFs accepts, and convert colours from the range 0 to 255
+    to 0 to
+    1. Only pictures change.
     """
     removed = bright = 0
     known: set[str] = set()

@@ -1,4 +1,5 @@
-"""Decide which files may be copied into a robot folder as meshes: only meshes from the URDF's own package.
+"""Decide which files may be copied into a robot folder as meshes: only meshes from the URDF's own package,
+and from folders that the user names.
 
 A URDF from elsewhere may name any file of this computer, and the robot folder that is created from it may be
 given away. A file therefore counts as a mesh only if its whole content shows it, and the bytes that were
@@ -54,7 +55,9 @@ _NO_NUMBER = re.compile(rb"[^-+0-9.einfa\s]", re.IGNORECASE)
 
 
 class NoMeshError(Exception):
-    """A file can't be copied as a mesh; the message is the end of a sentence that begins with its name."""
+    """Raised if a file can't be copied as a mesh. The message is the end of a sentence that begins with the
+    file's name.
+    """
 
 
 def read_mesh(path: Path) -> bytes:
@@ -87,7 +90,9 @@ def read_mesh(path: Path) -> bytes:
 
 
 def _damage(kind: str, content: bytes) -> str:
-    """Return the end of a sentence about the damage of a file; empty if its content shows no damage."""
+    """Return the end of a sentence that says how a mesh file is damaged; empty if its content shows no
+    damage.
+    """
     if not content:
         return ": it is empty"
     if content.startswith(_LFS):
@@ -111,7 +116,7 @@ def _damage(kind: str, content: bytes) -> str:
 
 
 class Surroundings:
-    """The folders that meshes may come from.
+    """The folders that a URDF's meshes may come from.
 
     These are the URDF's folder; the folder above it, if the URDF's folder is called urdf or similar; the ROS
     package of the URDF; ROS packages that `package://` names; and folders that the user names.
@@ -131,7 +136,7 @@ class Surroundings:
             self._roots |= {(package or beside).resolve(), here.resolve()}
 
     def has(self, name: str, path: Path) -> bool:
-        """Return True if a mesh is in one of the folders after symbolic links are resolved.
+        """Return True if a mesh file is in one of these folders after symbolic links are resolved.
 
         Args:
             name: the mesh's name in the URDF.
@@ -148,7 +153,7 @@ class Surroundings:
 
 
 def _package(name: str, path: Path) -> Path | None:
-    """Return the folder of the ROS package that a mesh's name begins with, or None."""
+    """Return the folder of the ROS package with which a mesh's name begins, or None."""
     package, url = package_of(name), urlparse(name)
     inside = Path(url.path.lstrip("/")).parts[0 if url.netloc else 1 :]
     if not inside or not package or ".." in (package, *inside):

@@ -1,4 +1,4 @@
-"""Find ROS packages: the folder in which a `package://` name begins."""
+"""Find ROS packages: the folders to which `package://` names refer."""
 
 from __future__ import annotations
 
@@ -65,7 +65,9 @@ class Packages:
 
 
 def package_of(filename: str) -> str:
-    """Return the package of a `package://` name, even with three slashes; empty for other names."""
+    """Return the package that a mesh's `package://` name begins with, even after three slashes; empty for
+    other names.
+    """
     url = urlparse(filename)
     if url.scheme != "package":
         return ""

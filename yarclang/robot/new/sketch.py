@@ -1,4 +1,4 @@
-"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule. A value by a rule is
+"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule. A value from a rule is
 marked as a guess.
 
 All numbers here are in the units of robot.toml: deg and mm, per s, s^2, s^3; counts; ms.
@@ -46,11 +46,11 @@ Origin = Literal["urdf", "given", "guess"]
 
 @frozen
 class Said:
-    """A value of robot.toml.
+    """A value for robot.toml.
 
     Attributes:
         value: the value.
-        origin: where it comes from.
+        origin: where it comes from: the URDF, the user, or a guess.
         note: its unit, or the reason for a guess.
     """
 
@@ -61,7 +61,7 @@ class Said:
 
 @frozen
 class Given:
-    """The values that the user gives.
+    """The values for robot.toml that the user gives.
 
     A tuple has one entry for each joint, or one entry for all of them. A value that the user doesn't give is
     None.
@@ -89,11 +89,11 @@ class Given:
 
 @frozen
 class JointSketch:
-    """The table of a joint.
+    """The values for the table [joints.NAME] of one joint.
 
     Attributes:
         name: name of the joint.
-        kind: kind of the joint in the URDF.
+        kind: type of the joint in the URDF.
         unit: deg or mm.
         position: position limits; None for a continuous joint.
         velocity: velocity limit.
@@ -114,7 +114,7 @@ class JointSketch:
 
 @frozen
 class Sketch:
-    """All values of a robot.toml except HOME, which depends on the geometry.
+    """All values for a new robot.toml except HOME, which depends on the geometry.
 
     Attributes:
         name: name of the robot.
@@ -148,10 +148,10 @@ class Sketch:
 def sketch(
     urdf: Urdf, chain: ArmChain, given: Given, names: tuple[str, str, str, str], chosen: tuple[bool, bool]
 ) -> Sketch:
-    """Choose the values of a new robot.toml.
+    """Choose all values of a new robot.toml except HOME.
 
     Args:
-        urdf: a sound tree.
+        urdf: a URDF whose links form one tree.
         chain: the arm in it.
         given: the values that the user gives; its tuples have one entry, or one for each joint.
         names: the robot's name, its title, the name of the URDF's copy, and the file from which it is
@@ -230,7 +230,9 @@ def _tcp(urdf: Urdf, chain: ArmChain, given: Given) -> Said:
 
 
 def _place(urdf: Urdf, flange: str, link: str) -> tuple[float, ...]:
-    """Return the pose of a link that is fixed to the flange: x y z [mm] roll pitch yaw [deg]."""
+    """Return the pose of a link that is fixed to the flange, relative to the flange: x y z [mm] roll pitch
+    yaw [deg].
+    """
     import numpy as np
 
     from yarclang.robot.chain import joints_between
@@ -262,14 +264,14 @@ def _one_from_user(values: Sequence[float] | None, at: int, size: int) -> Said |
 
 
 def _rounded_down(value: float) -> float:
-    """Round a value down to a multiple of 1e-6, so that no upper limit gets wider. A value within 1e-9 of one
-    with four decimals is rounded to that value: its last digits are an error of the unit's conversion.
+    """Round a limit down to a multiple of 1e-6, so that it never allows more. A value within 1e-9 of one with
+    four decimals is rounded to that value: the difference is an error of the unit's conversion.
     """
     near = round(value, 4)
     return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6
 
 
 def _rounded_up(value: float) -> float:
-    """Round up to a number of four digits."""
+    """Round a value up to four significant digits."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 3)
     return float(f"{math.ceil(value / unit - 1e-9) * unit:.4g}")

@@ -1,4 +1,6 @@
-"""Write the text of a new robot.toml: every value with its unit and origin, every guess with a mark."""
+"""Write the text of a new robot.toml: every value with its unit and its origin, and every guess with a
+mark.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,7 @@ _TOOL = (
 
 
 def robot_toml(sketch: Sketch, home: Said) -> str:
-    """Return the whole file.
+    """Return the whole text of a robot.toml.
 
     Args:
         sketch: all values except HOME.
@@ -116,8 +118,8 @@ def _kind() -> Kind:
 
 
 def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
-    """Return the table [collision] for the end of the file. It allows pairs of bodies to touch, each with the
-    reason; empty without pairs.
+    """Return the table [collision] for the end of a robot.toml. It allows pairs of bodies to touch, each with
+    the reason; empty if there are no pairs.
     """
     if not pairs:
         return ""
@@ -138,8 +140,8 @@ def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
 
 
 def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
-    """Return the guesses that are still marked in a robot.toml: line number, line of the value, and the
-    guess.
+    """Return the guesses that are still marked in a robot.toml: for each one the line number, the text of the
+    line before its comment, and the reason for the guess.
     """
     found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
     return tuple((number, match[1].strip(), match[2].strip()) for number, match in found if match)
@@ -167,7 +169,9 @@ def _joint(joint: JointSketch) -> list[str]:
 
 
 def _ramps(joints: Sequence[JointSketch]) -> list[str]:
-    """Return the table [ramps] for joints that have no limits of their own; empty if all joints have them."""
+    """Return the lines of the table [ramps], which serves joints without an acceleration or jerk limit of
+    their own; empty if all joints have them.
+    """
     lines = []
     if any(joint.acceleration is None for joint in joints):
         lines.append(
@@ -184,14 +188,18 @@ def _ramps(joints: Sequence[JointSketch]) -> list[str]:
 
 
 def _tail(choice: Said) -> str:
-    """Return the comment of a value: the reason for a guess, or the URDF as origin, otherwise empty."""
+    """Return the comment after a value of robot.toml: the reason for a guess, or the URDF as origin; empty
+    for a value that the user gave.
+    """
     if choice.origin == "guess":
         return f"  # {MARK} {choice.note}"
     return f"  # {choice.note}, from the URDF" if choice.origin == "urdf" else ""
 
 
 def _mark(choice: Said) -> str:
-    """Return the addition to a comment that marks a guess; empty for other values."""
+    """Return the addition to a comment that marks the value as a guess; empty for a value that isn't a
+    guess.
+    """
     return f"; {MARK} {choice.note}" if choice.origin == "guess" else ""
 
 
@@ -221,10 +229,12 @@ def _number(value: float) -> str:
 
 
 def _text(value: str) -> str:
-    """Return a TOML string: JSON's escapes are TOML's, except for the control character DEL."""
+    """Return a text as a TOML string. JSON's escapes are used, since they are valid in TOML, except for the
+    control character DEL.
+    """
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _plain(value: str) -> str:
-    """Return a text that can be part of a comment."""
+    """Return a text that can be part of a comment: blanks replace line breaks and unprintable characters."""
     return "".join(character if character.isprintable() else " " for character in value)

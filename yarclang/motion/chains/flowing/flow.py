@@ -1,5 +1,5 @@
-"""Plan a chain as one path: compute a law and its control points, and slow the law down where they demand too
-much.
+"""Plan a chain as one path: try several smoothings, cut the chain into windows, and plan each window by
+itself.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _TOO_SLOW = 2e-4
 class Known:
     """Results of windows of chains from earlier plans.
 
-    `keys` has a key for each motion, which contains everything that the motion asks for.
+    `keys` has a key for each motion, which contains everything that the motion requests.
     """
 
     memory: Memory
@@ -60,10 +60,10 @@ class Known:
 
 
 def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> list[Piece] | None:
-    """Return the pieces of a chain as one path; None if the chain can't be planned as one path.
+    """Plan a chain as one path, and return its planned motions; None if that isn't possible.
 
     Args:
-        links: the motions.
+        links: the motions of the chain.
         grid: the segment times that the controller accepts.
         known: earlier results of windows of such chains, or None.
     """
@@ -90,7 +90,9 @@ def _flowing(links: Sequence[Link], grid: Grid, known: Known | None) -> list[Pie
 
 
 def _fastest_corners(demands: Demands, grid: Grid) -> Array:
-    """Return the speeds (k - 1,) [m/s] at which the corners can be passed with the shortest segments."""
+    """Return the largest speeds (k - 1,) [m/s] at which the corners can be passed with the shortest
+    segments.
+    """
     shortest = min(_segments(grid))
     ceilings = [demands.ceilings(Smoothing(shortest, widths))[0][demands.corners] for widths in _WIDTHS]
     fastest: Array = np.max(ceilings, axis=0)
@@ -112,7 +114,10 @@ def _of_demands(demands: Demands, way: Way, grid: Grid, known: Known | None) -> 
 
 
 def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None) -> list[Made] | None:
-    """Return the results of all windows of a chain; None if a window can't be planned even without seams."""
+    """Return the results of all windows of a chain; None if a window fails although it has no seams.
+
+    A window with a seam that fails is merged with its neighbours and planned again.
+    """
     cut, found, reach = windows(way, demands, smoothing), dict[Window, Made | Failed](), 1
     while True:
         _make(way, demands, smoothing, [window for window in cut if window not in found], found, known)
@@ -138,7 +143,7 @@ def _make(
     found: dict[Window, Made | Failed],
     known: Known | None,
 ) -> None:
-    """Plan windows, on all cores, except those with earlier results."""
+    """Plan windows on all cores of the machine; windows with earlier results aren't planned again."""
     if known is not None:
         for window in missing:
             before = known.get(way, window, smoothing)
@@ -172,9 +177,10 @@ def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
 
 
 def is_one_path(links: Sequence[Link]) -> bool:
-    """Return True if all motions of a chain are along paths of one moving frame.
+    """Return True if a chain can be planned as one path: all its motions move one frame along Cartesian
+    paths.
 
-    None of them may have a given duration, or a law without a cruise.
+    None of the motions may have a given duration, or a motion profile without a cruise.
     """
     first = links[0].path
     return all(
@@ -189,7 +195,9 @@ def is_one_path(links: Sequence[Link]) -> bool:
 
 
 def _likeliest(demands: Demands, grid: Grid) -> Iterator[Smoothing]:
-    """Yield smoothings of a chain, the fastest first; longer segments win a tie."""
+    """Yield the smoothings to try for a chain, the one with the shortest estimated duration first; longer
+    segments win a tie.
+    """
     found = []
     for order, segment in enumerate(_segments(grid)):
         for widths in _WIDTHS:

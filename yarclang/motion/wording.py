@@ -27,7 +27,9 @@ def percent_text(share: float) -> str:
 
 
 def miss_text(distance: float, angle: float) -> str:
-    """Return a distance [m], an angle [rad] or both in words; amounts that are only rounding are left out."""
+    """Return an error of position [m], of orientation [rad] or of both in words; amounts that are only
+    rounding are left out.
+    """
     if angle <= _ANGLE_NOISE:
         return length_text(distance)
     turn = f"{angle / DEG:.3g} deg"
@@ -45,8 +47,8 @@ def amount_text(robot: Robot, joint: int, value: float) -> str:
 
 
 def beyond_text(robot: Robot, joint: int, excess: float) -> str:
-    """Return in words the excess of a joint over its limits [rad or m]; a negative one is over the lower
-    limit.
+    """Return in words how far a joint is beyond its limits [rad or m]; a negative amount is beyond the
+    lower limit.
     """
     side = "above its upper" if excess > 0 else "below its lower"
     return f"{robot.joint_names[joint]} {amount_text(robot, joint, abs(excess))} {side} limit"

@@ -10,7 +10,9 @@ from yarclang.hir import Array
 
 @frozen(eq=False)
 class JointPath:
-    """A path from `start` to `end` (n,) [rad or m] with all joints in a constant ratio."""
+    """A path in joint space from `start` to `end` (n,) [rad or m], along which all joints move in a
+    constant ratio.
+    """
 
     start: Array
     end: Array

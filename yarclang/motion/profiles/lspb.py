@@ -25,8 +25,8 @@ def _pure(u: Array) -> Array:
 
 
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return a blend of a third of the segments, with each length of its ramps that fits, the steepest
-    first.
+    """Return the forms for a number of segments: a blend of a third of the segments, with each length of its
+    acceleration ramps that fits, the steepest first.
     """
     blend = max(FEWEST_IN_BLEND, round(segments / 3))
     ramps = np.arange(1, blend // 2 + 1)

@@ -139,7 +139,7 @@ def _tools(robot: Robot) -> Iterator[Item]:
 
 
 def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[str, str]]:
-    """Return the pairs that touch in HOME or nearly everywhere."""
+    """Return the names of the pairs of bodies that touch in HOME or nearly everywhere."""
     often = [names for names, share in _by_names(scene, touch).items() if share > OFTEN]
     here = [scene.names(int(pair)) for pair in np.flatnonzero(touching(scene, robot.home[None])[0])]
     return sorted(scene.at_home | set(often) | set(here))

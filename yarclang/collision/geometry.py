@@ -176,7 +176,7 @@ def _checked(corners: Array) -> Array:
 
 
 def _tiled(mesh: Prepared) -> Geometry:
-    """Return the geometry of a large mesh."""
+    """Return the geometry of a large mesh, divided into tiles."""
     corners, faces = mesh.corners, mesh.faces
     _checked(corners)
     low, high = corners.min(axis=0), corners.max(axis=0)

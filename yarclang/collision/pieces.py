@@ -1,4 +1,4 @@
-"""Divide meshes into convex pieces, for distances."""
+"""Divide meshes into convex pieces, for the computation of distances."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class Placed:
     middle: Array
 
     def take(self, rows: Rows) -> Placed:
-        """Return some of the joint positions."""
+        """Return the arm at some of these joint positions."""
         return Placed(self.scene, self.turn[:, rows], self.shift[:, rows], self.middle[:, rows])
 
 
@@ -83,7 +83,7 @@ class Relative:
     middle: Array
 
     def take(self, rows: Rows) -> Relative:
-        """Return some of the rows."""
+        """Return some of the rows, each for one pair of bodies."""
         return Relative(self.turn[rows], self.middle[rows])
 
 

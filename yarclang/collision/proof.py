@@ -116,7 +116,7 @@ class _Pieces:
     motion: Rows
 
     def halves(self, rows: Rows) -> _Pieces:
-        """Return both halves of some pieces, next to each other."""
+        """Return both halves of some pieces; the two halves of a piece are next to each other."""
         begin, end = self.begin[rows], self.end[rows]
         middle = (begin + end) / 2.0
         return _Pieces(
@@ -166,7 +166,7 @@ def _blocks(piece: Rows, count: int) -> list[slice]:
 
 
 class _Search:
-    """State and results of the search."""
+    """State and results of the proof that pairs of bodies stay apart."""
 
     def __init__(self, scene: Scene, course: Course, count: int) -> None:
         self.scene, self.course = scene, course

@@ -176,7 +176,7 @@ def allowed_name(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, st
 
 
 def _kind(body: Body) -> str:
-    """Return the name of a body, without the number of a part."""
+    """Return the name of a body; workpieces of one kind have the same name, without their number."""
     return body.name.partition(" ")[0] if body.is_part else body.name
 
 

@@ -1,4 +1,4 @@
-"""Follow paths of the moving frame with the arm."""
+"""Compute the joint motion of the arm along Cartesian paths of the moving frame."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class FramePath(Protocol):
         ...
 
     def poses(self, s: Array) -> Array:
-        """Return base_from_moving (N, 4, 4) at `s` (N,)."""
+        """Return the frame's poses base_from_moving (N, 4, 4) at the places `s` (N,)."""
         ...
 
     def tangents(self, s: Array) -> Array:
@@ -97,11 +97,11 @@ class CartesianPath:
 
     @property
     def extent(self) -> tuple[float, bool]:
-        """The path's extent; see `extent_of`."""
+        """The length of the frame's path, and whether it is a pure turn; see `extent_of`."""
         return extent_of(self.frame)
 
     def joints(self, s: Array) -> Array:
-        """Return joint positions (N, n) at `s` (N,)."""
+        """Return joint positions (N, n) at the places `s` (N,)."""
         return joints_of([self], [s])[0]
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:

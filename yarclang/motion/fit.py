@@ -190,7 +190,7 @@ class _Fitter:
 
     @classmethod
     def of(cls, trials: Trials, profile: Profile, grid: Grid) -> _Fitter:
-        """Return the fitter of a motion for a grid."""
+        """Return the search for the curve of a motion with the segment times of a grid."""
         quick = replace(grid, largest=max(grid.smallest, min(grid.largest, profile.longest_segment)))
         return cls(trials, profile, grid, quick)
 

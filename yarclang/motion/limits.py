@@ -83,7 +83,7 @@ class Bounds:
         )
 
     def without_jerk(self) -> Bounds:
-        """Return these limits without a limit of jerk."""
+        """Return the same limits without the limit on jerk."""
         return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:

@@ -27,7 +27,7 @@ def no_motion(origin: Origin) -> Message:
 
 
 def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Nearest | None = None) -> Message:
-    """Return the finding about a time in which a limit is broken."""
+    """Return the finding that a motion breaks a limit in its given time."""
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
     fix = None
@@ -183,7 +183,7 @@ def _beside(robot: Robot, near: Nearest) -> str:
 
 
 def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
-    """Return the finding about a speed without a unit."""
+    """Return the finding that a speed has no unit that suits the path."""
     kind: Kind = "angle" if turns else "length"
     what = "an angle unit: the moving frame only turns" if turns else "a length unit: the moving frame moves"
     subject = MissingUnit(kind, "the speed")
@@ -250,6 +250,6 @@ def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
 
 
 def _not_below(value: float) -> float:
-    """Return the value rounded up to six digits after its first."""
+    """Return a value rounded up to seven significant digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - 6)
     return math.ceil(value / step - 1e-6) * step

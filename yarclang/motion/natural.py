@@ -37,7 +37,7 @@ class NaturalSpline:
         return NaturalSpline(knots, values, bends)
 
     def at(self, s: Array) -> Array:
-        """Return the values (N, d) at `s` (N,)."""
+        """Return the values of the spline (N, d) at the places `s` (N,)."""
         leg, width, left = self._legs(s)
         right = 1.0 - left
         v0, v1, m0, m1 = self.values[leg], self.values[leg + 1], self.bends[leg], self.bends[leg + 1]
@@ -45,7 +45,7 @@ class NaturalSpline:
         return v
 
     def slope_at(self, s: Array) -> Array:
-        """Return the derivatives (N, d) at `s` (N,)."""
+        """Return the first derivatives of the spline (N, d) at the places `s` (N,)."""
         return self.slope_on(self._leg(s), s[:, None])[:, 0]
 
     def slope_on(self, leg: NDArray[np.intp], s: Array) -> Array:
@@ -78,7 +78,7 @@ class NaturalSpline:
         return leg, width, (self.knots[leg + 1] - s)[:, None] / width
 
     def _leg(self, s: Array) -> NDArray[np.intp]:
-        """Return the leg (N,) of each `s` (N,)."""
+        """Return, for each `s` (N,), the number of the leg on which it lies (N,)."""
         return np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
 
     def _turning_points(self) -> Array:

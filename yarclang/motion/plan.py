@@ -81,7 +81,7 @@ class PlannedMotion:
 
     @property
     def half(self) -> float:
-        """The duration of the half of the overlap at its end [s]."""
+        """The duration of half the overlap at the end of the motion [s]."""
         return (self.overlap or 0) * self.curve.segment / 2.0
 
 
@@ -103,7 +103,7 @@ class MotionPlan:
 
     @property
     def source_program(self) -> Program:
-        """The program as it was checked."""
+        """The program as it was checked, with lines around obstacles as single steps."""
         return self.program if self.asked is None else self.asked
 
     @cached_property

@@ -186,7 +186,7 @@ class Router:
         return Solver(self.robot, self._around(number, step, before), measures, is_again, self.searches)
 
     def _around(self, number: int, step: Motion, before: _Stand) -> Cell | None:
-        """Return the cell during a motion."""
+        """Return the cell as it is during a motion, with the workpieces where they are then."""
         handling = self._handling
         if self.cells is not None:
             return self.cells.get(number, self.cell)
@@ -335,7 +335,7 @@ class Router:
     def _motion(
         self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
     ) -> Done:
-        """Route one motion from `q` (n,)."""
+        """Find the path of one motion from the joint position `q` (n,)."""
         # A joint motion to a free pose becomes the new choice to vary; other targets in joint space fix the
         # position.
         choice, taken = before.choice, self._choices.get(number)

@@ -217,7 +217,7 @@ def _needed(refused: Refused) -> float:
 
 
 def _few_digits(stretch: float) -> float:
-    """Return a stretch of four digits, not below the given one."""
+    """Return a factor of four digits that isn't below the given one."""
     digits = 3 - math.floor(math.log10(stretch))
     return round(math.ceil(stretch * 10.0**digits - 1e-6) / 10.0**digits, max(0, digits))
 
@@ -273,7 +273,7 @@ class _Trial:
 
     @staticmethod
     def of(path: TimedPath, within: Array, segments: int) -> _Trial:
-        """Sample the wanted positions."""
+        """Sample the joint positions that a timetable prescribes."""
         count = segments * _BETWEEN
         between = path.joints(np.arange(count + 1) / count)
         return _Trial(path, within, between[::_BETWEEN], between)
@@ -310,7 +310,7 @@ class _Trial:
         return float((made / np.maximum(asked, bounds.acceleration / 2.0)).max())
 
     def missed(self, points: Array, segment: float) -> Missed:
-        """Return the place at which control points miss the path most."""
+        """Return where control points miss the path most, in relation to the tolerance."""
         off = np.abs(_looked_at(points) - self.between)
         at, joint = divmod(int(np.argmax(off / self.within)), off.shape[1])
         most = float(off[at, joint])

@@ -61,13 +61,13 @@ class Trial:
 
     @property
     def demand(self) -> Demand:
-        """The demand of the limit that requires the longest segments."""
+        """The limit that requires the longest segments, with the segment time that it requires."""
         return max(self.demands, key=lambda demand: demand.segment)
 
 
 @dataclass(slots=True)
 class Trials:
-    """All trials of a path under one law; each is made once."""
+    """All trials of a path with one motion profile; each is made only once."""
 
     path: Path
     law: Law
@@ -83,7 +83,7 @@ class Trials:
     _is_smooth_known: bool = False
 
     def trial(self, segments: int, form: Form) -> Trial:
-        """Return the trial with a number of segments and a form."""
+        """Return the trial with a given number of segments and a given form of the profile."""
         return self.trials([(segments, form)])[0]
 
     def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
@@ -202,7 +202,7 @@ class Trials:
             del self._made[key]
 
     def _likely(self, segments: int, forms: NDArray[np.int64], segment: float) -> int:
-        """Estimate the first form that keeps the limits."""
+        """Estimate which form of the profile is the first that keeps the limits, as an index."""
         first = self._first.get((segments, segment))
         if first is None:
             first = int(np.argmax(self._from_slope(segments, forms) <= segment))

@@ -50,14 +50,14 @@ _TOGETHER = 8
 
 @frozen(eq=False)
 class SlowZones:
-    """The items that slow zones watch during a motion."""
+    """The slow zones during a motion, each with the item whose speed it limits."""
 
     scene: Scene
     watches: tuple[Watch, ...]
 
     @property
     def key(self) -> Hashable:
-        """The scene, and what is watched in which zone."""
+        """A hashable key of the scene and of the watched items with their zones."""
         return self.scene, tuple((one.zone, one.item.name if one.item else "") for one in self.watches)
 
     def asked(
@@ -155,14 +155,14 @@ class SlowZones:
         return min((one.zone.speed or 0.0 for one in self.watches if is_ceiling(one)), default=np.inf)
 
     def without_ceiling(self) -> SlowZones | None:
-        """Return only the zones of the cell."""
+        """Return the slow zones of the cell, without the speed limit that the motion sets itself."""
         rest = tuple(one for one in self.watches if not is_ceiling(one))
         if len(rest) == len(self.watches):
             return self
         return SlowZones(self.scene, rest) if rest else None
 
     def together(self, other: SlowZones | None) -> SlowZones:
-        """Return all items that are watched where two motions overlap."""
+        """Return the slow zones of two motions together, for the time in which the motions overlap."""
         if other is None or other is self:
             return self
         known = {(one.zone.name, one.item.name if one.item else "") for one in self.watches}

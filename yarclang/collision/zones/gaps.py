@@ -61,7 +61,7 @@ def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | No
 
 
 def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | None) -> Array:
-    """Compute `distance_outside` by coal, for bodies."""
+    """Compute `distance_outside` of a body by the library coal."""
     import coal
 
     assert item.base_from_body is not None

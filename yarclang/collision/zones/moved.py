@@ -34,7 +34,7 @@ class Posed:
     linear: Array
 
     def points(self, points: Array) -> Array:
-        """Return the places (P, V, 3) of its points (V, 3), in {B} [m]."""
+        """Return the positions (P, V, 3) of points (V, 3) of the body, in {B} [m]."""
         moved: Array = np.matmul(points, self.turn) + self.shift[:, None]
         return moved.transpose(2, 1, 0)
 
@@ -73,7 +73,7 @@ class Posed:
         return Posed(*(getattr(self, name)[..., rows] for name in self.__dataclass_fields__))
 
     def beside(self, other: Posed) -> Posed:
-        """Return these instants, followed by those of `other`."""
+        """Return the poses and velocities at these instants, followed by those at the instants of `other`."""
         return Posed(
             *(
                 np.concatenate([getattr(self, name), getattr(other, name)], axis=-1)
@@ -116,7 +116,7 @@ class Arm:
         return Arm(turn, shift, angular, linear)
 
     def of(self, item: Item) -> Posed:
-        """Return the motion of the body that carries an item."""
+        """Return the pose and velocity of the body that carries an item."""
         return Posed(*(getattr(self, name)[item.joint] for name in self.__dataclass_fields__))
 
 
@@ -231,7 +231,7 @@ class Pieces:
 
     @staticmethod
     def whole(course: Course, first: int, last: int) -> Pieces:
-        """Return the segments from `first` up to `last` (not included)."""
+        """Return one piece for each whole segment from `first` up to `last` (not included)."""
         segment = np.arange(first, last)
         return Pieces(segment, np.zeros(len(segment)), np.diff(course.begins)[segment])
 
@@ -300,7 +300,7 @@ class Whole:
 
     @cached_property
     def ends(self) -> Ends:
-        """The arm at both ends of the segments, with rates."""
+        """The arm at both ends of all segments, with joint velocities."""
         return Ends(self.scene, self.course, self.pieces, moving=True)
 
 

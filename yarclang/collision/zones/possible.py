@@ -62,7 +62,9 @@ def _told(code: str, cell: Cell, zone: Zone, message: str, help_: str) -> Diagno
 
 
 def _by_itself(robot: Robot, zone: Zone) -> str | None:
-    """Return the reason why a zone by itself is impossible; None if it is possible."""
+    """Return the reason why no robot position respects a zone, taken by itself; None if the zone can be
+    respected.
+    """
     for window in (zone.region, zone.posture):
         if isinstance(window, JointWindow) and (zone.rule in ("allowed", "posture")):
             joint = _joint_without(robot, window, robot.limits)
@@ -141,7 +143,7 @@ def _within(inner: Place, outer: Place) -> bool:
 
 
 def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
-    """Return a clause that says how HOME breaks a watch."""
+    """Return a clause that says how HOME breaks a zone."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):

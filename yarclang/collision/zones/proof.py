@@ -85,7 +85,7 @@ def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequen
 
 
 class _Search:
-    """State and results of the search."""
+    """State and results of the proof that zones are respected."""
 
     def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
         self.scene, self.course, self.spans = scene, course, spans
@@ -100,7 +100,7 @@ class _Search:
         self.bounds: dict[int, Rates] = {}
 
     def look(self, number: int, watch: Watch) -> None:
-        """Settle one watch on all motions."""
+        """Check one zone with its watched item on all motions."""
         region = watch.zone.region
         hit = np.zeros(len(self.spans), dtype=np.bool_)
         if isinstance(region, JointWindow):
@@ -214,7 +214,7 @@ class _Search:
         return np.flatnonzero(~done & ~hit[motion])
 
     def _window(self, number: int, watch: Watch, window: JointWindow, hit: Flags) -> None:
-        """Settle a joint window on all motions."""
+        """Check a zone of allowed or forbidden joint positions on all motions."""
         pieces = self.pieces
         while len(pieces.segment):
             go_on()
@@ -260,7 +260,7 @@ class _Search:
             pieces = pieces.halves()
 
     def _sight(self, number: int, sight: Sight, hit: Flags) -> None:
-        """Settle a point in a cone on all motions."""
+        """Check a zone that keeps a point in a cone on all motions."""
         pieces, done = self.pieces, 0
         bounds = Bounds(sight, self.scene, self.course)
         while len(pieces.segment):

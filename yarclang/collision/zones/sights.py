@@ -70,7 +70,7 @@ def reserve(sight: Sight, aim: Aim) -> Array:
 
 
 class Bounds:
-    """Bounds of a rule between the ends of pieces of segments."""
+    """Bounds on how near a point comes to leaving its cone, between the ends of pieces of a motion's time."""
 
     def __init__(self, sight: Sight, scene: Scene, course: Course) -> None:
         chain = scene.chain

@@ -113,7 +113,7 @@ _ASIDE = 1e-3
 
 
 class _Search:
-    """Search for the largest speed of one watch on all motions."""
+    """Search for the largest speed of one item in its slow zone, on all motions."""
 
     def __init__(
         self,
@@ -138,7 +138,7 @@ class _Search:
         self.time = np.zeros(len(spans))
 
     def made(self) -> Fastest:
-        """Halve pieces until all are settled, and return the result."""
+        """Halve pieces of time until all are decided, and return the largest speeds."""
         # Drop segments on which no point can be faster than `least`, and segments far from the zone.
         (rows,) = np.nonzero(self.bounds.first[self.pieces.segment] > self.least)
         if len(rows):
@@ -223,7 +223,7 @@ class _Search:
         return least > self.margin, seen <= self.margin + SLACK / 2.0
 
     def _learn(self, pieces: Pieces, speed: Array) -> None:
-        """Record the largest speed of each motion, and its place."""
+        """Record the largest speed of each motion, and where it occurs."""
         motion = self.motion[pieces.segment]
         order = np.argsort(speed, kind="stable")  # the largest is written last
         larger = order[speed[order] > self.best[motion[order]]]

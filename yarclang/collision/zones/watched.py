@@ -102,7 +102,7 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
 
 
 def point_of(robot: Robot, moving: Moving) -> Item:
-    """Return the origin of a moved frame as an item."""
+    """Return the origin of a moved frame as an item that zones can watch."""
     placed = robot.chain.base_from_flange @ moving.flange_from_moving
     return point_item(f"{{{moving.name}}}", robot.size, placed[:3, 3])
 
@@ -138,7 +138,7 @@ _SIDES = 32
 
 @lru_cache(maxsize=1024)
 def room_of(body: Body) -> Item:
-    """Return the item of a body, cached by the body's identity."""
+    """Return a body as an item that zones can watch, cached by the body's identity."""
     import coal
 
     shape, placed = body.geometry.of_coal, body.base_from_body

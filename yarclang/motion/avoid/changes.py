@@ -230,5 +230,5 @@ def _written(base_from_moving: Array, origin: Origin) -> str:
 
 
 def _units(origin: Origin) -> tuple[float, float]:
-    """Return a line's units of length and angle in m and rad."""
+    """Return the units of length and angle in which a command is written, in m and rad."""
     return UNITS[origin.length_unit].factor, UNITS[origin.angle_unit].factor

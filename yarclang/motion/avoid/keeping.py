@@ -146,7 +146,7 @@ class _Tree:
         return int(np.argmin(np.square((self.scaled - q) * reach).sum(axis=1)))
 
     def grow(self, parent: int, points: list[Array]) -> int:
-        """Add a branch, and return the number of its end."""
+        """Add a branch of joint positions to the tree, and return the index of its last one."""
         for one in points:
             self.points.append(one)
             self.parents.append(parent)
@@ -156,7 +156,7 @@ class _Tree:
         return parent
 
     def way(self, at: int) -> list[Array]:
-        """Return the way from a root to a point."""
+        """Return the joint positions from the root of the tree to the point number `at`."""
         found = []
         while at >= 0:
             found.append(self.points[at])
@@ -215,7 +215,7 @@ def along_rules(
 
 
 def _shortened(space: _Space, points: list[Array], random: np.random.Generator) -> Array:
-    """Return a way with fewer and shorter pieces and the same ends."""
+    """Return a polyline with the same ends and fewer and shorter segments."""
     for _ in range(_CUTS):
         if len(points) < 3:
             break

@@ -75,7 +75,7 @@ class Leg:
 
     @property
     def end(self) -> Stand:
-        """The place where the leg ends."""
+        """The place of the frame and the joint position at which the leg ends."""
         return Stand(self.x, self.path.end)
 
 
@@ -101,7 +101,7 @@ class Legs:
     _padded: dict[float, Room] = field(default_factory=dict)
 
     def pose(self, x: Array) -> Array:
-        """Return the frame's pose (4, 4) at a place (4,)."""
+        """Return the pose (4, 4) of the moving frame for a place (4,): a position and a share of the turn."""
         line = self.line
         if (x == self.goal).all():
             return line.base_from_end
@@ -112,12 +112,12 @@ class Legs:
 
     @property
     def start(self) -> Array:
-        """The place of the start (4,)."""
+        """The place (4,) of the moving frame at the start of the line."""
         return np.append(self.line.base_from_start[:3, 3], 0.0)
 
     @property
     def goal(self) -> Array:
-        """The place of the goal (4,)."""
+        """The place (4,) of the moving frame at the end of the line."""
         return np.append(self.line.base_from_end[:3, 3], 1.0)
 
     @property
@@ -128,7 +128,7 @@ class Legs:
         return np.array([1.0, 1.0, 1.0, max(LEVER * self.line.angle, 1e-6)])
 
     def length(self, x: Array, other: Array) -> float:
-        """Return the distance between two places [m]."""
+        """Return the distance between two places of the moving frame [m]; a turn counts by a lever."""
         return float(np.linalg.norm((other - x) * self.scale))
 
     def path(self, stand: Stand, x: Array) -> CartesianPath | float:

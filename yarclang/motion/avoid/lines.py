@@ -219,7 +219,7 @@ class _Tree:
         return len(self.stands) - 1
 
     def way(self, number: int) -> list[Array]:
-        """Return the places from the root to a stand."""
+        """Return the places (4,) of the frame from the root of the tree to the stand number `number`."""
         way = []
         while number >= 0:
             way.append(self.stands[number].x)
@@ -238,7 +238,7 @@ class _Search:
     """The stand that came nearest to the goal."""
 
     def ways(self) -> Iterator[list[Array]]:
-        """Yield ways as places (4,), start and goal included."""
+        """Yield polylines as lists of the frame's places (4,), start and goal included."""
         if self.seed == 0:
             yield from self._in_three()
         yield from self._by_trees()
@@ -424,6 +424,6 @@ def _proved(legs: Legs, start: Array, corners: list[Array]) -> Course | None:
 
 
 def _time(path: CartesianPath, limits: Limits) -> float:
-    """Return about the duration of a leg [s]."""
+    """Estimate the duration of a leg, with the stop at its end [s]."""
     moves = np.abs(np.diff(path.followed.q, axis=0)).sum(axis=0)
     return float((moves / limits.velocity).max()) + _STOP

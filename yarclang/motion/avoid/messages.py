@@ -160,7 +160,7 @@ def configuration_without_way(
 def every_configuration_blocked(
     robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
 ) -> Message:
-    """Return the finding that no solution of a pose is free."""
+    """Return the finding that all inverse-kinematics solutions of a target pose collide."""
     first = {one.names: one for _, one in reversed(blocked)}
     reasons = [inside(first[names]) for names in dict.fromkeys(one.names for _, one in blocked)]
     count = len(blocked)
@@ -201,7 +201,7 @@ def with_changes(
 
 
 def inside(one: Obstruction) -> str:
-    """Return the obstruction as the end of a sentence."""
+    """Return words for an obstruction, as the end of a sentence."""
     moving, other = one.names
     if one.is_tilt:
         return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"

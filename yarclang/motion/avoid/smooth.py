@@ -169,7 +169,7 @@ def straight_course(start: Array, goal: Array) -> Course:
 
 
 def _swings_out(room: Room, curve: NaturalSpline) -> Array:
-    """Return places s (T,) at which a curve is beyond joint limits."""
+    """Return places s (T,) at which samples of a curve are beyond joint limits."""
     low, low_at, high, high_at = curve.extremes()
     limits, slack = room.robot.limits, 1e-9 * room.robot.axis_units
     return np.concatenate([low_at[low < limits.lower - slack], high_at[high > limits.upper + slack]])

@@ -67,7 +67,7 @@ class Way:
 
     @property
     def is_straight(self) -> bool:
-        """True if there was nothing to avoid."""
+        """True if the path is the straight line in joint space."""
         return len(self.waypoints) == 1
 
 

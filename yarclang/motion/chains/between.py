@@ -110,7 +110,7 @@ class Between:
         return max(1.0, asked) if np.isfinite(asked) else 1.0, 0.0
 
     def _laws(self, cruise: float, phase: float) -> Iterator[_Timed]:
-        """Yield the laws to try, the most likely first."""
+        """Yield the motion profiles to try, the most likely first."""
         into = self.before.overlap if self.before else 0
         for blend, share in self._ramps(cruise):
             rise = max(1, min(round(share * blend), blend // 2))

@@ -81,7 +81,7 @@ class Part:
 
     @property
     def segments(self) -> int:
-        """The number of segments of its law."""
+        """The number of segments of its motion profile."""
         return self.trial.segments
 
 
@@ -121,7 +121,7 @@ def superpose(
 
 
 def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
-    """Return the knots at which the laws begin."""
+    """Return, for each motion of a chain, the knot at which its motion profile begins."""
     starts = [0]
     for part, overlap in zip(parts, overlaps, strict=False):
         starts.append(starts[-1] + part.segments - overlap)

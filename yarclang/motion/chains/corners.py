@@ -110,7 +110,7 @@ def long_chains(steps: Sequence[Step]) -> frozenset[int]:
 
 
 class _Room(NamedTuple):
-    """The allowed distance from a corner; see `Corner`."""
+    """How far the blended curve may stay from a corner; see `Corner`."""
 
     radius: float
     flange_from_moving: Array | None

@@ -36,13 +36,13 @@ class Link:
 
     @property
     def alone(self) -> Curve:
-        """The curve of the motion by itself, which must be known."""
+        """The curve of the motion planned by itself; it must have been planned."""
         assert self.by_itself is not None
         return self.by_itself
 
     @property
     def as_alone(self) -> Piece:
-        """The piece of the motion by itself."""
+        """The motion with its own curve, from rest to rest, as a planned part of a chain."""
         kept = least = 1.0
         if self.full is not None:
             kept = self.full * float(np.diff(self.alone.law).max()) / self.alone.segment

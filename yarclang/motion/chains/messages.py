@@ -67,7 +67,7 @@ def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion)
 
 
 def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
-    """Return the finding about a BLEND 0 at a corner."""
+    """Return the finding that the two paths at a BLEND 0 aren't tangent."""
     if off is None:
         why = "one is a path of joints, the other one of a frame"
     elif off[0] > off[1]:

@@ -1,4 +1,4 @@
-"""Decide how far two motions may overlap."""
+"""Decide for how long two consecutive motions may overlap at a corner."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def changes_speed(one: Link, other: Link) -> bool:
 
 @frozen(eq=False)
 class Overlaps:
-    """The corners of a chain with segments of `segment` [s]."""
+    """Checker of the overlaps at the corners of a chain, with segments of `segment` [s]."""
 
     chain: Chain
     links: Sequence[Link]
@@ -151,7 +151,7 @@ class Overlaps:
         return most / max(asked)
 
     def _superposed(self, first: Part, second: Part, corner: Corner, overlap: int) -> Array:
-        """Return the control points of two motions that overlap."""
+        """Return the control points of two motions, superposed with an overlap."""
         key = first.trial, second.trial, overlap
         if key not in self._last:
             self._last.clear()

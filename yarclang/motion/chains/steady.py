@@ -101,7 +101,7 @@ def steady(
 
 
 class _Maker:
-    """Planner of one chain."""
+    """Planner of one chain that keeps its speed through corners."""
 
     def __init__(
         self,

@@ -161,7 +161,7 @@ def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> 
 
 
 def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
-    """Return base_from_moving (m * M, 4, 4) of m paths at `s` (M,)."""
+    """Return the poses base_from_moving (m * M, 4, 4) along each of m paths, at the places `s` (M,)."""
     lines = [way for way in ways if isinstance(way, Line)]
     if len(lines) == len(ways):
         return poses_along(lines, s).reshape(-1, 4, 4)

@@ -42,7 +42,7 @@ _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a v
 
 
 def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
-    """Return the finding about a pose without a joint position."""
+    """Return the finding that no joint position takes the frame to a pose."""
     if solved.kind == "reach":
         by = f" by {miss_text(solved.miss, solved.miss_angle)}" if solved.is_measured else ""
         message = f"{which}out of reach{by}"

@@ -22,7 +22,7 @@ MOST_POSES = 512
 
 @dataclass(slots=True)
 class ReachedAhead:
-    """The lines and arcs whose goals are certainly in reach."""
+    """Checker of consecutive lines and arcs for goals that are certainly in reach."""
 
     robot: Robot
     steps: Sequence[Step]

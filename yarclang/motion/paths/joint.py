@@ -39,5 +39,5 @@ class JointPath:
         return q
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:  # noqa: ARG002
-        """Return zeros: control points on the line execute it exactly."""
+        """Return zeros: control points on a straight line in joint space execute the line exactly."""
         return 0.0, 0.0

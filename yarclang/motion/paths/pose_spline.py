@@ -63,7 +63,7 @@ class PoseSpline:
 
     @cached_property
     def angle(self) -> float:
-        """The angle by which the frame turns on the way [rad]."""
+        """The angle by which the frame turns along the whole curve [rad]."""
         u = self._fine
         middles = (u[1:] + u[:-1]) / 2.0
         rates = np.empty(len(middles))
@@ -143,12 +143,12 @@ class PoseSpline:
 
     @cached_property
     def _legs(self) -> NDArray[np.intp]:
-        """The leg of each piece (P,)."""
+        """The leg to which each piece of the length measurement belongs (P,)."""
         return np.repeat(np.arange(self.legs), self._pieces)
 
     @cached_property
     def _fine(self) -> Array:
-        """The places (P + 1,) at the ends of the pieces."""
+        """The places s (P + 1,) at the ends of the pieces with which lengths are measured."""
         knots, pieces, leg = self.positions.knots, self._pieces, self._legs
         number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         return np.append(knots[:-1][leg] + np.diff(knots)[leg] * (number / pieces[leg]), 1.0)

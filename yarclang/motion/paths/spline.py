@@ -56,7 +56,7 @@ class SplinePath:
 
     @property
     def places(self) -> Array:
-        """The way-points, and equally spaced places on each leg (k,)."""
+        """The places s of the way-points except the last, and equally spaced places s on each leg (k,)."""
         knots = self.spline.knots
         between = max(1, _PLACES // (len(knots) - 1))
         inner: Array = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(between) / between

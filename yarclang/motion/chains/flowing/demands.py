@@ -78,7 +78,7 @@ class Smoothing:
 
     @property
     def deviation(self) -> float:
-        """The standard deviation of both means together [s]."""
+        """The standard deviation of both moving averages together [s]."""
         return float(np.sqrt(sum(width**2 for width in self.widths) / 12.0)) * self.segment
 
     @property
@@ -192,7 +192,7 @@ class Demands:
 
     @staticmethod
     def of(way: Way, limits: Limits) -> Demands:
-        """Compute the demands along a path."""
+        """Compute what a path allows a motion profile along it."""
         lengths = way.lengths
         number = np.maximum(_FEWEST, np.ceil(lengths / _LONGEST)).astype(np.int64)
         first, units = _nodes_of(number, *_closer(lengths / number, limits))
@@ -226,7 +226,7 @@ class Demands:
         )
 
     def part(self, first: int, last: int) -> Demands:
-        """Return the demands of the motions from `first` up to `last`."""
+        """Return the part of these demands for the motions from `first` up to `last`."""
         edges = np.concatenate(([0], self.corners, [len(self.step)]))
         begin, end = int(edges[first]), int(edges[last])
         between, inner = slice(begin, end), slice(begin, end - 1)

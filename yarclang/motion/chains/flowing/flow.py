@@ -45,12 +45,12 @@ class Known:
     keys: Sequence[Hashable]
 
     def get(self, way: Way, window: Window, smoothing: Smoothing) -> Made | Failed | None:
-        """Return the earlier result of a window, or None."""
+        """Return the result of a window from an earlier plan, or None."""
         found: Made | Failed | None = self.memory.get(self._key(way, window, smoothing))
         return found
 
     def keep(self, way: Way, window: Window, smoothing: Smoothing, result: Made | Failed) -> None:
-        """Keep the result of a window."""
+        """Store the result of a window for later plans."""
         self.memory.keep(self._key(way, window, smoothing), result)
 
     def _key(self, way: Way, window: Window, smoothing: Smoothing) -> Hashable:
@@ -84,7 +84,7 @@ def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> li
 
 
 def _flowing(links: Sequence[Link], grid: Grid, known: Known | None) -> list[Piece] | None:
-    """Return the pieces of motions that are passed without a stop."""
+    """Plan motions that are passed without a stop; None if they can't be planned as one path."""
     way = Way.of([link.path for link in links if isinstance(link.path, CartesianPath)])
     return _of_demands(Demands.of(way, Limits.of(links, way)), way, grid, known)
 
@@ -100,7 +100,7 @@ def _fastest_corners(demands: Demands, grid: Grid) -> Array:
 
 
 def _segments(grid: Grid) -> list[float]:
-    """Return the segment times that are tried [s]."""
+    """Return the segment times to try [s]."""
     times = [grid.nearest(time) for time in _SEGMENTS]
     return [time for time in times if grid.smallest <= time <= grid.largest] or [grid.smallest]
 
@@ -158,7 +158,7 @@ def _make(
 
 
 def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
-    """Return the chain's curve, cut where its corners are passed."""
+    """Return the planned motions of a chain: its curve, cut where its corners are passed."""
     control = np.concatenate([*(part.points[:-3] for part in parts[:-1]), parts[-1].points])
     control.setflags(write=False)
     pieces, begin = list[Piece](), 0

@@ -99,7 +99,7 @@ def _sharpened(values: Array) -> Array:
 
 
 def _mean(values: Array, width: int) -> Array:
-    """Return means (N - width + 1, d) over `width` neighbours."""
+    """Return moving averages (N - width + 1, d) over `width` neighbouring values."""
     if width <= 1:
         return values
     count = len(values) - width + 1

@@ -52,7 +52,7 @@ class Excess:
 
     @staticmethod
     def of(times: Array, shares: Array) -> Excess:
-        """Return the shares above 1."""
+        """Return the shares (N,) that are above 1, with their times."""
         over = shares > 1.0
         return Excess(times[over], shares[over])
 
@@ -61,7 +61,7 @@ class Excess:
         return Excess(np.concatenate((self.times, other.times)), np.concatenate((self.shares, other.shares)))
 
     def between(self, begin: float, end: float) -> Excess:
-        """Return the excesses from one time up to another [s]."""
+        """Return the excesses that occur from one time up to another [s]."""
         own = (self.times >= begin) & (self.times <= end)
         return Excess(self.times[own], self.shares[own])
 
@@ -150,14 +150,14 @@ class _Look:
         return Excess.of(np.concatenate(times), np.concatenate(shares))
 
     def zones_broken(self) -> Excess:
-        """Return the excesses of speeds in zones."""
+        """Return where an item is faster than its slow zone allows."""
         if self.limits.zones is None:
             return Excess(np.zeros(0), np.zeros(0))
         segments, factors = self.limits.zones.too_fast(self.sampled.points, self.segment)
         return Excess(self.sampled.begin + self.segment * (segments + 0.5), factors)
 
     def _own(self, times: Array) -> Numbers:
-        """Return the motions (N,) at times."""
+        """Return the motions (N,) that are under way at given times."""
         return np.searchsorted(self.passed, times, side="right")
 
     def poses(self) -> Array:

@@ -98,7 +98,7 @@ class Way:
 
     @property
     def flange_from_moving(self) -> Array:
-        """The place of the moving frame on the flange (4, 4)."""
+        """The pose of the moving frame on the flange (4, 4)."""
         return self.paths[0].flange_from_moving
 
     def located(self, places: Array) -> tuple[Numbers, Array]:
@@ -159,7 +159,7 @@ class Way:
 
     @staticmethod
     def _rows(own: Numbers, wanted: NDArray[np.bool_]) -> Iterator[Numbers]:
-        """Yield the rows of each wanted motion together."""
+        """Yield, for each of the wanted motions, the indices of the rows that belong to it."""
         (rows,) = np.nonzero(wanted[own])
         if len(rows):
             order = np.argsort(own[rows], kind="stable")

@@ -50,7 +50,7 @@ class Window:
 
     @property
     def seams(self) -> tuple[bool, bool]:
-        """True for the ends that are seams."""
+        """Two values, for the first and the last end of the window: whether it is a seam."""
         return self.speeds[0] > 0.0, self.speeds[1] > 0.0
 
     def around(self, way: Way, smoothing: Smoothing) -> tuple[int, int]:
@@ -138,7 +138,7 @@ class _Maker:
         return Failed(self.seams)
 
     def made(self) -> Made | Failed:
-        """Return the result."""
+        """Plan the window: slow its motion profile down until the control points keep all limits."""
         demands, smoothing = self.demands, self.smoothing
         ceiling, slope, rounds = demands.ceilings(smoothing)
         edges = np.concatenate(([0], demands.corners, [len(demands.step)]))
@@ -200,7 +200,9 @@ class _Maker:
         return kept
 
     def _time(self, pace: Pace) -> tuple[float, float]:
-        """Return the interval in which excesses count [s]."""
+        """Return the interval of time in which excesses must be avoided [s]: the window, and a segment
+        beyond a seam.
+        """
         h = self.smoothing.segment
         return -h if self.seams[0] else -np.inf, pace.duration + h if self.seams[1] else np.inf
 

@@ -55,7 +55,7 @@ class FreeSpace:
 
 
 def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
-    """Prepare the check of the pairs of a scene.
+    """Prepare the check that all pairs of bodies of a scene keep their distances.
 
     Args:
         scene: the bodies and pairs.

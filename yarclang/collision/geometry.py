@@ -333,7 +333,8 @@ _CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".o
 
 
 _DIRECTIONS = (1000, 300, 100)
-"""Numbers of planes of a body around a hull; the first one that coal accepts is used.
+"""Numbers of planes that bound a larger body around a convex hull; the first number that coal accepts is
+used.
 
 With 1000 planes the body exceeds the hull by less than 1 % of its size, with 100 planes by some percent.
 """

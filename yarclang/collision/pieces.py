@@ -18,7 +18,7 @@ class OpenMeshError(UnreadableError):
 
 
 def pieces_of_mesh(shape: Mesh) -> tuple[Geometry, ...]:
-    """Divide a mesh into convex pieces, as many as its description requests.
+    """Divide a mesh into convex pieces, at most as many as its description requests.
 
     Raises:
         UnreadableError: the mesh can't be read.

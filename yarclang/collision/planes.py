@@ -82,7 +82,7 @@ def least_gap(
 ROUNDING = 1e-12
 """Upper bound of the rounding in a plane's gap [m]: some thirty operations on lengths of up to 10 m."""
 POOR = 1e-6
-"""Difference from the proposed distance [m] above which a plane is turned to show a larger gap."""
+"""Difference from the computed distance [m] above which a plane is turned to show a larger gap."""
 _TURNS = 60
 
 

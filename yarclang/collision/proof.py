@@ -29,7 +29,7 @@ from yarclang.shapes import Array
 SLACK = 1e-5
 """Distance beyond their margin below which bodies count as too near [m]: a smaller one isn't proved."""
 RESOLUTION = 2e-4
-"""Motion on a piece below which the piece isn't halved any further [m].
+"""Relative motion of two bodies on a piece of time below which the piece isn't halved any further [m].
 
 Bodies that may still get nearer than their margin on such a piece count as too near.
 """
@@ -38,9 +38,9 @@ KNOWN = 0.1
 SHARE, COARSE = 0.1, 1e-3
 """Allowed error of the smallest distance: this share of the distance plus this length [m]."""
 FIRST = 0.08
-"""Largest motion of a joint on a piece before any halving [rad or m]."""
+"""Largest motion of a joint on a piece of time before any halving [rad or m]."""
 BLOCK = 2048
-"""Pieces that are examined together."""
+"""Number of pieces of time that are examined together."""
 
 
 @frozen

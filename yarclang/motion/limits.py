@@ -68,8 +68,8 @@ class Bounds:
         return *(one.tobytes() for one in arrays), None if self.zones is None else self.zones.key
 
     def reduced(self, share: float, ramp: float) -> Bounds:
-        """Return the limits reduced to a share; the limits of acceleration and jerk are also multiplied by
-        `ramp`.
+        """Return the limits multiplied by `share`; the limits of acceleration and jerk are also multiplied
+        by `ramp`.
         """
         if share == ramp == 1.0:
             return self

@@ -19,13 +19,14 @@ from yarclang.motion.path import Path
 from yarclang.named import by_name
 
 Form = tuple[int, ...]
-"""The free parameters of a law on a grid, in segments: the lengths of its ramps and blends.
+"""The free parameters of a motion profile on a grid of segments: the lengths of its ramps and blends
+[segments].
 
-Each law has its own parameters.
+Each kind of profile has its own parameters.
 """
 
 NO_FORM = np.zeros((1, 0), dtype=np.int64)
-"""The forms of a law without free parameters: a single, empty form."""
+"""The forms of a motion profile without free parameters: a single, empty form."""
 
 
 @frozen

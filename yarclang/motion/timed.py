@@ -90,7 +90,7 @@ class TooShort:
 
 
 Refused = Broken | Missed | TooShort
-"""The reasons why a timetable can't be carried out as it is; a slower timetable can."""
+"""The reasons why a timetable can't be executed as it is; if all its times grow enough, it can."""
 
 
 def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
@@ -153,10 +153,12 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
 
 
 STEPS = 24
-"""Largest number of stretches that are tried."""
+"""Largest number of factors by which the times of a table are stretched in the search."""
 
 FINE = 1.001
-"""Factor within which a stretch counts as the shortest that works."""
+"""Ratio of two factors, one too small and one that works, below which the search for the smallest factor
+ends.
+"""
 
 
 def shortest_stretch(

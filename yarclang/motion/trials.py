@@ -44,7 +44,7 @@ speed limits.
 """
 
 MANY_SEGMENTS = 24
-"""Number of segments from which the form of a law hardly depends on their number."""
+"""Number of segments from which on the best form of a motion profile hardly depends on this number."""
 
 
 @frozen(eq=False)

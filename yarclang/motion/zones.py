@@ -26,7 +26,7 @@ HEADROOM = 4e-4
 """The share of a zone's speed that is left for printing with finitely many decimals."""
 
 BELOW_CEILING = 1.0 - 2.0 * HEADROOM
-"""Share of a motion's ceiling that is used for a cruise."""
+"""Share of the speed limit that a motion sets itself, at which it cruises."""
 
 _SHARP = 1e-3
 """Relative accuracy of speeds: a motion may be slower than allowed by this share."""

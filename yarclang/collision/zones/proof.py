@@ -32,11 +32,11 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 MOST = 500_000
-"""Largest number of pieces for a watch. If more are needed, the watch counts as broken: only motions that no
-robot can make need so many.
+"""Largest number of pieces of time for one zone and item. If more are needed, the zone counts as broken: only
+motions that no robot can make need so many.
 """
 BLOCK = 2048
-"""Pieces that are examined together."""
+"""Number of pieces of time that are examined together."""
 Flags = NDArray[np.bool_]
 
 

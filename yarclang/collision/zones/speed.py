@@ -109,7 +109,7 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
 
 
 _ASIDE = 1e-3
-"""Largest distance of the arm from the way that was examined [m]."""
+"""Largest distance of the arm from the joint motion that was examined [m]."""
 
 
 class _Search:

@@ -31,8 +31,8 @@ _LEAST = 4
 """Least number of steps of a line; shorter ones lead nowhere."""
 
 _EVERY = 5
-"""Every `_EVERY` steps, a joint position of a line is kept as a way-point. A search may begin every `_ROOTS`
-steps.
+"""Number of steps of a line from one joint position that is kept as a way-point to the next. `_ROOTS` is the
+number of steps from one joint position at which a search may begin to the next.
 """
 
 _ROOTS = 20

@@ -122,8 +122,8 @@ class Legs:
 
     @property
     def scale(self) -> Array:
-        """The lengths that weigh the four numbers of a place in a distance: 1 m per m, and the lever times
-        the angle for the whole turn (4,) [m].
+        """The weights (4,) [m] of the four numbers of a place in the distance between two places: 1 for the
+        position, and a lever times the whole angle for the share of the turn.
         """
         return np.array([1.0, 1.0, 1.0, max(LEVER * self.line.angle, 1e-6)])
 

@@ -45,7 +45,7 @@ EFFORTS = (Effort(0.02, 0.03, 350), Effort(0.005, 0.015, 250), Effort(0.0005, 0.
 """Searches made one after the other: first with room to spare, finally close to obstacles."""
 
 QUICK = (Effort(0.01, 0.03, 100),)
-"""Searches for motions that are routed once more."""
+"""Searches for the path of a line for which an earlier search found nothing."""
 
 _DISTANCES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7)
 """Lengths of the first and the last of three legs [m]."""
@@ -407,7 +407,7 @@ def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, l
 
 
 def _proved(legs: Legs, start: Array, corners: list[Array]) -> Course | None:
-    """Return the polyline with rounded corners as a course; None if it isn't proved to be free of
+    """Return the polyline with rounded corners as a `Course`; None if it isn't proved to be free of
     collisions.
     """
     poses, paths = list[Array](), list[CartesianPath]()

@@ -243,7 +243,7 @@ JOINTS = "the joints"
 """The watched item of a joint window."""
 
 _INSIDE = 1e-5
-"""Distance that a way keeps from the borders of zones [m]; a smaller one couldn't be proved."""
+"""Distance that a path keeps from the borders of zones [m]; a smaller one couldn't be proved."""
 
 
 def _of_joints(watch: Watch) -> bool:

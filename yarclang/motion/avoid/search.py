@@ -73,7 +73,9 @@ _RANGE = 1.0
 """Longest branch of a search tree [m, of bodies]."""
 
 _INNER = 0.01
-"""Distance that ways keep from the joint limits [rad or m], so that a curve has room to swing."""
+"""Distance that polylines keep from the joint limits [rad or m], so that a curve through them has room to
+swing.
+"""
 
 _FARTHEST = 6.4
 """Largest motion of a joint without limits from its start or goal [rad or m]."""

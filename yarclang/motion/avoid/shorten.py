@@ -17,7 +17,7 @@ TRIES = 200
 """Number of shortcuts that are tried."""
 
 _LEAST = 0.005
-"""Least share of the whole way that a shortcut must save to be checked."""
+"""Least share of the whole polyline's time that a shortcut must save to be checked."""
 
 _PLACES = 201
 

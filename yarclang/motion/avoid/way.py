@@ -29,20 +29,21 @@ EFFORTS = (
     Effort(0.003, 0.03, 3_000, 3),
     Effort(0.0005, 0.02, 3_000, 4, lines=2),
 )
-"""Searches that are made one after the other until one finds a way.
+"""Searches that are made one after the other until one finds a path.
 
-The first ones are fast and keep a distance; then the tool is drawn out of its places; the last ones are long
-and come close to obstacles.
+The first ones are fast and keep a distance from obstacles; then the tool is drawn out of tight places at
+start and goal; the last ones are long and come close to obstacles.
 """
 
 OTHERS = EFFORTS[:2]
-"""Searches for further solutions of a pose, made after all searches for the first solution.
+"""Searches for paths to further inverse-kinematics solutions of a pose, made after all searches for the first
+solution.
 
-These two find nearly all ways that any search finds.
+These two find nearly all paths that any search finds.
 """
 
 QUICK = EFFORTS[:1]
-"""Searches for motions that are routed a second time."""
+"""Searches for the path of a motion for which an earlier search found nothing."""
 
 _PROVED = 1e-3
 """Largest distance beyond the margins that the curve is proved to keep [m]: the executed motion may deviate

@@ -69,7 +69,8 @@ class _Maker:
     at_most: float
     at_most_with_stops: float
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
-    """Trials of motions without a given time, by their place and the identity of their `Trials`.
+    """Trials of motions without a given duration, by the index of the motion and the identity of its
+    `Trials`.
 
     They don't depend on the overlaps.
     """

@@ -24,13 +24,13 @@ STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
 """Shares of a ramp in which its acceleration rises, and in which it falls again: the gentlest first."""
 
 _BY_ITS_WAY = 1.08
-"""Factor of the limits in the middle third of a path above which no other ramps are tried: no ramp makes the
-motion slower there.
+"""Factor by which limits are exceeded in the middle third of a path, above which no other ramps are tried: no
+ramp makes the motion slower there.
 """
 
 _AT_ONCE = 40
-"""Number of laws that are tried together if the first few break limits. Solving many laws takes hardly longer
-than solving a few.
+"""Number of motion profiles that are tried together if the first few break limits. Solving many takes hardly
+longer than solving a few.
 """
 
 

@@ -29,8 +29,8 @@ from yarclang.robot.kinematics.inverse import follow
 from yarclang.robot.model import Chain
 
 _FADE = 24
-"""Number of knots beside an overlap to which a correction of its knots extends: it falls to about a fourth
-from knot to knot.
+"""Number of knots beside an overlap up to which a correction at its knots has an effect: the effect falls to
+about a fourth from knot to knot.
 """
 
 

@@ -31,8 +31,8 @@ _SHORTEST = 0.004
 """Segments aren't made shorter than this to get a steady speed [s]."""
 
 _SHARES = (1.0, 0.9, 0.8, 0.65, 0.5)
-"""Shares of the limits of acceleration and jerk that a single law may use. With a half, two laws never add up
-to more than the limits.
+"""Shares of the limits of acceleration and jerk that a single motion profile may use. With a half, two
+overlapping profiles never add up to more than the limits.
 """
 
 _FOR_FLOW = 1.1
@@ -41,18 +41,19 @@ that the motion flows.
 """
 
 _ABOUT = 1.005
-"""Factor up to which slower chains count as equally fast. Of these the first one is taken, which has longer
-segments.
+"""Factor up to which slower plans of a chain count as equally fast. Of these the first one is taken, which
+has longer segments.
 """
 
 _EXACT = 1e-7
 """Times within this distance of whole segments count as exact [s]."""
 
 Way = Callable[[float, list[int | None]], list[Piece] | float | Beaten | None]
-"""A method of carrying out a chain, called with a segment time [s] and the segments of given durations.
+"""A method of planning a chain, called with a segment time [s] and the numbers of segments of given
+durations.
 
-It returns the pieces; or a segment time to try; or a lower bound of its duration, if that is too long; or
-None.
+It returns the planned motions; or a segment time to try; or a lower bound of the chain's duration, if that is
+too long; or None.
 """
 
 

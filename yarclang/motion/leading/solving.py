@@ -71,8 +71,9 @@ class Solver:
     ) -> Array | None:
         """Return the joint position for a goal that is nearest to `near` among those without obstruction.
 
-        A finding is added if a nearer solution is obstructed. If the goal has a NEAR of its own, the solution
-        nearest to that is taken without this check.
+        A finding is added if a nearer solution is obstructed. If all solutions are obstructed, the nearest
+        one is returned, with an error as finding. If the goal has a NEAR of its own, the solution nearest to
+        that is taken without this check. The result is None if the goal is out of reach.
         """
         q = self.nearest(goal, near, step, findings, which)
         if q is None or goal.near is not None:

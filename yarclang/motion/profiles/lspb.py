@@ -1,9 +1,9 @@
-"""LSPB: a linear segment with parabolic blends, each a third of the time.
+"""LSPB: the motion profile of a linear segment with parabolic blends, each a third of the time.
 
-The law cruises at 1.5 times distance over time, so that a blend takes a third of the time and the
-acceleration is 4.5 times distance over time squared. Its acceleration jumps, which a curve with bounded jerk
+The cruise speed is 1.5 times distance over time, so that a blend takes a third of the time and the
+acceleration is 4.5 times distance over time squared. The acceleration jumps, which a curve with bounded jerk
 can't follow: on the grid each jump becomes a ramp of whole segments. Duration and cruise speed stay those of
-the law with its blend rounded to segments.
+the profile with its blends rounded to segments.
 """
 
 from __future__ import annotations

@@ -34,9 +34,9 @@ more.
 
 _MOST_PLACES = 1000
 _AROUND = 12
-"""Number of places for each place that shows the path's bends, up to `_MOST_PLACES` in total.
+"""Number of places for each of the path's own places, which show its bends; up to `_MOST_PLACES` in total.
 
-Near a singularity, and on splines, there are more such places.
+Near a singularity, and on splines, a path has more places of its own.
 """
 
 _FINE = 400
@@ -46,8 +46,8 @@ _APART = 1e-9
 """Least distance of two places, with 1 for the whole path; nearer ones count as one."""
 
 _NO_TIME = 1e-3
-"""Shortest duration for which a law is searched for [s]: in a shorter time, every law needs the fewest
-segments and uses far less than the limits.
+"""Shortest duration for which a motion profile is searched for [s]: in a shorter time, every profile needs
+the fewest segments and uses far less than the limits.
 """
 
 _NO_BOUND = 1e5
@@ -62,7 +62,7 @@ _NO_FACTOR = 1e-12
 """Factor of a joint below which the joint is at rest."""
 
 _SHARE = 0.9998
-"""Share of the limits that the law uses: between the places it may use slightly more."""
+"""Share of the limits that the motion profile uses: between the places it may use slightly more."""
 
 
 @frozen(eq=False)

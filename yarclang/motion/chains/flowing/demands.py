@@ -24,7 +24,7 @@ the result.
 """
 _FEWEST = 3
 _LONGEST = 4e-3
-"""Least number of nodes of the law on each motion, and their largest distance [m]."""
+"""Least number of nodes of the motion profile on each motion, and the largest distance between nodes [m]."""
 _CLOSE, _CLOSER = 1e-3, (0.0625, 0.0625, 0.125, 0.25, 0.5)
 """Proportions in which a step longer than `_CLOSE` [m] beside a change of speed is divided.
 
@@ -41,21 +41,25 @@ WITHIN = 0.97
 SHARE_OF_TOLERANCE = 0.8
 """Share of the tolerance that is used; the proof comes later."""
 _CUT = 0.4
-"""Factor of the distance by which a corner is rounded, over the standard deviation of the mean in time times
-the change of velocity.
+"""Factor for the distance by which a corner is rounded: the distance is this factor, times the standard
+deviation of the moving averages in time, times the change of velocity.
 """
 _FOR_CORNER = 0.6
-"""Share of the limits that is left to the corner itself if the law turns there from slowing down to speeding
-up; the rest is for the turn of the law.
+"""Share of the limits that is left to the change of direction at a corner, if the motion profile changes
+there from slowing down to speeding up; the rest is for this change.
 """
 _NEARLY = 0.9
-"""Ratio of a corner's speed to the speed around it, below which the law turns at the corner."""
+"""Ratio of a corner's speed to the speed around it, below which the motion profile changes at the corner from
+slowing down to speeding up.
+"""
 _LOSS = 0.5
 """Factor of the part of a corner's rounding that is half the acceleration along the path times the
 variance.
 """
 _REACH = 0.35
-"""Approximate share of a mean's width over which the curve still leaves its path outside of a ball."""
+"""Approximate share of the duration of both moving averages for which the curve is off its path, before and
+after a corner that is rounded within a ball.
+"""
 
 
 @frozen(eq=False)

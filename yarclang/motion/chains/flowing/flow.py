@@ -27,9 +27,11 @@ from yarclang.parallel import mapped
 _SEGMENTS = (0.02, 0.01, 0.005, 0.0025)
 """Segment times that are tried [s]."""
 _WIDTHS = ((4, 1), (6, 3), (3, 2), (8, 4), (2, 1))
-"""Widths of both means that are tried [segments]."""
+"""Durations of both moving averages that are tried [segments]."""
 _ENOUGH = 1.02
-"""Factor up to which slower laws count as equally fast; longer segments and shorter means then win."""
+"""Factor up to which slower motion profiles count as equally fast; longer segments and shorter moving
+averages then win.
+"""
 _TOO_SLOW = 2e-4
 """Speed of passing a corner below which a stop is better [m/s]."""
 
@@ -60,12 +62,15 @@ class Known:
 
 
 def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> list[Piece] | None:
-    """Plan a chain as one path, and return its planned motions; None if that isn't possible.
+    """Plan a chain of motions of one moving frame as one path; None if that isn't possible.
 
     Args:
         links: the motions of the chain.
         grid: the segment times that the controller accepts.
         known: earlier results of windows of such chains, or None.
+
+    Returns:
+        The planned motions, each as a part of the chain's curve.
     """
     if not is_one_path(links):
         return None

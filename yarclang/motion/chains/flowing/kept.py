@@ -1,5 +1,6 @@
-"""Find the speeds that the motions of a chain keep; the judge (the independent checker of the compiled
-program) checks them.
+"""Find the speeds that the motions of a chain keep.
+
+The judge (`yarclang.certify`, which checks the compiled controller text independently) proves these speeds.
 """
 
 from __future__ import annotations

@@ -29,10 +29,8 @@ The path is followed up to its end at one instant, which can't be proved as shar
 _FASTER = 1.0004
 """Factor up to which a requested speed may be exceeded; the rest of the allowance is left to the proof."""
 _STEEP, _BETWEEN = 2e-4, 2.0
-"""Conditions for sampling a speed more densely.
-
-The speed changes by at least the first share from one half segment to the next, and the second factor times
-the change would make it too fast.
+"""Conditions under which a speed is sampled more densely: it changes by more than the first share from one
+half segment to the next, and the second factor times the change would make it too fast.
 """
 _PARTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Places in a half segment that are sampled in addition.

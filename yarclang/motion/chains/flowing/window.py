@@ -24,9 +24,9 @@ _MORE = 0.3
 _LEAST = 0.5
 """Least factor of a single slow-down."""
 _BEYOND = 0.99
-"""Additional factor by which a law is slowed down, so that it is slightly slower than demanded."""
+"""Additional factor by which a motion profile is slowed down, so that it is slightly slower than required."""
 _SLOWEST = 2e-5
-"""Speed within a window below which a law is given up [m/s]."""
+"""Speed within a window below which planning is given up [m/s]."""
 _MOST = 0.5
 """Share of all changes of direction near a place that a corner must have to be blamed for an excess there."""
 _SAME = 1e-9
@@ -100,7 +100,7 @@ class Failed:
 
 
 def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Made | Failed:
-    """Plan a window of a chain.
+    """Plan a window (some consecutive motions) of a chain, and compute its control points.
 
     Args:
         way: the paths of the whole chain.

@@ -183,9 +183,10 @@ def _kind(body: Body) -> str:
 def _least(
     robot: Robot, bodies: tuple[Body, ...], pairs: list[tuple[int, int]], touches: tuple[Touch, ...]
 ) -> Array:
-    """Return the distances that pairs may have at least while a workpiece is taken or put down, (K,) [m].
+    """Return, for each pair, the least distance that is allowed while a workpiece is taken or put down, (K,)
+    [m].
 
-    The value is infinite for all pairs without such an exception.
+    The value is infinite for pairs without such an exception, and minus infinity for pairs that may overlap.
     """
     named: dict[tuple[str, str | None], float] = {}
     for one in touches:
@@ -206,8 +207,8 @@ def _least(
 def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     """Return the pairs of bodies that must not meet, as indices.
 
-    These are all pairs except three: bodies that never move relative to each other, neighbouring links, which
-    meet in the joint between them, and pairs that robot.toml allows.
+    These are all pairs but three kinds: bodies that never move relative to each other, neighbouring links,
+    which meet in the joint between them, and pairs that robot.toml allows.
     """
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))

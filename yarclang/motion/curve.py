@@ -135,14 +135,13 @@ def middle_values(points: Array) -> Array:
 def through_knots(inner: Array, start: Array, end: Array) -> Array:
     """Return the control points of the curve that passes through given positions at the knots 2 to n - 2.
 
-    The curve starts at rest at knot 0 and ends at rest at knot n. Its first and its last segment also depend
-    on the rest, so at knots 1 and n - 1 the positions are met only as accurately as the motion profile is
-    smooth.
+    The curve starts at rest at knot 0 and ends at rest at knot n. At knots 1 and n - 1 no positions can be
+    prescribed; there the curve follows the path only as accurately as the motion profile is smooth.
 
     Args:
         inner: (n - 3, d), the positions at knots 2 to n - 2.
-        start: (d,), the position of rest at the start.
-        end: (d,), the position of rest at the end.
+        start: (d,), the position at knot 0.
+        end: (d,), the position at knot n.
 
     Returns:
         (n + 3, d) control points.

@@ -116,6 +116,8 @@ class Bounds:
 
 
 def _placed(sight: Sight, chain: Chain) -> Array:
-    """Return the position (3,) in {B} of the point that the flange carries, with all joints at zero [m]."""
+    """Return the position (3,) in {B}, with all joints at zero [m], of what the flange carries: the apex of
+    the cone, or the point.
+    """
     placed: Array = chain.base_from_flange[:3, :3] @ np.array(sight.own) + chain.base_from_flange[:3, 3]
     return placed

@@ -89,8 +89,8 @@ _MOST = 3
 
 
 def _roots(line: Array) -> list[Retreat]:
-    """Return the parts of a line up to each joint position at which a search may begin: the line's end, and
-    every `_ROOTS` steps before it.
+    """Return the parts of a line up to each joint position at which a search may begin: one every `_ROOTS`
+    steps, and the line's end.
     """
     ends = {*range(_ROOTS, len(line) - 1, _ROOTS), len(line) - 1}
     return [Retreat(line[: end + 1]) for end in sorted(ends)]

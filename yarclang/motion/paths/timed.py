@@ -102,11 +102,11 @@ class TimedPath:
 
 
 def along(table: Timetable, stands: Array) -> TimedPath:
-    """Return the path of a timetable from the robot's position.
+    """Return the path of a timetable from the robot's position, where the robot is at rest.
 
     Args:
-        table: the rows of the timetable.
-        stands: (n,) the robot's position [rad or m]; it replaces the position in a first row at time 0.
+        table: the rows of the timetable; of a first row at time 0, only the acceleration is used.
+        stands: (n,) the robot's position [rad or m].
     """
     begins = int(table.begins)
     times = np.concatenate(([0.0], table.times[begins:]))

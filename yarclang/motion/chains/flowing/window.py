@@ -267,7 +267,7 @@ class _Maker:
     def _slower(self, pace: Pace, excess: Excess, steeper: float) -> Array:
         """Return factors (N,) by which the speed limits at nodes are reduced.
 
-        A factor is less than 1 if the node affects the pose at a time with an excess.
+        A factor is less than 1 if the node affects the pose at a time at which something exceeds its limit.
         """
         factors = np.ones(len(pace.law.s))
         if not len(excess.times):

@@ -1,3 +1,3 @@
-"""Measure distances between the bodies of a robot and its cell, and prove that these bodies stay apart
+"""Measure distances between the bodies of a robot and of its cell, and prove that these bodies stay apart
 along a motion.
 """

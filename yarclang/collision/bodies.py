@@ -18,14 +18,14 @@ Rows = NDArray[np.int64]
 
 @frozen(eq=False)
 class Body:
-    """A solid body: a link's shape, an obstacle, or something that the robot carries.
+    """A solid body: the shape of a robot link, an obstacle, or something that the robot carries.
 
-    `joint` is the number of joints that move it, counted from the base. `base_from_body` (4, 4) [m] is its
-    place with all joints at zero. `margin` [m] is the distance that other bodies must keep from it. `is_link`
-    is True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml, `of_cell` for a
-    body that stands in the cell. All three are False for an obstacle that the cell mounts on the flange.
-    `is_part` is True for a part that grippers take, or a tool that a changer takes; `of_tool` only for such a
-    tool.
+    `joint` is the number of joints that move the body, counted from the base. `base_from_body` (4, 4) [m] is
+    its pose with all joints at zero. `margin` [m] is the distance that other bodies must keep from it.
+    `is_link` is True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml,
+    `of_cell` for a body that stands in the cell. All three are False for an obstacle that the cell mounts on
+    the flange. `is_part` is True for a workpiece ("part") that grippers take, or a tool that a changer takes;
+    `of_tool` only for such a tool.
     """
 
     name: str
@@ -41,7 +41,9 @@ class Body:
 
     @property
     def may_hold(self) -> bool:
-        """True for a body that may touch a part while the part is taken: any body but another part."""
+        """True for a body that may touch a workpiece ("part") while the part is taken: any body but
+        another part.
+        """
         return not self.is_part or self.of_tool
 
 
@@ -50,11 +52,11 @@ class Pairs:
     """K pairs of bodies that must not meet.
 
     Attributes:
-        first: one body of each pair (K,).
-        second: the other body (K,), moved by more joints.
-        margin: the distance that both must keep from each other (K,) [m].
-        touching: True if they may touch while a part is taken or put down (K,).
-        of_cell: True if one of them stands in the cell (K,).
+        first: the body of each pair that fewer joints move (K,), as an index.
+        second: the other body of each pair (K,).
+        margin: the distance that the two bodies must keep from each other (K,) [m].
+        touching: True if the two may touch while a workpiece is taken or put down (K,).
+        of_cell: True if one of the two stands in the cell (K,).
     """
 
     first: Rows
@@ -66,22 +68,22 @@ class Pairs:
 
 @frozen(eq=False)
 class Boxes:
-    """M bodies as arrays: the box around each, the hull within the box, and the shape itself.
+    """M bodies as arrays: a rounded box around each, the convex hull within the box, and the shape itself.
 
     Attributes:
-        joint: the number of joints that move the body (M,).
-        middle: of its box, with all joints at zero, in {B} (M, 3) [m].
-        rotation: of its box, with all joints at zero, in {B} (M, 3, 3).
-        half: half of its box's edges (M, 3) [m].
-        radius: radius by which its box is rounded (M,) [m].
-        bound: radius of the sphere around it (M,) [m].
-        core: half of the edges of its hull's core (M, 3) [m].
-        disc: radius of its hull's disc (M,) [m].
-        cornered: the bodies whose hull is given by corners instead.
-        solids: the shapes themselves: coal's, or large meshes in tiles.
-        own_middle: the middle of the box in the shape's frame (M, 3) [m].
+        joint: the number of joints that move each body (M,).
+        middle: the center of each box, with all joints at zero, in {B} (M, 3) [m].
+        rotation: the orientation of each box, with all joints at zero, in {B} (M, 3, 3).
+        half: half of the edges of each box (M, 3) [m].
+        radius: the radius by which each box is rounded (M,) [m].
+        bound: the radius of a sphere around each body (M,) [m].
+        core: half of the edges of the smaller box in each hull (M, 3) [m]; see `Geometry`.
+        disc: the radius of the disc in each hull (M,) [m]; see `Geometry`.
+        cornered: the bodies whose hull is given by its corners instead.
+        solids: the shapes themselves: of the library coal, or large meshes in tiles.
+        own_middle: the center of each box in the frame of the body's shape (M, 3) [m].
         closed: True for meshes that enclose a volume (M,).
-        hollow: True for meshes that aren't their own hulls (M,).
+        hollow: True for meshes that aren't their own convex hulls (M,).
     """
 
     joint: Rows
@@ -106,10 +108,10 @@ class Scene:
     Attributes:
         chain: the arm.
         bodies: the bodies, in any order.
-        pairs: pairs of these bodies.
+        pairs: the pairs of bodies that must not meet.
         boxes: the same bodies, as arrays.
-        at_home: names of the pairs of links that touch in the robot's HOME. Since the robot can stand there,
-            their shapes are too large, and they aren't among the pairs.
+        at_home: names of the pairs of links whose shapes touch in the robot's HOME. Since the robot can stand
+            there, these shapes are too large, and the pairs aren't among `pairs`.
         allowed: the pairs that may touch because the program or the cell allows it; they aren't among
             `pairs`.
     """
@@ -122,7 +124,9 @@ class Scene:
     allowed: Pairs | None = None
 
     def names(self, pair: int) -> tuple[str, str]:
-        """Return the names of the two bodies of a pair for messages, the one that moves more first."""
+        """Return the names of the two bodies of a pair for messages; the body that more joints move comes
+        first.
+        """
         return self.bodies[self.pairs.second[pair]].name, self.bodies[self.pairs.first[pair]].name
 
 
@@ -162,14 +166,14 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
 def paired(
     bodies: Sequence[Body], first: Rows, second: Rows, margin: Array, touching: NDArray[np.bool_]
 ) -> Pairs:
-    """Return `Pairs` of bodies.
+    """Collect pairs of bodies in `Pairs`.
 
     Args:
         bodies: all bodies.
-        first: one body of each pair (K,).
-        second: the other body (K,).
-        margin: the distance that they must keep (K,) [m].
-        touching: True if they may touch (K,).
+        first: the body of each pair that fewer joints move (K,), as an index.
+        second: the other body of each pair (K,).
+        margin: the distance that the two must keep (K,) [m].
+        touching: True if the two may touch (K,).
     """
     of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
     return Pairs(first, second, margin, touching, of_cell[first] | of_cell[second])
@@ -178,13 +182,13 @@ def paired(
 def assembled(
     chain: Chain, bodies: tuple[Body, ...], pairs: Pairs, at_home: frozenset[tuple[str, str]]
 ) -> Scene:
-    """Return the scene of bodies and their pairs.
+    """Make a scene of bodies and the pairs that must not meet.
 
     Args:
         chain: the arm.
         bodies: the bodies, in any order.
-        pairs: pairs of these bodies.
-        at_home: names of the links that touch in HOME.
+        pairs: the pairs of bodies that must not meet.
+        at_home: names of the pairs of links that touch in HOME.
     """
     return Scene(chain, bodies, pairs, _boxes(bodies), at_home)
 

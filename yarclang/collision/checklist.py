@@ -1,4 +1,4 @@
-"""Report on a robot's bodies for `yarc robot check`: bodies that are missing, and bodies that always
+"""Check the bodies of a robot for `yarc robot check`: report bodies without shapes, and bodies that always
 touch.
 """
 
@@ -26,7 +26,7 @@ MOSTLY = 0.5
 
 
 def body_items(robot: Robot) -> Iterator[Item]:
-    """Yield the items about links and tools with shapes, and about shapes that touch."""
+    """Yield the items of the report about links and tools with shapes, and about shapes that touch."""
     yield from _tools(robot)
     if not robot.shapes:
         found = "no link has a collision shape: nothing is checked for collisions"
@@ -66,8 +66,8 @@ def body_items(robot: Robot) -> Iterator[Item]:
 
 
 def flat_meshes(robot: Robot) -> tuple[str, ...]:
-    """Return the meshes of links and mounted tools that are flat, each as a clause; none if a mesh can't
-    be read.
+    """Return a clause for each mesh of a link or mounted tool that is flat; none if some mesh can't be
+    read.
     """
     if scene_of(robot, None).value is None:
         return ()
@@ -89,7 +89,7 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
     """Return the pairs of bodies, by name, that seem to touch in all positions, each with the reason.
 
     The result is empty if a mesh can't be read. Bodies that touch in HOME and seldom elsewhere may really
-    collide: HOME is then badly chosen, and the pair isn't proposed.
+    collide: HOME is then badly chosen, and the pair isn't returned.
     """
     # Use all pairs, including those that touch in HOME.
     scene = scene_of(robot, None, lenient=False).value
@@ -108,8 +108,10 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
 
 
 def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
-    """Return the share of the positions (P, K) in which any shapes of two bodies touch, by the bodies'
-    names.
+    """Return, for the names of each two bodies, the share of the P joint positions in which any of their
+    shapes touch.
+
+    `touch` (P, K) is True where a pair of shapes touches.
     """
     rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
     for pair in range(len(scene.pairs.first)):
@@ -137,20 +139,20 @@ def _tools(robot: Robot) -> Iterator[Item]:
 
 
 def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[str, str]]:
-    """Return the pairs that touch in HOME or nearly everywhere."""
+    """Return the names of the pairs of bodies that touch in HOME or nearly everywhere."""
     often = [names for names, share in _by_names(scene, touch).items() if share > OFTEN]
     here = [scene.names(int(pair)) for pair in np.flatnonzero(touching(scene, robot.home[None])[0])]
     return sorted(scene.at_home | set(often) | set(here))
 
 
 def touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
-    """Return a mask (P, K) of the pairs that touch at joint positions `q` (P, n)."""
+    """Return which pairs of bodies touch at joint positions `q` (P, n), as a mask (P, K)."""
     return apart(scene, q) <= 0.0
 
 
 def apart(scene: Scene, q: Array) -> Array:
-    """Return the distances of the pairs (P, K) [m] at joint positions `q` (P, n); zero or less where they
-    touch.
+    """Return the distances of all pairs of bodies at joint positions `q` (P, n), as (P, K) [m]; zero or less
+    where they touch.
     """
     count, pairs = len(q), len(scene.pairs.first)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)

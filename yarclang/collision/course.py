@@ -1,5 +1,5 @@
 """Represent a motion for the collision check: the joint positions at each instant, and bounds of the
-joints' motion.
+joints' speed, acceleration and travel.
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Course:
-    """Consecutive segments with constant jerk.
+    """The joint positions of a motion over time, as consecutive segments with constant jerk.
 
-    `x`, `v` and `a` are position, velocity and acceleration at the start of each segment, `j` is its jerk,
-    (N, n) each [rad or m, s]. `begins` (N + 1,) are the times between the segments [s]. `way` (N + 1, n) is
-    an upper bound of the distance that each joint has travelled up to these times, back and forth. `speed`
-    and `strength` (N, n) are the largest |velocity| and |acceleration| on each segment.
+    `x`, `v` and `a` are position, velocity and acceleration of the joints at the start of each segment, `j`
+    is the jerk on the segment, (N, n) each [rad or m, s]. `begins` (N + 1,) are the times between the
+    segments [s]. `way` (N + 1, n) is an upper bound of the distance that each joint has travelled up to these
+    times, back and forth. `speed` and `strength` (N, n) are the largest |velocity| and |acceleration| on each
+    segment.
     """
 
     x: Array
@@ -31,14 +32,14 @@ class Course:
 
     @staticmethod
     def of(x: Array, v: Array, a: Array, j: Array, h: Array, peaks: Array) -> Course:
-        """Return the course of segments.
+        """Make a course from segments.
 
         Args:
-            x: (N, n) positions at their starts [rad or m].
+            x: (N, n) joint positions at the starts of the segments [rad or m].
             v: (N, n) velocities there.
             a: (N, n) accelerations there.
-            j: (N, n) jerks.
-            h: (N,) durations [s].
+            j: (N, n) jerks on the segments.
+            h: (N,) durations of the segments [s].
             peaks: (N, n) largest speeds on the segments.
         """
         begins = np.concatenate([[0.0], np.cumsum(h)])
@@ -57,7 +58,7 @@ class Course:
     def gone(self, time: Array) -> Array:
         """Return upper bounds (P, n) of the distance that each joint has travelled up to times (P,) [s].
 
-        Between two times, a joint moves by at most the difference of its bounds.
+        Between two times, a joint moves by at most the difference of its bounds at these times.
         """
         row, t = self._segment(time)
         # Within a segment the bound grows at the segment's largest speed.
@@ -66,8 +67,8 @@ class Course:
         return way
 
     def peaks(self, begin: Array, end: Array) -> tuple[Array, Array]:
-        """Return bounds (P, n) of |velocity| and |acceleration| from times `begin` to times `end`, (P,) each
-        [s].
+        """Return two bounds (P, n) for each joint: of |velocity| and of |acceleration|, from times `begin` to
+        times `end`, (P,) each [s].
         """
         first = np.clip(np.searchsorted(self.begins, begin, side="right") - 1, 0, len(self.x) - 1)
         last = np.clip(np.searchsorted(self.begins, end, side="left") - 1, first, len(self.x) - 1)

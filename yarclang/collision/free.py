@@ -1,5 +1,5 @@
-"""Decide if joint positions are free, one by one and thousands of times: Pinocchio places the bodies, and
-coal checks the pairs.
+"""Decide quickly if joint positions are free of collisions, one by one and thousands of times: the library
+Pinocchio places the bodies, and the library coal checks the pairs.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from yarclang.shapes import Array
 class FreeSpace:
     """The joint positions at which all pairs of a scene keep their margins and an additional distance.
 
-    `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's. The manager examines only pairs whose
-    axis-aligned boxes, grown by the margins, overlap. Inside a hollow mesh no distance is small; use `gaps`
-    there. Pairs with a large mesh in tiles (`tiled`, with the distances `apart` (K,) of all pairs [m]) aren't
-    Pinocchio's, since it would need a tree of all triangles. Pairs that no joint position brings near are
-    left out.
+    `model`, `data`, `geometry`, `pairs` and `manager` are objects of Pinocchio. The manager examines only
+    pairs whose axis-aligned boxes, grown by the margins, overlap. A body inside a hollow mesh isn't noticed;
+    use `gaps` for such bodies. `tiled` are the pairs with a large mesh in tiles, which Pinocchio doesn't
+    check, since it would need a tree of all triangles; `apart` (K,) is the distance that each pair must keep
+    [m]. Pairs that no joint position brings near are left out.
     """
 
     scene: Scene
@@ -55,10 +55,10 @@ class FreeSpace:
 
 
 def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
-    """Build the free space of a scene.
+    """Prepare the check that all pairs of bodies of a scene keep their distances.
 
     Args:
-        scene: bodies and pairs.
+        scene: the bodies and pairs.
         more: (K,) the distance that each pair keeps in addition to its margin [m].
     """
     import pinocchio
@@ -90,11 +90,11 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
 
 
 def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
-    """Return a mask (K,) of the pairs that some joint position could bring nearer than `apart` (K,) [m].
+    """Return which pairs some joint position could bring nearer than `apart` (K,) [m], as a mask (K,).
 
     A body that the arm carries stays within a ball around a point on the first axis. This follows since each
     joint turns the next axis about its own axis, so that points on both axes keep their distance. For arms
-    with sliding joints, the mask contains all pairs.
+    with prismatic joints, the mask contains all pairs.
     """
     boxes, points = scene.boxes, _on_axes(scene.chain)
     if points is None:
@@ -114,8 +114,8 @@ def _can_meet(scene: Scene, apart: Array) -> NDArray[np.bool_]:
 
 
 def _on_axes(chain: Chain) -> Array | None:
-    """Return a point (n, 3) on each axis with all joints at zero [m]; None if a joint slides, or is a
-    screw.
+    """Return a point (n, 3) on the axis of each joint with all joints at zero [m]; None if a joint is
+    prismatic or helical.
     """
     linear, angular = chain.screws[:, :3], chain.screws[:, 3:]
     rate = np.einsum("ni,ni->n", angular, angular)
@@ -131,16 +131,17 @@ def _on_axes(chain: Chain) -> Array | None:
 
 @lru_cache(maxsize=32)
 def plain_free_space(scene: Scene) -> FreeSpace:
-    """Return the free space of a scene with its margins and no additional distance; cached by the scene's
-    identity.
+    """Return the check of the pairs of a scene with their margins and no additional distance.
+
+    The result is cached by the identity of the scene.
     """
     return free_space(scene)
 
 
 def gaps(scene: Scene, q: Array) -> Array:
-    """Return the distances of all pairs less their margins at one joint position (n,), (K,) [m].
+    """Return, for each pair of bodies, the distance less the margin at one joint position (n,), as (K,) [m].
 
-    A value is negative if the pair is too near.
+    A value is negative if the two bodies are too near.
     """
     every = np.arange(len(scene.pairs.first))
     seen = relative(place(scene, q[None]), np.zeros_like(every), every)
@@ -149,8 +150,8 @@ def gaps(scene: Scene, q: Array) -> Array:
 
 
 def _model(chain: Chain) -> Any:
-    """Build the arm for Pinocchio from the chain's screws. With all joints at zero, all frames are
-    parallel to {B}.
+    """Build Pinocchio's model of the arm from the screw axes of its joints. With all joints at zero, all
+    frames of the model are parallel to {B}.
     """
     import pinocchio
 

@@ -1,4 +1,4 @@
-"""Convert shapes for coal, and put a rounded box around each.
+"""Convert shapes for the distance library coal, and put a rounded box around each.
 
 coal is imported where it is first used.
 """
@@ -27,11 +27,12 @@ from yarclang.units import MM
 
 @frozen(eq=False)
 class Geometry:
-    """A shape for distances: coal's own shape (or a large mesh in tiles), and the rounded box around it.
+    """A shape for the computation of distances, and the rounded box around it.
 
-    All points of the shape are within `radius` [m] of a box, which has the half edges `half` (3,) around
-    `middle` (3,) in the shape's frame [m]. `point` (3,) belongs to the shape. `skin` (T, 3, 3) are a mesh's
-    triangles if they enclose a volume: coal knows only the triangles, not the volume.
+    `solid` is the shape in the library coal, or a large mesh in tiles. All points of the shape are within
+    `radius` [m] of a box, which has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m].
+    `point` (3,) is some point of the shape. `skin` (T, 3, 3) are the triangles of a mesh that encloses a
+    volume: coal knows only the triangles, not the volume.
 
     Support functions (the farthest point in a direction) need the shape's convex hull. The hull is the
     Minkowski sum of a smaller box of half edges `core` (3,), a disc of radius `disc` perpendicular to z, and
@@ -56,7 +57,9 @@ class Geometry:
 
     @property
     def of_coal(self) -> Any:
-        """Coal's own shape. The shape of a large mesh is built at the first call, which takes seconds."""
+        """The shape in the library coal. For a large mesh, it is built at the first call, which takes
+        seconds.
+        """
         return self.solid.whole() if isinstance(self.solid, TiledMesh) else self.solid
 
     @property
@@ -85,12 +88,12 @@ class UnreadableError(Exception):
 
 
 def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
-    """Convert a shape for distances.
+    """Convert a shape for the computation of distances.
 
     Args:
         shape: any shape; an opening in a mesh stays open.
-        hull: replace a mesh by its convex hull, as for links: the hull is never smaller, and a hundred times
-            as fast.
+        hull: True to replace a mesh by its convex hull, as for links: the hull is never smaller, and
+            distances to it are a hundred times as fast.
 
     Raises:
         UnreadableError: the file of a mesh has another format, or no triangles.
@@ -116,7 +119,9 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 
 
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
-    """Convert the triangles of a file, or their convex hull if they aren't all in one plane."""
+    """Convert a mesh: the triangles of its file, or with `hull` their convex hull if they aren't all in
+    one plane.
+    """
     outer_model = _outer_model(shape) if hull else None
     known = None if hull else _plain_model(shape)
     if known is not None:
@@ -141,7 +146,7 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
 
 
 def hull_of(model: Any, corners: Array) -> Geometry:
-    """Return the hull of corners (V, 3), which are the corners of a model."""
+    """Return the convex hull of corners (V, 3), which are the corners of coal's `model`."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     convex = _with_hull(model, corners).convex
@@ -171,7 +176,7 @@ def _checked(corners: Array) -> Array:
 
 
 def _tiled(mesh: Prepared) -> Geometry:
-    """Return the geometry of a large mesh."""
+    """Return the geometry of a large mesh, divided into tiles."""
     corners, faces = mesh.corners, mesh.faces
     _checked(corners)
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -184,11 +189,11 @@ def _tiled(mesh: Prepared) -> Geometry:
 
 
 def _outer_model(shape: Mesh) -> Any | None:
-    """Return a model with only the corners of a large mesh's hull.
+    """Return coal's model of a large mesh with only the corners of its convex hull.
 
     The result is None for a small file, a flat mesh, or a file with a fault. coal would first build a tree of
     all triangles, which takes 5 s for a million and which a hull doesn't need. Points inside the hull don't
-    change it, so the body is the same.
+    change it, so the hull is the same.
     """
     content = _content(shape)
     if len(content) < _LARGE:
@@ -214,7 +219,7 @@ def _outer_model(shape: Mesh) -> Any | None:
 def _plain_model(shape: Mesh) -> Prepared | None:
     """Return a large mesh with equal corners merged, from the cache if it is there.
 
-    The result is None if the file is small or faulty. coal's reader takes three times as long; it is used
+    The result is None if the file is small or faulty. coal's reader takes three times as long, so it is used
     only if the file can't be read as arrays.
     """
     try:
@@ -229,7 +234,7 @@ def _plain_model(shape: Mesh) -> Prepared | None:
 
 
 def content_key(shape: Mesh) -> str:
-    """Return a key of everything that determines the triangles of a mesh."""
+    """Return a cache key for a mesh, which contains everything that determines its triangles."""
     return f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
 
 
@@ -291,7 +296,7 @@ def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArr
 
     Returns:
         The order that sorts the corners (V,); the number of each corner's group of equal corners (V,); and a
-        mask (V,) of the places in the order at which a new group begins.
+        mask (V,) of the sorted corners at which a new group begins.
     """
     order = np.lexsort(corners.T)
     in_order = corners[order]
@@ -302,7 +307,8 @@ def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArr
 
 
 def _with_all_corners(model: Any, shape: Mesh) -> Any:
-    """Return coal's model of an OBJ, or a model of the file's own corners if coal's model lacks some of them.
+    """Return coal's model of an OBJ file; if corners of the file are missing in it, return a model of all
+    corners.
 
     coal's reader omits parts of some polygons that it divides into triangles.
     """
@@ -327,16 +333,18 @@ _CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".o
 
 
 _DIRECTIONS = (1000, 300, 100)
-"""Numbers of planes of a body around a hull; the first one that coal accepts is used.
+"""Numbers of planes that bound a larger body around a convex hull; the first number that coal accepts is
+used.
 
 With 1000 planes the body exceeds the hull by less than 1 % of its size, with 100 planes by some percent.
 """
 
 
 def _with_hull(model: Any, corners: Array) -> Any:
-    """Return a model with a hull: its own, or that of a body around it.
+    """Return coal's model of corners with their convex hull, or of a slightly larger body with its hull.
 
-    The second is used if a corner, such as the tip of a fine cone, has more neighbours than coal can count.
+    The larger body is used if a corner of the hull, such as the tip of a fine cone, has more neighbours than
+    coal can count.
     """
     for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:
@@ -403,7 +411,7 @@ def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
 
 
 def _has_even_edges(count: int, faces: NDArray[np.int64]) -> bool:
-    """Return True if triangles (T, 3) of `count` different corners enclose a volume."""
+    """Return True if triangles (T, 3), given as indices of `count` different corners, enclose a volume."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     # Number the edges by their two corners; in a closed mesh each number occurs an even number of times.
     in_order = np.sort(edges[:, 0] * count + edges[:, 1])
@@ -412,7 +420,7 @@ def _has_even_edges(count: int, faces: NDArray[np.int64]) -> bool:
 
 
 def encloses(triangles: Array, point: Array) -> bool:
-    """Return True if a point (3,) is inside of closed triangles (T, 3, 3).
+    """Return True if a point (3,) is inside the closed surface of triangles (T, 3, 3).
 
     The solid angles of the triangles then add up to a full sphere (Van Oosterom and Strackee, IEEE Trans.
     Biomed. Eng. 30(2), 1983).

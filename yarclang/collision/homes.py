@@ -1,4 +1,4 @@
-"""Choose joint positions that could be HOME: positions in which the robot doesn't touch itself."""
+"""Choose a joint position that could be HOME: one in which the robot doesn't touch itself."""
 
 from __future__ import annotations
 
@@ -20,17 +20,18 @@ Bodies that almost touch would touch after a small motion.
 
 
 def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[str, str], ...]]:
-    """Return the index of the first joint position in which nothing touches or almost touches.
+    """Return the first of several joint positions in which no bodies of the robot touch or almost touch.
 
-    Bodies that touch in most positions are drawn so, and don't count. If the meshes of a robot can't be read,
-    it touches nothing here.
+    Bodies that touch in most positions have shapes that are drawn too large, and don't count. If the meshes
+    of a robot can't be read, the first position is returned.
 
     Args:
-        robot: its bodies.
-        proposed: (K, n) [rad or m].
+        robot: the robot with its bodies.
+        proposed: (K, n) joint positions to choose from [rad or m].
 
     Returns:
-        The index, and no pairs; or None and the names of the pairs that touch in the very first position.
+        The index of the position, and no pairs; or None and the names of the pairs that touch in the very
+        first position.
     """
     # Use all pairs, including those that touch in HOME.
     scene = scene_of(robot, None, lenient=False).value
@@ -48,14 +49,14 @@ def first_free(robot: Robot, proposed: Array) -> tuple[int | None, tuple[tuple[s
 
 
 def _near(names: Sequence[tuple[str, str]], usual: Array, here: Array, gap: float) -> NDArray[np.bool_]:
-    """Return a mask (P, K) of the pairs that are nearer than a gap in each proposed position.
+    """Return which pairs of bodies are nearer than a gap in each proposed position, as a mask (P, K).
 
-    Pairs that are nearer in most positions are left out.
+    Pairs that are nearer than the gap in most positions are left out.
 
     Args:
-        names: names of the pairs' bodies.
-        usual: distances in positions spread over the limits [m].
-        here: distances in the proposed positions (P, K) [m].
+        names: names of the two bodies of each pair.
+        usual: distances of the pairs in positions spread over the joint limits [m].
+        here: distances of the pairs in the proposed positions (P, K) [m].
         gap: the gap [m].
     """
     near = usual <= gap

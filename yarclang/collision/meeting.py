@@ -1,4 +1,4 @@
-"""Find the part of a motion on which two bodies come too near, for messages."""
+"""Find from when to when two bodies are too near during a motion, for messages."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ SAMPLES = 200
 
 @frozen
 class Contact:
-    """The part of a motion on which a pair is too near.
+    """The time of a motion during which two bodies are too near.
 
-    The part lasts from `begin` to `end` [s] after the motion's start. The pair is nearest at `worst`, where
-    its distance is `distance` [m]; a negative one is a depth of penetration. The values are sampled: between
-    the samples the distance may be slightly less.
+    It lasts from `begin` to `end` [s] after the motion's start. The bodies are nearest at `worst` [s], where
+    their distance is `distance` [m]; a negative distance is a depth of penetration. The values are sampled:
+    between the samples the distance may be slightly less.
     """
 
     begin: float
@@ -31,13 +31,13 @@ class Contact:
 
 
 def contact(scene: Scene, course: Course, span: tuple[int, int], meeting: Meeting) -> Contact:
-    """Return the part of a motion on which the pair of a meeting is too near.
+    """Return the time of a motion during which two bodies are too near.
 
     Args:
-        scene: bodies and pairs.
+        scene: the bodies and pairs.
         course: the segments of all motions.
-        span: the motion's segments, from and up to.
-        meeting: found on this motion.
+        span: the first segment of the motion, and the one after its last.
+        meeting: the pair of bodies, and a time at which the two are too near.
     """
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), meeting.time))

@@ -1,4 +1,4 @@
-"""Divide meshes into convex pieces, for distances."""
+"""Divide meshes into convex pieces, for the computation of distances."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from yarclang.shapes import Mesh
 
 
 class OpenMeshError(UnreadableError):
-    """A mesh that is to be divided into pieces doesn't enclose a volume."""
+    """A mesh that is to be divided into convex pieces doesn't enclose a volume."""
 
 
 def pieces_of_mesh(shape: Mesh) -> tuple[Geometry, ...]:
-    """Return the convex pieces of a mesh for which some are requested.
+    """Divide a mesh into convex pieces, at most as many as its description requests.
 
     Raises:
         UnreadableError: the mesh can't be read.

@@ -1,4 +1,4 @@
-"""Compute the places of bodies at joint positions, and the distances of pairs there."""
+"""Compute where bodies are at given joint positions, and the distances of pairs of bodies there."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from yarclang.shapes import Array
 class Placed:
     """The arm at P joint positions.
 
-    `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) [m] move a body on the first k joints (row k) from its
-    place with all joints at zero. `middle` (M, P, 3) [m] are the middles of the bodies' boxes in {B}.
+    `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) [m] are the rotation and translation of a body on the
+    first k joints (row k), from its pose with all joints at zero. `middle` (M, P, 3) [m] are the centers of
+    the bodies' boxes in {B}.
     """
 
     scene: Scene
@@ -28,7 +29,7 @@ class Placed:
     middle: Array
 
     def take(self, rows: Rows) -> Placed:
-        """Return some of the joint positions."""
+        """Return the arm at some of these joint positions."""
         return Placed(self.scene, self.turn[:, rows], self.shift[:, rows], self.middle[:, rows])
 
 
@@ -54,13 +55,13 @@ def place(scene: Scene, q: Array) -> Placed:
 
 
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
-    """Return lower bounds (R,) of the distances of pairs [m]: the distances of the spheres around their
+    """Return lower bounds (R,) of the distances of pairs [m]: the distances of the spheres around the two
     bodies.
 
     Args:
-        placed: the arm.
-        at: (R,) the joint position of each row.
-        pair: (R,) the pair of each row.
+        placed: the arm at several joint positions.
+        at: (R,) the joint position of each row, as an index.
+        pair: (R,) the pair of each row, as an index.
     """
     scene = placed.scene
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
@@ -73,26 +74,26 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
 
 @frozen(eq=False)
 class Relative:
-    """The second body of a pair, seen from the first.
+    """The pose of the second body of each of R pairs relative to the first.
 
-    `turn` (R, 3, 3) is its rotation, and `middle` (R, 3) the vector between the middles of the boxes [m].
+    `turn` (R, 3, 3) is the rotation, and `middle` (R, 3) the vector between the centers of their boxes [m].
     """
 
     turn: Array
     middle: Array
 
     def take(self, rows: Rows) -> Relative:
-        """Return some of the rows."""
+        """Return some of the rows, each for one pair of bodies."""
         return Relative(self.turn[rows], self.middle[rows])
 
 
 def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
-    """Compute the second body of each pair relative to the first.
+    """Compute the pose of the second body of each pair relative to the first.
 
     Args:
-        placed: the arm.
-        at: (R,) the joint position of each row.
-        pair: (R,) the pair of each row.
+        placed: the arm at several joint positions.
+        at: (R,) the joint position of each row, as an index.
+        pair: (R,) the pair of each row, as an index.
     """
     scene = placed.scene
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
@@ -103,14 +104,15 @@ def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
 
 
 def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
-    """Return sharper lower bounds (R,) of the distances [m].
+    """Return lower bounds (R,) of the distances of pairs [m], sharper than those of `sphere_gaps`.
 
-    They are the distances of one rounded box from the box around the other one that is parallel to its axes.
+    The distance is measured between the rounded box of one body and an axis-parallel box around the other
+    one, in the axes of either body.
 
     Args:
-        scene: bodies and pairs.
-        pair: (R,).
-        seen: the bodies of each pair relative to each other.
+        scene: the bodies and pairs.
+        pair: (R,) the pairs.
+        seen: the second body of each pair relative to the first.
     """
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     reach = np.abs(seen.turn)
@@ -142,19 +144,16 @@ depths.
 def distances(
     scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True, normal: Array | None = None
 ) -> Array:
-    """Compute the distances of pairs [m]; zero or less for bodies that overlap.
+    """Compute the distances of pairs of bodies (R,) [m]; zero or less for bodies that overlap.
 
     Args:
-        scene: bodies and pairs.
-        pair: (R,).
-        seen: the bodies of each pair relative to each other.
-        deep: True to return minus the depth of overlapping bodies, for meshes only roughly; False takes half
-            the time.
-        normal: (R, 3) receives unit directions from the first to the second body, in the first body's axes;
-            or None.
-
-    Returns:
-        (R,) [m].
+        scene: the bodies and pairs.
+        pair: (R,) the pairs.
+        seen: the second body of each pair relative to the first.
+        deep: True to return minus the depth of penetration of overlapping bodies, for meshes only roughly;
+            False takes half the time.
+        normal: (R, 3) array that receives unit directions from the first to the second body, in the first
+            body's axes; or None.
     """
     import coal
 
@@ -204,15 +203,15 @@ def distances(
 def _of_tiles(
     scene: Scene, bodies: tuple[int, int], seen: tuple[Array, Array], request: Any
 ) -> tuple[float, Array]:
-    """Compute the distance of two bodies [m], one of which is a large mesh.
+    """Compute the distance of two bodies [m], one of which is a large mesh in tiles.
 
-    Also return the direction (3,) from the first to the second body, in the first body's axes.
+    Also return the unit direction (3,) from the first to the second body, in the first body's axes.
 
     Args:
-        scene: bodies and pairs.
-        bodies: both bodies.
+        scene: the bodies and pairs.
+        bodies: the indices of both bodies.
         seen: rotation (3, 3) and origin (3,) [m] of the second body's shape in the first one's frame.
-        request: coal's request.
+        request: the distance request for the library coal.
     """
     import coal
 

@@ -1,12 +1,13 @@
-"""Bound the distance of two bodies on a piece of a motion by a plane between them.
+"""Bound the distance of two bodies during a short time of a motion by a plane between them.
 
 This is sharper than a bound from distances if the bodies pass along each other.
 
 A plane that is fixed in the first body, with normal n, separates the bodies a and b by h(t) = min n·b(t) -
 max n·a over their points. Each n·b(t) has a second derivative of at most K. Between two times at distance d
 it is therefore at most K d² / 8 below the chord of its values, and so is the minimum over the points. Motion
-along the plane costs nothing, so grazing bodies need few pieces: their number grows with the inverse square
-root of the distance, not with its inverse. Any normal gives a valid bound; a good one gives a sharp bound.
+along the plane costs nothing, so grazing bodies need few pieces of the motion's time: their number grows with
+the inverse square root of the distance, not with its inverse. Any normal gives a valid bound; a good one
+gives a sharp bound.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from yarclang.shapes import Array
 
 
 def support(scene: Scene, body: Rows, direction: Array) -> Array:
-    """Return the support of bodies: the largest d · p (R,) [m] over their points p, relative to the middles
-    of their boxes.
+    """Return how far bodies reach in given directions: the largest d · p (R,) [m] over their points p,
+    relative to the centers of their boxes.
 
     Args:
         scene: the bodies.
-        body: (R,) the bodies.
-        direction: (R, 3) unit directions in the bodies' own axes.
+        body: (R,) the bodies, as indices.
+        direction: (R, 3) unit directions d in the bodies' own axes.
     """
     reach: Array = np.einsum("ri,ri->r", np.abs(direction), scene.boxes.core[body])
     reach = (
@@ -41,17 +42,15 @@ def support(scene: Scene, body: Rows, direction: Array) -> Array:
 
 
 def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
-    """Return the gaps between the bodies of pairs along plane normals; negative if no plane with this normal
-    separates them.
+    """Return the gap between the two bodies of each pair along a plane's normal (R,) [m].
+
+    A gap is negative if no plane with this normal separates the bodies.
 
     Args:
-        scene: bodies and pairs.
-        pair: (R,).
-        seen: the bodies of each pair relative to each other.
+        scene: the bodies and pairs.
+        pair: (R,) the pairs.
+        seen: the second body of each pair relative to the first.
         normal: (R, 3) unit normals in the first body's axes.
-
-    Returns:
-        (R,) [m].
     """
     # Distance of the middles along the normal, less what both bodies reach towards each other.
     along = np.einsum("ri,ri->r", seen.middle, normal)
@@ -64,13 +63,14 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
 def least_gap(
     scene: Scene, arms: tuple[Placed, Placed, Placed], at: Rows, pair: Rows, normal: Array, slack: Array
 ) -> Array:
-    """Return lower bounds (R,) of the distances of pairs on pieces of a motion [m].
+    """Return lower bounds (R,) of the distances of pairs during pieces of a motion's time [m], from
+    separating planes.
 
     Args:
-        scene: bodies and pairs.
+        scene: the bodies and pairs.
         arms: the arm at the beginnings, in the middles and at the ends of P pieces.
-        at: (R,) the piece of each row.
-        pair: (R,) the pair of each row.
+        at: (R,) the piece of each row, as an index.
+        pair: (R,) the pair of each row, as an index.
         normal: (R, 3) normals of the planes, in the first body's axes.
         slack: (R,) the largest distance by which the gap may be below its chords between these times [m].
     """
@@ -82,24 +82,24 @@ def least_gap(
 ROUNDING = 1e-12
 """Upper bound of the rounding in a plane's gap [m]: some thirty operations on lengths of up to 10 m."""
 POOR = 1e-6
-"""Difference from the proposed distance [m] above which a plane is turned to show a larger gap."""
+"""Difference from the computed distance [m] above which a plane is turned to show a larger gap."""
 _TURNS = 60
 
 
 def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Array) -> Array:
-    """Return distances (R,) [m] that planes prove, for distances that were only proposed.
+    """Replace computed distances of pairs, which may be inexact, by distances (R,) [m] that planes prove.
 
     A plane with any normal has the two bodies on opposite sides, by their support functions: their distance
-    is no less than the plane's gap. Therefore an error in a proposed distance or normal never makes the
+    is no less than the plane's gap. Therefore an error in a given distance or normal never makes the
     result too large. Planes with too small a gap are turned towards the nearest points of both bodies. Bodies
-    that overlap, and meshes that aren't their own hulls, keep the proposed distance.
+    that overlap, and meshes that aren't their own convex hulls, keep the given distance.
 
     Args:
-        scene: bodies and pairs.
-        pair: (R,).
-        seen: the bodies of each pair relative to each other.
-        normal: (R, 3) proposed, in the first body's axes; replaced by the normals of the planes.
-        gap: (R,) proposed [m].
+        scene: the bodies and pairs.
+        pair: (R,) the pairs.
+        seen: the second body of each pair relative to the first.
+        normal: (R, 3) normals to begin with, in the first body's axes; replaced by the normals of the planes.
+        gap: (R,) the computed distances [m].
     """
     proved = gap.copy()
     hollow = scene.boxes.hollow[scene.pairs.first[pair]] | scene.boxes.hollow[scene.pairs.second[pair]]
@@ -119,9 +119,10 @@ def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Ar
 
 
 def _directions(normal: Array, middle: Array) -> Array:
-    """Return unit vectors (R, 3) along proposed normals.
+    """Return unit vectors (R, 3) along given normals.
 
-    For a normal without a direction, the vector leads from the first body's middle to the second's.
+    For a normal that isn't a unit vector, the vector leads from the center of the first body to that of the
+    second.
     """
     length = np.sqrt(np.einsum("ri,ri->r", normal, normal))
     is_good = np.isfinite(length) & (np.abs(length - 1.0) < 0.5)
@@ -132,16 +133,17 @@ def _directions(normal: Array, middle: Array) -> Array:
 
 
 def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Array, Array]:
-    """Turn planes so that they separate pairs by more, and return the best normals (R, 3) and gaps (R,) [m].
+    """Turn planes so that they separate pairs of bodies by more, and return the best normals (R, 3) and gaps
+    (R,) [m].
 
     Gilbert's algorithm (E. G. Gilbert, SIAM Journal on Control 4(1), 1966) works on the Minkowski difference
     of both bodies, which is convex. Each step goes from the current point of the difference towards its
     support point against the current direction, and takes the point of that segment nearest to the origin.
 
     Args:
-        scene: bodies and pairs.
-        pair: (R,).
-        seen: the bodies of each pair relative to each other.
+        scene: the bodies and pairs.
+        pair: (R,) the pairs.
+        seen: the second body of each pair relative to the first.
         normal: (R, 3) normals to begin with, in the first body's axes.
     """
     best, gap = normal.copy(), plane_gap(scene, pair, seen, normal)
@@ -164,7 +166,7 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
 
 def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> Array:
     """Return the points (R, 3) of the Minkowski difference, second body minus first, that are farthest
-    against directions.
+    against given directions.
 
     The directions (R, 3) and the points are in the first body's axes.
     """
@@ -176,9 +178,9 @@ def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> A
 
 
 def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
-    """Return the farthest points (R, 3) of bodies in unit directions (R, 3).
+    """Return the point of each body that is farthest in a unit direction, (R, 3) each.
 
-    Points are relative to the middle of the body's box, in the body's own axes.
+    Points are relative to the center of the body's box, in the body's own axes.
     """
     points: Array = (
         # Farthest point of a Minkowski sum: the sum of the farthest points of box, ball and disc.

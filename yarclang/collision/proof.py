@@ -1,11 +1,12 @@
 """Prove that bodies stay apart along a whole motion, and compute their least distances, by conservative
 advancement with bisection.
 
-A piece of the motion is examined at its middle. The distance of the bodies there, less the largest distance
-that they can move relative to each other towards the ends of the piece, is a lower bound on the whole piece.
-If that isn't enough, the piece is halved. So nothing is missed, however thin. Three bounds are tried, from
-cheap to exact: spheres and boxes on whole arrays, then coal. If the distance suffices but the motion is too
-long, a plane between the bodies is tried (planes.py): most bodies that pass near each other move along it.
+A motion's time is divided into pieces, and each piece is examined at its middle. The distance of two bodies
+there, less the largest distance that they can move relative to each other towards the ends of the piece, is a
+lower bound on the whole piece. If that isn't enough, the piece is halved. So no obstacle is missed, however
+thin. Three bounds are tried, from cheap to exact: spheres and boxes on whole arrays, then the library coal.
+If the distance suffices in the middle but the bodies move too far, a plane between the bodies is tried
+(planes.py): most bodies that pass near each other move along such a plane.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from yarclang.shapes import Array
 SLACK = 1e-5
 """Distance beyond their margin below which bodies count as too near [m]: a smaller one isn't proved."""
 RESOLUTION = 2e-4
-"""Motion on a piece below which the piece isn't halved any further [m].
+"""Relative motion of two bodies on a piece of time below which the piece isn't halved any further [m].
 
 Bodies that may still get nearer than their margin on such a piece count as too near.
 """
@@ -37,18 +38,18 @@ KNOWN = 0.1
 SHARE, COARSE = 0.1, 1e-3
 """Allowed error of the smallest distance: this share of the distance plus this length [m]."""
 FIRST = 0.08
-"""Largest motion of a joint on a piece before any halving [rad or m]."""
+"""Largest motion of a joint on a piece of time before any halving [rad or m]."""
 BLOCK = 2048
-"""Pieces that are examined together."""
+"""Number of pieces of time that are examined together."""
 
 
 @frozen
 class Meeting:
-    """A pair that comes too near on a motion: the first sample at which this was seen, and the distance there
-    [s, m].
+    """A pair of bodies that comes too near on a motion: the first sample at which this was seen, and the
+    distance there [s, m].
 
     The distance is less than the margin plus `SLACK`. If that can't be decided in reasonable time, it may
-    become less than the margin on a piece with a motion below `RESOLUTION`.
+    become less than the margin on a piece of time in which the bodies move by less than `RESOLUTION`.
     """
 
     motion: int
@@ -61,9 +62,9 @@ class Meeting:
 class Clearances:
     """The result of a proof for G motions.
 
-    `least` (G, 3) is a lower bound of the distance [m] of all pairs of a kind: of the robot's bodies from
-    each other, of pairs with the cell's bodies, and of pairs that may touch. `nearest` (G, 3) is the pair
-    that comes nearest, -1 if all stay above `KNOWN`. `meetings` are the pairs that come too near.
+    `least` (G, 3) is a lower bound of the distance [m] of all pairs of each of three kinds: of the robot's
+    bodies from each other, of pairs with the cell's bodies, and of pairs that may touch. `nearest` (G, 3) is
+    the pair that comes nearest, -1 if all stay above `KNOWN`. `meetings` are the pairs that come too near.
     """
 
     least: Array
@@ -74,12 +75,12 @@ class Clearances:
 def clearances(
     scene: Scene, course: Course, spans: NDArray[np.int64], own: Sequence[Rows] | None = None
 ) -> Clearances:
-    """Compute bounds of the distances of all pairs of bodies along motions.
+    """Compute lower bounds of the distances of all pairs of bodies along motions.
 
     Args:
-        scene: bodies and pairs.
+        scene: the bodies and pairs.
         course: the segments of all motions.
-        spans: (G, 2) the segments, from and up to, of each motion; none is empty.
+        spans: (G, 2) for each motion, its first segment and the one after its last; no motion is empty.
         own: for each motion the pairs to examine; None for all.
     """
     search = _Search(scene, course, len(spans))
@@ -108,14 +109,14 @@ def clearances(
 
 @frozen(eq=False)
 class _Pieces:
-    """Pieces of motions: times `begin` and `end` (P,) [s], and the motion of each."""
+    """Pieces of the time of motions: from `begin` to `end` (P,) [s], and the motion of each piece."""
 
     begin: Array
     end: Array
     motion: Rows
 
     def halves(self, rows: Rows) -> _Pieces:
-        """Return both halves of some pieces, next to each other."""
+        """Return both halves of some pieces; the two halves of a piece are next to each other."""
         begin, end = self.begin[rows], self.end[rows]
         middle = (begin + end) / 2.0
         return _Pieces(
@@ -127,10 +128,10 @@ class _Pieces:
 
 @frozen(eq=False)
 class _Pairs:
-    """Pairs on pieces, (R,) each.
+    """R pairs of bodies, each on a piece of a motion's time.
 
-    `gap` is a lower bound of their distance in the middle of the piece, `apart` an upper bound of their
-    relative motion from there, `nearer` an upper bound of the decrease of their distance [m].
+    `gap` is a lower bound of the distance in the middle of the piece, `apart` an upper bound of the relative
+    motion of the two bodies from there, `nearer` an upper bound of the decrease of their distance [m].
     """
 
     piece: Rows
@@ -157,13 +158,15 @@ def _first_pieces(course: Course, spans: Rows) -> _Pieces:
 
 
 def _blocks(piece: Rows, count: int) -> list[slice]:
-    """Return slices of rows with about `BLOCK` pieces each; the rows are sorted by their pieces."""
+    """Return slices of the rows, which are sorted by their pieces, so that each slice has about `BLOCK`
+    pieces.
+    """
     cuts = np.searchsorted(piece, np.arange(0, count + BLOCK, BLOCK))
     return [slice(a, b) for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True) if b > a]
 
 
 class _Search:
-    """State and results of the search."""
+    """State and results of the proof that pairs of bodies stay apart."""
 
     def __init__(self, scene: Scene, course: Course, count: int) -> None:
         self.scene, self.course = scene, course
@@ -178,7 +181,9 @@ class _Search:
         return Clearances(self.least, self.nearest, tuple(self.meetings))
 
     def look(self, pieces: _Pieces, piece: Rows, pair: Rows) -> tuple[Rows, Rows]:
-        """Examine pairs (R,) on pieces (R,), and return the pieces and pairs that are still open."""
+        """Examine R pairs of bodies, each on a piece of time, and return the pieces and pairs that are
+        still undecided.
+        """
         go_on()
         scene, base = self.scene, int(piece[0])
         chosen = slice(base, int(piece[-1]) + 1)
@@ -220,7 +225,9 @@ class _Search:
         )
 
     def _along_planes(self, rows: _Pairs, normal: Array, placed: Placed, ends: tuple[Array, Array]) -> _Pairs:
-        """Return the rows, with a smaller `nearer` if planes with normals (R, 3) prove it."""
+        """Return the rows, with a smaller `nearer` where planes with normals (R, 3) prove that the bodies
+        stay farther apart.
+        """
         number = self._still_open(rows)
         number = number[rows.gap[number] > self.scene.pairs.margin[rows.pair[number]]]
         if not len(number):
@@ -242,13 +249,18 @@ class _Search:
         return replace(rows, nearer=nearer)
 
     def _give_up(self, rows: _Pairs, time: Array) -> None:
-        """Report pairs as too near that hardly move any more, but may still get nearer than their margin."""
+        """Report undecided pairs as too near if they move by less than `RESOLUTION` relative to each other.
+
+        Such pairs may still get nearer than their margin.
+        """
         margin = self.scene.pairs.margin[rows.pair]
         for row in np.flatnonzero((rows.apart <= RESOLUTION) & (rows.gap - rows.nearer < margin)):
             self._meet(rows, int(row), time)
 
     def _still_open(self, rows: _Pairs) -> Rows:
-        """Return the rows that their gaps don't settle; record the bounds of the other rows."""
+        """Return the rows whose pairs are undecided by their gaps; record the lower bounds of the other
+        rows.
+        """
         surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
         # A pair is settled if it keeps its margin, and if it is far enough not to change the least distance
@@ -261,13 +273,13 @@ class _Search:
         return rows.take(self._still_open(rows))
 
     def _promising(self, rows: _Pairs, number: Rows) -> Rows:
-        """Return, among the rows `number`, the nearest pair of each motion and kind."""
+        """Return, among the rows `number`, the one with the nearest pair for each motion and kind of pair."""
         order = number[np.argsort(rows.gap[number], kind="stable")]
         _, first = np.unique(3 * rows.motion[order] + rows.kind[order], return_index=True)
         return np.sort(order[first])
 
     def _learn(self, rows: _Pairs, time: Array) -> None:
-        """Record the nearest distances, and the first place at which each pair comes too near."""
+        """Record the nearest distances, and the first sample at which each pair comes too near."""
         order = np.argsort(-rows.gap, kind="stable")  # the smallest is written last
         at = rows.motion[order], rows.kind[order]
         nearer = rows.gap[order] < self.best[at]

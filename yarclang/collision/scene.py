@@ -27,13 +27,13 @@ TOUCHING = 2e-5
 
 @lru_cache(maxsize=256)
 def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result[Scene]:
-    """Return the robot's links and tools with the bodies of the cell, cached by identity.
+    """Return the scene of a robot's links and tools and the bodies of its cell, cached by identity.
 
     The result is None, with findings, if meshes can't be read.
 
     Args:
-        robot: its links and tools.
-        cell: its obstacles and parts, or None.
+        robot: the robot with its links and tools.
+        cell: the cell with its obstacles and workpieces, or None.
         lenient: False to keep links that touch in HOME among the pairs.
     """
     own = _of_robot(robot)
@@ -94,7 +94,9 @@ def _of_robot(robot: Robot) -> Result[tuple[Body, ...]]:
 
 @lru_cache(maxsize=1024)
 def geometries(shape: Shape, hull: bool) -> tuple[Geometry, ...] | UnreadableError:
-    """Return a shape for distances, in convex pieces if some are requested; or the fault of its mesh."""
+    """Convert a shape for the computation of distances, into convex pieces if some are requested; if its mesh
+    is faulty, return the error.
+    """
     try:
         if isinstance(shape, Mesh) and shape.pieces:
             return pieces_of_mesh(shape)
@@ -118,7 +120,7 @@ _MESH = "save it again as a binary STL, and check that it isn't empty"
 
 @lru_cache(maxsize=32)
 def _touching_at_home(robot: Robot) -> frozenset[tuple[str, str]]:
-    """Return the pairs of links that touch in the robot's HOME, with names as in `Scene.names`."""
+    """Return the names of the pairs of links that touch in the robot's HOME, as in `Scene.names`."""
     links = tuple(body for body in _of_robot(robot).value or () if body.is_link)
     scene = _scene(robot, links, (), frozenset())
     pairs = np.arange(len(scene.pairs.first))
@@ -166,22 +168,25 @@ def _scene(
 
 
 def allowed_name(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, str]:
-    """Return the names of two bodies in the form that allowances use; parts of one kind share a name."""
+    """Return the names of two bodies in the form in which the program or the cell allows a contact;
+    workpieces of one kind share a name.
+    """
     one, other = sorted(_kind(bodies[number]).upper() for number in pair)
     return one, other
 
 
 def _kind(body: Body) -> str:
-    """Return the name of a body, without the number of a part."""
+    """Return the name of a body; workpieces of one kind have the same name, without their number."""
     return body.name.partition(" ")[0] if body.is_part else body.name
 
 
 def _least(
     robot: Robot, bodies: tuple[Body, ...], pairs: list[tuple[int, int]], touches: tuple[Touch, ...]
 ) -> Array:
-    """Return the least allowed distances of pairs, (K,) [m], where these are less than their margins.
+    """Return, for each pair, the least distance that is allowed while a workpiece is taken or put down, (K,)
+    [m].
 
-    The value is infinite for all other pairs.
+    The value is infinite for pairs without such an exception, and minus infinity for pairs that may overlap.
     """
     named: dict[tuple[str, str | None], float] = {}
     for one in touches:
@@ -200,10 +205,10 @@ def _least(
 
 
 def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
-    """Return the pairs that must not meet.
+    """Return the pairs of bodies that must not meet, as indices.
 
-    These are all pairs except bodies that never move relative to each other, neighbouring links, which meet
-    in the joint between them, and pairs that robot.toml allows.
+    These are all pairs but three kinds: bodies that never move relative to each other, neighbouring links,
+    which meet in the joint between them, and pairs that robot.toml allows.
     """
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))
@@ -226,5 +231,5 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
 
 
 def _ordered(bodies: tuple[Body, ...], one: int, other: int) -> tuple[int, int]:
-    """Return the two bodies, with the one that fewer joints move first."""
+    """Return the indices of two bodies, with the one that fewer joints move first."""
     return (one, other) if bodies[one].joint <= bodies[other].joint else (other, one)

@@ -1,7 +1,7 @@
 """Divide the triangles of a large mesh into tiles, whose distances are computed only if they may matter.
 
-coal builds a tree of all triangles before the first distance, which takes seconds for a million of them. Most
-motions pass only a small part of such a mesh, or none.
+The library coal builds a tree of all triangles before the first distance, which takes seconds for a million
+of them. Most motions pass only a small part of such a mesh, or none.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ _ROUNDED = 1e-9
 class TiledMesh:
     """The triangles of a mesh, divided into tiles of neighbours.
 
-    The distance to another shape is that of all triangles. Tiles are examined in the order of the distances
-    of their boxes, until no other box is nearer than the least distance found. A tile's tree is built when
-    the tile is first examined.
+    The distance to another shape is the least of all triangles. Tiles are examined in the order of the
+    distances of their boxes, until no other box is nearer than the least distance found. The tree of a tile
+    is built when the tile is first examined.
     """
 
     def __init__(self, corners: Array, faces: NDArray[np.int64]) -> None:
-        """Divide a mesh.
+        """Divide a mesh into tiles.
 
         Args:
-            corners: (V, 3) [m].
-            faces: (T, 3) the corners of each triangle, in an order that keeps neighbours together
-                (`in_order`).
+            corners: (V, 3) corners of the mesh [m].
+            faces: (T, 3) the indices of the corners of each triangle, in an order that keeps neighbours
+                together (`in_order`).
         """
         self.corners, self.faces = corners, faces
         begins = np.arange(0, len(faces), TILE)
@@ -51,7 +51,7 @@ class TiledMesh:
         return len(self._trees)
 
     def whole(self) -> Any:
-        """Return coal's model of all triangles, built at the first call."""
+        """Return coal's model of all triangles of the mesh, built at the first call."""
         if self._whole is None:
             self._whole = modelled(self.corners, self.faces)
         return self._whole
@@ -59,13 +59,14 @@ class TiledMesh:
     def distance(
         self, other: Any, pose: Any, around: tuple[Array, float], request: Any
     ) -> tuple[float, Array]:
-        """Compute the distance of another shape [m], and the unit vector towards it (3,).
+        """Compute the distance from the mesh to another shape [m], and the unit vector towards this shape
+        (3,).
 
         Args:
-            other: coal's shape.
-            pose: coal's transform to the mesh's frame.
-            around: centre (3,), in the mesh's frame, and radius of a sphere around the other shape [m].
-            request: coal's request.
+            other: the shape, as an object of coal.
+            pose: the pose of the shape in the mesh's frame, as an object of coal.
+            around: center (3,), in the mesh's frame, and radius of a sphere around the shape [m].
+            request: the distance request for coal.
         """
         import coal
 
@@ -93,14 +94,16 @@ class TiledMesh:
 
 
 def in_order(corners: Array, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return triangles (T, 3) of corners (V, 3) in an order that keeps neighbours together."""
+    """Sort triangles (T, 3) of corners (V, 3) so that neighbours are near each other in the array."""
     middles = (corners[faces[:, 0]] + corners[faces[:, 1]] + corners[faces[:, 2]]) / 3.0
     ordered: NDArray[np.int64] = faces[np.argsort(_places(middles), kind="stable")]
     return ordered
 
 
 def _places(points: Array) -> NDArray[np.int64]:
-    """Return the places of points (T, 3) on a curve that keeps neighbours together (Morton's)."""
+    """Return the positions of points (T, 3) along Morton's curve, on which neighbouring points are near
+    each other.
+    """
     low, spread = points.min(axis=0), max(float(np.ptp(points, axis=0).max()), 1e-30)
     cells = ((points - low) / spread * ((1 << _BITS) - 1)).astype(np.int64)
     place = np.zeros(len(points), dtype=np.int64)

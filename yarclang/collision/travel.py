@@ -1,5 +1,5 @@
-"""Bound the motion and acceleration of bodies for a change of the joints, for all their points and all
-postures in between.
+"""Bound how far, and with which acceleration, any point of a body moves when the joints move by given
+amounts, whatever postures are in between.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from yarclang.shapes import Array
 
 
 def travel(placed: Placed, change: Array) -> Array:
-    """Return upper bounds of the motion of any point of a body when joints change.
+    """Return upper bounds of the distance that any point of each body moves when joints move.
 
     Let the joints move one after the other, beginning at the base. Each joint turns the body about its axis
     on a circle with the present radius, since the joints before it have moved axis and body together. The sum
@@ -33,9 +33,9 @@ def travel(placed: Placed, change: Array) -> Array:
 
 
 def arm_lengths(placed: Placed) -> Array:
-    """Return the largest distance of any point of a body from each joint's axis, (n, M, P) [m].
+    """Return the largest distance of any point of each body from the axis of each joint, (n, M, P) [m].
 
-    The value is 1 for a sliding joint, and 0 for a joint that doesn't move the body.
+    The value is 1 for a prismatic joint, and 0 for a joint that doesn't move the body.
     """
     scene, chain = placed.scene, placed.scene.chain
     bodies, count = placed.middle.shape[:2]
@@ -61,19 +61,20 @@ def arm_lengths(placed: Placed) -> Array:
 
 
 def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) -> Array:
-    """Return upper bounds of the acceleration of any point of a body, (n + 1, M, P) [m/s^2].
+    """Return upper bounds of the acceleration of any point of each body, (n + 1, M, P) [m/s^2], on P pieces
+    of a motion's time.
 
     Row k is relative to a body that only the first k joints move. The second derivative of a point with
     respect to two joints is a double cross product with their axes. Its length is at most the point's
     distance from one of the axes, the one that is nearer to the point in the chain. The sum over the joints k
-    is r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the turning joints j between. If one of the joints
-    slides, the derivative is at most 1; it is zero if both slide.
+    is r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the revolute joints j between. If one of the joints
+    is prismatic, the derivative is at most 1; it is zero if both are.
 
     Args:
-        placed: the arm in the middles of P pieces.
-        speed: (P, n) largest |velocity| of each joint on them.
-        strength: (P, n) largest |acceleration| of each joint on them.
-        change: (P, n) the largest motion of each joint from the middle.
+        placed: the arm in the middles of the P pieces.
+        speed: (P, n) largest |velocity| of each joint on the pieces.
+        strength: (P, n) largest |acceleration| of each joint on the pieces.
+        change: (P, n) the largest motion of each joint from the middle of its piece.
     """
     chain = placed.scene.chain
     arms = arm_lengths(placed)

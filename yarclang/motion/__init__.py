@@ -1,3 +1,3 @@
-"""Turn a checked program into a motion plan: paths, laws of motion, and the curve that the controller
-executes.
+"""Turn a checked program into a motion plan: paths, motion profiles along them, and the curve that the
+controller executes.
 """

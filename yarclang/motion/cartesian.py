@@ -1,4 +1,4 @@
-"""Follow paths of the moving frame with the arm."""
+"""Compute the joint motion of the arm along Cartesian paths of the moving frame."""
 
 from __future__ import annotations
 
@@ -44,22 +44,22 @@ class FramePath(Protocol):
         ...
 
     def poses(self, s: Array) -> Array:
-        """Return base_from_moving (N, 4, 4) at `s` (N,)."""
+        """Return the frame's poses base_from_moving (N, 4, 4) at the places `s` (N,)."""
         ...
 
     def tangents(self, s: Array) -> Array:
-        """Return the derivatives with respect to s, (N, 6): velocity of the origin [m] and angular velocity
-        [rad], in the axes of {B}.
+        """Return the frame's velocity per unit of s at N places s, as (N, 6): velocity of the origin [m] and
+        angular velocity [rad], in the axes of {B}.
         """
         ...
 
 
 @frozen(eq=False)
 class CartesianPath:
-    """A path of the moving frame, with the arm's motion along it in one configuration.
+    """A path of the moving frame, with the joint motion of the arm along it in one arm configuration.
 
-    `followed` are joint positions along the path without a jump. Any other position is the solution of
-    inverse kinematics nearest to them. `start` is the robot's first position, (n,) [rad or m].
+    `followed` are joint positions along the path without a jump. The joint position at any other place is the
+    inverse-kinematics solution nearest to them. `start` (n,) is the joint position at the start [rad or m].
     """
 
     chain: Chain
@@ -76,7 +76,9 @@ class CartesianPath:
 
     @property
     def slope(self) -> Array:
-        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
+        """The largest absolute derivative of each joint with respect to s along the path, approximately
+        (n,) [rad or m].
+        """
         track = self.followed
         slope: Array = (np.abs(np.diff(track.q, axis=0)) / np.diff(track.s)[:, None]).max(axis=0)
         return slope
@@ -88,40 +90,42 @@ class CartesianPath:
 
     @property
     def places(self) -> Array:
-        """Places s (k,) at which the arm was followed; they are denser where a joint turns faster."""
+        """Places s (k,) at which inverse kinematics was solved; they are denser where a joint turns
+        faster.
+        """
         return self.followed.s
 
     @property
     def extent(self) -> tuple[float, bool]:
-        """The path's extent; see `extent_of`."""
+        """The length of the frame's path, and whether it is a pure turn; see `extent_of`."""
         return extent_of(self.frame)
 
     def joints(self, s: Array) -> Array:
-        """Return joint positions (N, n) at `s` (N,)."""
+        """Return joint positions (N, n) at the places `s` (N,)."""
         return joints_of([self], [s])[0]
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance of the moving frame from the path [m], and the largest angle from its
-        orientation there [rad].
+        """Return how far the moving frame leaves the path: the largest distance [m], and the largest angle
+        from the orientation on the path [rad].
 
-        A position that is early or late along the path doesn't count as a miss: the miss of position and
-        orientation together is measured perpendicular to the path's tangent.
+        A frame that is only early or late along the path doesn't count as off the path: the error of position
+        and orientation together is measured perpendicular to the path's tangent.
 
         Args:
             q: (N, n) joint positions [rad or m].
-            s: (N,) their places on the path.
+            s: (N,) the place on the path for each joint position.
         """
         return deviations([self], [q], [s])[0]
 
 
 def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[Array]:
-    """Return the joint positions (N, n) of each path at its places (N,).
+    """Return, for each path, the joint positions (N, n) at N places s on it.
 
-    They are solved together, with the same results as one by one.
+    All paths are solved together, with the same results as one by one.
 
     Args:
         paths: paths of one arm and one moving frame.
-        places: places s on each path, as for `CartesianPath.joints`.
+        places: the places s (N,) for each path, as for `CartesianPath.joints`.
     """
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     if len(paths) == 1 and len(places[0]) > _AT_ONCE:
@@ -137,12 +141,12 @@ def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[A
 def deviations(
     paths: Sequence[CartesianPath], q: Sequence[Array], places: Sequence[Array]
 ) -> list[tuple[float, float]]:
-    """Return the deviation of joint positions from each path, as `CartesianPath.deviation` does.
+    """Return how far joint positions lead the moving frame off each path, as `CartesianPath.deviation` does.
 
     Args:
         paths: paths of one arm and one moving frame.
-        q: joint positions (N, n) for each path [rad or m].
-        places: their places s (N,) on each path.
+        q: for each path, joint positions (N, n) [rad or m].
+        places: for each path, the places s (N,) of these joint positions.
     """
     if len(paths) == 1 and len(places[0]) > _AT_ONCE:
         each = [
@@ -165,12 +169,13 @@ def deviations(
 
 
 def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
-    """Return the squared misses in position and in angle across the path (2, N), in units of `_LIKE`.
+    """Return the squared errors in position and in angle perpendicular to the path (2, N), in units of
+    `_LIKE`.
 
     Args:
-        columns: the moving frame's axes and origin (4, 3, N).
-        wanted: the axes and origin on the path (4, 3, N).
-        tangent: derivatives with respect to s (6, N) [m, rad].
+        columns: the moving frame's axes and origin at N instants (4, 3, N).
+        wanted: the axes and origin at the same places on the path (4, 3, N).
+        tangent: derivatives of the path with respect to s (6, N) [m, rad].
     """
     miss: Array = np.empty((6, columns.shape[2]))
     miss[:3] = (columns[3] - wanted[3]) / _LIKE.position
@@ -189,9 +194,9 @@ def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
 
 
 def extent_of(frame: FramePath) -> tuple[float, bool]:
-    """Return the extent of a frame's motion.
+    """Return the length of a frame's path, and whether it is a pure turn.
 
-    For a pure turn it is the angle [rad] and True, otherwise the distance [m] and False.
+    For a pure turn, return its angle [rad] and True, otherwise the distance of the origin [m] and False.
     """
     return (frame.angle, True) if frame.length < _STILL else (frame.length, False)
 
@@ -206,14 +211,14 @@ def along(
     legs: int = 1,
     reason: Reason = "measured",
 ) -> CartesianPath | Broken:
-    """Follow a path from the robot's position, keeping the configuration.
+    """Solve inverse kinematics along a path of the moving frame, keeping the arm configuration of the start.
 
     Args:
         chain: the arm, n joints.
-        limits: its limits.
-        flange_from_moving: (4, 4) [m].
+        limits: the joint limits of the arm.
+        flange_from_moving: (4, 4) pose of the moving frame on the flange [m].
         frame: the path of the moving frame.
-        q_start: (n,) [rad or m], at the path's start.
+        q_start: (n,) joint position at the path's start [rad or m].
         legs: number of legs of the path; if there are very many, each is sampled at least once.
         reason: as for `track`.
     """
@@ -227,8 +232,8 @@ def along(
 
 
 def flange_poses_of(frame: FramePath, flange_from_moving: Array) -> Callable[[Array], Array]:
-    """Return a function from places s (N,) to the flange's poses (N, 4, 4) along a path of the moving
-    frame.
+    """Return a function that computes the flange's poses (N, 4, 4) at places s (N,) along a path of the
+    moving frame.
     """
     moving_from_flange = np.linalg.inv(flange_from_moving)
     return lambda s: frame.poses(s) @ moving_from_flange

@@ -1,4 +1,4 @@
-"""Plan a motion at a given cruise speed, with ramps as short as the limits allow."""
+"""Plan a motion at a given cruise speed, with acceleration ramps as short as the limits allow."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ too many segments.
 
 @frozen
 class CruiseBroken:
-    """The reason why a speed can't be held.
+    """The reason why a motion can't have a requested speed.
 
     `broken` is the limit that the speed breaks, or None if the path is too short to reach the speed. `share`
     is the largest share of the speed that was tried and works; 0 if no share from `_LEAST_SHARE` on works, or
@@ -56,7 +56,9 @@ class CruiseBroken:
 
 def full_time(path: CartesianPath, speed: Reading) -> float | None:
     """Return the duration of a path at a speed [s]; None if the speed has another unit than the path's
-    extent.
+    length.
+
+    The length of a pure turn is an angle.
     """
     way, turns = path.extent
     wanted = speed.angle if turns else speed.length
@@ -66,7 +68,7 @@ def full_time(path: CartesianPath, speed: Reading) -> float | None:
 def at_speed(
     path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance
 ) -> Curve | CruiseBroken | NotHeld | TooLong:
-    """Return the curve that follows the path at one speed, except on its ramps.
+    """Plan a motion that follows its path at one speed, except while it speeds up and slows down.
 
     Args:
         path: the path, traversed at constant speed over s.
@@ -89,8 +91,9 @@ def at_speed(
 
 
 def cruise_law(segments: float) -> Law:
-    """Return the law whose cruise would take the whole path in `segments` segments; its other segments are
-    ramps.
+    """Return the motion profile whose cruise would take the whole path in `segments` segments.
+
+    The segments beyond this number are for speeding up and slowing down.
     """
 
     def forms(number: int) -> NDArray[np.int64]:
@@ -107,10 +110,11 @@ def cruise_law(segments: float) -> Law:
 def fewest_at_speed(
     trials: Trials, cruise: float, segment: float, *, any_ramps: bool = False
 ) -> Trial | None:
-    """Return the trial with the shortest ramps that keep the limits, for a law of `cruise_law(cruise)`.
+    """Return the trial with the shortest ramps that keep the limits, for a motion profile of
+    `cruise_law(cruise)`.
 
     Args:
-        trials: the trials of the path and this law.
+        trials: the trials of the path with this profile.
         cruise: number of segments that the whole path would take at the speed.
         segment: duration of the segments [s].
         any_ramps: True to try only the gentlest ramps, if the result won't be executed.
@@ -135,10 +139,10 @@ def fewest_at_speed(
 
 
 def _is_too_short(trials: Trials, duration: float) -> bool:
-    """Return True if no law within the limits of acceleration and jerk can go from rest to rest in a duration
-    [s].
+    """Return True if no motion within the limits of acceleration and jerk can go from rest to rest in a
+    duration [s].
 
-    The path doesn't matter, only its two ends.
+    Only the two ends of the path are considered, not its form.
     """
     way, bounds = np.abs(trials.path.end - trials.path.start), trials.bounds
     # The fastest law without pauses has jerk up, down, down and up, each for a quarter of the time.
@@ -147,7 +151,7 @@ def _is_too_short(trials: Trials, duration: float) -> bool:
 
 
 def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial | None:
-    """Return the trial of the smallest number from `least` to `most` that has one.
+    """Return the trial for the smallest number of segments, from `least` to `most`, for which there is one.
 
     Large numbers are determined only roughly. From some number on, all numbers must have a trial, so that
     bisection applies.
@@ -170,7 +174,7 @@ def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial
 def _tried(
     path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance, *, any_ramps: bool = False
 ) -> Curve | NotHeld | TooFast | None:
-    """Return the curve, or None if there is no room for the ramps.
+    """Return the curve at a cruise speed, or None if there is no room for its ramps.
 
     `any_ramps` is as for `fewest_at_speed`.
     """
@@ -206,8 +210,8 @@ def _tried(
 
 
 def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
-    """Return the limit that the cruise itself breaks with the gentlest ramps; None if only the ramps are
-    too short.
+    """Return the limit that the cruise itself breaks, found with the gentlest ramps; None if only the ramps
+    break a limit because they are too short.
     """
     if math.floor(2.0 * cruise) < cruise + FEWEST_IN_BLEND:
         return None
@@ -220,7 +224,7 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
 
 
 def _share(path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance) -> float:
-    """Return the largest share of a speed that works, to within half a percent; 0 if none from
+    """Return the largest share of a requested speed that works, to within half a percent; 0 if none from
     `_LEAST_SHARE` on does.
     """
     low, high = 0.0, 1.0

@@ -29,9 +29,10 @@ at the end.
 
 @frozen(eq=False)
 class Curve:
-    """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s].
+    """A motion from rest to rest, as a cubic B-spline over uniform segments.
 
-    `law` (n + 3,) are the control values of the share of the path over time, from which the points were
+    `points` (n + 3, d) are the control points [rad or m], and `segment` is the duration h of a segment [s].
+    `law` (n + 3,) are control values of the share of the path that is done, from which the points were
     computed.
     """
 
@@ -50,7 +51,7 @@ class Curve:
         return self.segments * self.segment
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
-        """Compute position, velocity and acceleration.
+        """Compute position, velocity and acceleration of the joints at given times.
 
         Args:
             times: (N,) in s from the start; outside the motion the robot is at rest.
@@ -64,7 +65,7 @@ class Curve:
 
 
 class Sampler:
-    """Sampler of many curves at once: the cost for each sample doesn't depend on the number and length of the
+    """Sampler of many curves at once: the cost of a sample doesn't depend on the number and length of the
     curves.
     """
 
@@ -76,11 +77,13 @@ class Sampler:
         self._segment = np.array([curve.segment for curve in curves])
 
     def sample(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array, Array]:
-        """Compute position, velocity and acceleration, with the same bits as `Curve.sample`.
+        """Compute position, velocity and acceleration of the joints, each sample on its own curve.
+
+        The results have the same bits as those of `Curve.sample`.
 
         Args:
-            number: (N,) the curve of each sample.
-            times: (N,) in s from its start.
+            number: (N,) the index of the curve of each sample.
+            times: (N,) in s from the start of that curve.
 
         Returns:
             Three arrays (N, d) in rad (m), per s, per s^2.
@@ -94,10 +97,10 @@ class Sampler:
 def _values(
     points: Array, k: NDArray[np.intp], u: Array, segment: float | Array
 ) -> tuple[Array, Array, Array]:
-    """Compute position, velocity and acceleration within segments.
+    """Compute position, velocity and acceleration of the joints within segments of a curve.
 
     Args:
-        points: control points.
+        points: the control points of the curve.
         k: (N,) the row of the first control point of each sample's segment.
         u: (N, 1) the elapsed share of the segment, from 0 to 1.
         segment: duration of the segments [s].
@@ -114,27 +117,31 @@ def _values(
 
 
 def knot_values(points: Array) -> Array:
-    """Return the values at the knots 0 to n, (n + 1, ...), of control points (n + 3, ...)."""
+    """Return the values of a curve at its knots 0 to n, (n + 1, ...), from its control points (n + 3,
+    ...).
+    """
     values: Array = (points[:-2] + 4.0 * points[1:-1] + points[2:]) / 6.0
     return values
 
 
 def middle_values(points: Array) -> Array:
-    """Return the values in the middle of the n segments, (n, ...), of control points (n + 3, ...)."""
+    """Return the values of a curve in the middle of its n segments, (n, ...), from its control points (n +
+    3, ...).
+    """
     values: Array = (points[:-3] + 23.0 * (points[1:-2] + points[2:-1]) + points[3:]) / 48.0
     return values
 
 
 def through_knots(inner: Array, start: Array, end: Array) -> Array:
-    """Return the control points whose curve passes through given positions at the knots 2 to n - 2.
+    """Return the control points of the curve that passes through given positions at the knots 2 to n - 2.
 
-    The curve also passes through its ends at knots 0 and n, where it rests. Knots 1 and n - 1 belong to the
-    controller's first and last segment, and are met as accurately as the law of motion is smooth.
+    The curve starts at rest at knot 0 and ends at rest at knot n. At knots 1 and n - 1 no positions can be
+    prescribed; there the curve follows the path only as accurately as the motion profile is smooth.
 
     Args:
         inner: (n - 3, d), the positions at knots 2 to n - 2.
-        start: (d,), the position at rest before.
-        end: (d,), the position at rest after.
+        start: (d,), the position at knot 0.
+        end: (d,), the position at knot n.
 
     Returns:
         (n + 3, d) control points.

@@ -1,7 +1,7 @@
-"""Fit a law of motion and a path to the controller's segments.
+"""Fit a motion profile along a path to the controller's segments.
 
-This module chooses the number of segments, the form of the law and the segment time. If a time or a speed
-asks for too much, the result names one that works.
+This module chooses the number of segments, the form of the profile and the segment time. If a given time or
+speed asks for too much, the result names one that works.
 """
 
 from __future__ import annotations
@@ -50,11 +50,11 @@ time has no bound.
 
 @frozen
 class TooFast:
-    """A limit that is broken in the given time.
+    """A motion that breaks a limit in its given time.
 
-    `share` is the used share of the limit (1 is all of it). `time` [s] and `s` are the place. `shortest` [s]
-    is a duration that was tried and works, infinite if none does. `demand` is None if only the controller's
-    segments are too coarse.
+    `share` is the used share of the limit (1 is all of it). The excess is at the time `time` [s] and the
+    place `s` of the path. `shortest` [s] is a duration that was tried and works, infinite if none does.
+    `demand` is None if only the controller's segments are too coarse.
     """
 
     demand: Demand | None
@@ -66,7 +66,9 @@ class TooFast:
 
 @frozen
 class NotHeld:
-    """A path that can't be held, with the misses [m] and [rad] that remain with the shortest segments."""
+    """A path that can't be followed within the tolerance, with the errors [m] and [rad] that remain with the
+    shortest segments.
+    """
 
     position: float
     angle: float
@@ -75,7 +77,9 @@ class NotHeld:
 
 @frozen
 class TooLong:
-    """A motion that would need more segments than are ever planned: at least `duration` [s]."""
+    """A motion that would need more segments than are ever planned, since it takes at least `duration`
+    [s].
+    """
 
     duration: float
 
@@ -89,12 +93,12 @@ def fit(
     tolerance: Tolerance,
     trials: Trials | None = None,
 ) -> Curve | TooFast | NotHeld | TooLong | NoLaw:
-    """Choose segments, form and segment time of a motion along a path.
+    """Choose the number of segments, the form of the profile and the segment time of a motion along a path.
 
     Args:
         path: the path.
-        profile: the law of motion.
-        duration: [s], or None for the shortest that the limits allow.
+        profile: the kind of motion profile.
+        duration: the given duration [s], or None for the shortest that the limits allow.
         bounds: the limits to keep.
         grid: the segment times that the controller accepts.
         tolerance: largest distance of the executed path from `path`.
@@ -128,10 +132,11 @@ def fit(
 
 
 def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
-    """Make the trials for the shortest durations of several motions together; later searches find them done.
+    """Make the trials for the shortest durations of several motions together, so that later calls of `fit`
+    find them done.
 
     Args:
-        work: the trials of each motion, on paths of one arm and one moving frame, and its profile.
+        work: for each motion, its trials and its profile; all paths are of one arm and one moving frame.
         grid: the segment times that the controller accepts.
     """
     fitters = [_Fitter.of(trials, profile, grid) for trials, profile in work]
@@ -171,7 +176,7 @@ def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
 
 @dataclass(slots=True)
 class _Fitter:
-    """The search for the curve of one motion.
+    """Search for the curve of one motion.
 
     `grid` are the segment times that the controller accepts. `quick` is limited to segments short enough to
     rate the shortest duration.
@@ -185,7 +190,7 @@ class _Fitter:
 
     @classmethod
     def of(cls, trials: Trials, profile: Profile, grid: Grid) -> _Fitter:
-        """Return the fitter of a motion for a grid."""
+        """Return the search for the curve of a motion with the segment times of a grid."""
         quick = replace(grid, largest=max(grid.smallest, min(grid.largest, profile.longest_segment)))
         return cls(trials, profile, grid, quick)
 
@@ -196,7 +201,7 @@ class _Fitter:
     def in_time(self, duration: float) -> Curve | TooFast | NotHeld:
         """Return a curve of the given duration, or the reason why there is none.
 
-        A `TooFast` has no `shortest` yet.
+        If the reason is `TooFast`, its `shortest` isn't known yet.
         """
         fewest = self.grid.fewest(duration)
         refusal: TooFast | None = None
@@ -224,8 +229,8 @@ class _Fitter:
         return refusal or TooFast(None, math.inf, 0.0, 0.0, math.inf)
 
     def stretched(self, segments: int, segment: float) -> Trial | None:
-        """Return the trial with the form of the shortest time, stretched to `segments` segments; None if it
-        breaks a limit.
+        """Stretch the profile of the shortest duration to `segments` segments, and return its trial; None if
+        the trial breaks a limit.
         """
         found = self.shortest_trial()
         if isinstance(found, NotHeld | TooLong):
@@ -241,7 +246,7 @@ class _Fitter:
         return found if isinstance(found, NotHeld | TooLong) else found[0]
 
     def shortest_trial(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return the curve of the shortest duration, and its trial. The search runs only once."""
+        """Return the curve of the shortest duration, and its trial. The search is made only once."""
         if self._shortest is None:
             self._shortest = self._coarser(self._search())
         return self._shortest
@@ -249,10 +254,11 @@ class _Fitter:
     def _coarser(
         self, found: tuple[Curve, Trial] | NotHeld | TooLong
     ) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return a curve with longer segments if it is much faster than `found`, else `found`.
+        """Return a curve with longer segments if this makes the motion much faster than `found`, else
+        `found`.
 
-        This is tried only if `found` is much slower than the law allows. Near a singularity, short segments
-        resolve peaks that longer ones pass over within the tolerance.
+        This is tried only if `found` is much slower than the motion profile allows. Near a singularity, short
+        segments follow peaks of joint speed that longer ones pass over within the tolerance.
         """
         least = self.trials.law.shortest
         if least is None or (isinstance(found, tuple) and found[0].duration <= _MUCH * least + _FEW):
@@ -298,13 +304,13 @@ class _Fitter:
         return TooLong(segments * self.quick.largest)
 
     def needed(self, trial: Trial) -> int:
-        """Return the fewest segments for the duration that a trial needs."""
+        """Return the fewest segments for the duration that a trial needs to keep the limits."""
         return self.quick.fewest(trial.segments * max(trial.demand.segment, self.quick.smallest))
 
     def best_of(self, segments: int) -> Trial:
-        """Return the fastest trial of a few numbers of segments from `segments` on.
+        """Return the fastest trial among a few numbers of segments, from `segments` on.
 
-        If possible, its segments aren't too long for the controller.
+        If possible, the trial's segments aren't too long for the controller.
         """
         numbers = self.compared(segments)
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
@@ -320,15 +326,17 @@ class _Fitter:
         return min(trials, key=duration)
 
     def compared(self, segments: int) -> range:
-        """Return the numbers of segments from `segments` on that are compared.
+        """Return the numbers of segments to compare, from `segments` on.
 
-        A law without blends and ramps has only one, since nothing is rounded to segments.
+        For a profile without blends and ramps this is one number, since nothing is rounded to whole segments.
         """
         more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
         return range(segments, segments + more + 1)
 
     def _likeliest(self, numbers: range) -> range:
-        """Return the number of `numbers` with the shortest duration, for a straight line in joint space."""
+        """Return the one of several numbers of segments that gives the shortest duration, as a range; for a
+        straight line in joint space.
+        """
         least = self.trials.foreseen_least(self.trials.fastest(numbers[0]), numbers)
         durations = [
             number * self.quick.not_below(segment) for number, segment in zip(numbers, least, strict=True)
@@ -337,7 +345,9 @@ class _Fitter:
         return range(best, best + 1)
 
     def usable(self, duration: float) -> float:
-        """Return a duration with few digits, not below `duration` [s], that works when it is given."""
+        """Return a duration with few digits, not shorter than `duration` [s], in which the motion can be
+        planned.
+        """
         digits = max(3, 2 - math.floor(math.log10(max(duration, 1e-9))))
         step = 10.0**-digits
         for _ in range(60):
@@ -355,7 +365,7 @@ def curve_of(trial: Trial, segment: float) -> Curve:
 
 
 def refusal_of(trial: Trial, demand: Demand, segment: float) -> TooFast:
-    """Return the limit that a trial breaks at a segment time [s], with its place and excess; `shortest` isn't
+    """Return which limit a trial breaks at a segment time [s], where, and by how much; `shortest` isn't
     known yet.
     """
     order = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}[demand.kind]

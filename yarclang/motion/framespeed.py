@@ -1,5 +1,5 @@
-"""Measure how exactly the moving frame keeps a speed: between knots, the curve is slightly faster and slower
-than its law.
+"""Measure how exactly the moving frame keeps a speed: between knots, the frame on the curve is slightly
+faster or slower than its motion profile.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _AT_ONCE = 4_096
 
 
 def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
-    """Return the speed (N,) of the moving frame [m/s, or rad/s for a pure turn] at joint positions and
+    """Return the speed of the moving frame (N,) [m/s, or rad/s for a pure turn] at N joint positions and
     velocities (N, n).
     """
     jacobians = poses_and_jacobians(path.chain, q, path.flange_from_moving)[1]
@@ -44,7 +44,7 @@ def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
 
 
 def _instants(segments: int, segment: float) -> Iterator[Array]:
-    """Yield the instants [s] at which speeds are sampled, several in each segment."""
+    """Yield the times [s] at which the frame's speed is sampled, several in each segment."""
     count = _PARTS * segments + 1
     for begin in range(0, count, _AT_ONCE):
         go_on()
@@ -54,8 +54,8 @@ def _instants(segments: int, segment: float) -> Iterator[Array]:
 def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
     """Return the largest and the sustained speed of the moving frame on a curve from rest to rest.
 
-    The unit is m/s, or rad/s for a pure turn. The frame doesn't fall below the sustained speed between the
-    first and the last instant at which it nearly has that speed.
+    The unit is m/s, or rad/s for a pure turn. Between the first and the last instant at which the frame
+    nearly has the sustained speed, it doesn't fall below it.
     """
     speeds = np.concatenate(
         [frame_speeds(path, *curve.sample(times)[:2]) for times in _instants(curve.segments, curve.segment)]
@@ -74,8 +74,8 @@ def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
 
 
 def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float | None:
-    """Return a segment time [s] at which the cruise keeps its speed; None if `segment` is already short
-    enough.
+    """Return a shorter segment time [s] with which the moving frame keeps its cruise speed; None if `segment`
+    is already short enough.
     """
     law = Curve(trial.control[:, None], segment, trial.control)
     curve = Curve(trial.points, segment, trial.control)

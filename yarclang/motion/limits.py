@@ -1,4 +1,4 @@
-"""Compare the limits of joints and motors with the control points of a curve."""
+"""Compute the segment times at which the control points of a curve keep the limits of joints and motors."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ HEADROOM: dict[LimitKind, float] = {
 
 @frozen
 class Demand:
-    """The demand of a limit on the segment time.
+    """The shortest segment time with which control points keep one limit, and where they need it.
 
-    `segment` [s] is the least segment time at which control points keep the limit. `row` is the joint, or the
-    motor for `motor speed`; `at` is the first control point of the most demanding difference. A `zone speed`
-    has the watch of the slow zone in `watch`, and no row.
+    `segment` [s] is this time. `row` is the joint, or the motor for `motor speed`; `at` is the first control
+    point of the most demanding difference. For a `zone speed`, `watch` is the watched item of the slow zone,
+    and there is no row.
     """
 
     kind: LimitKind
@@ -48,11 +48,10 @@ class Demand:
 
 @frozen(eq=False)
 class Bounds:
-    """The limits of a robot, less the headroom.
+    """The limits of a robot's joints and motors, reduced by the headroom, and the slow zones of its cell.
 
     Joint limits (n,) are in rad (m) per s, s^2, s^3. `motor_velocity` (n,) is in counts/s, and `counts` (n,
-    n) are the motors' counts per rad (m). `zones` are the slow zones of the cell, whose speeds are never
-    reduced.
+    n) are the motors' counts per rad (m). The speed limits of `zones` are never reduced.
     """
 
     velocity: Array
@@ -69,7 +68,9 @@ class Bounds:
         return *(one.tobytes() for one in arrays), None if self.zones is None else self.zones.key
 
     def reduced(self, share: float, ramp: float) -> Bounds:
-        """Return the limits reduced to a share; acceleration and jerk are also multiplied by `ramp`."""
+        """Return the limits multiplied by `share`; the limits of acceleration and jerk are also multiplied
+        by `ramp`.
+        """
         if share == ramp == 1.0:
             return self
         return Bounds(
@@ -82,13 +83,14 @@ class Bounds:
         )
 
     def without_jerk(self) -> Bounds:
-        """Return these limits without a limit of jerk."""
+        """Return the same limits without the limit on jerk."""
         return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:
-        """Return the demand of each kind of limit on control points (N, n), by the convex hull property.
+        """Return, for each kind of limit, the shortest segment time with which control points (N, n) keep it,
+        by the convex hull property.
 
-        Slow zones come last, and are included only if they demand most.
+        Slow zones come last, and are included only if they need the longest segments.
         """
         first = np.diff(points, axis=0)
         second = np.diff(first, axis=0)
@@ -109,7 +111,7 @@ class Bounds:
         return (*demands, Demand("zone speed", segment, 0, at, watch))
 
     def are_kept(self, points: Array, segment: float) -> bool:
-        """Return True if control points (N, n) keep all limits at a segment time [s]."""
+        """Return True if the curve of control points (N, n) keeps all limits with a segment time [s]."""
         rest = replace(self, zones=None)
         if max(demand.segment for demand in rest.demands(points)) > segment:
             return False
@@ -147,7 +149,9 @@ class Grid:
     quantum: float
 
     def fewest(self, duration: float) -> int:
-        """Return the fewest segments, none longer than the largest, for a motion of `duration` [s]."""
+        """Return the fewest segments for a motion of `duration` [s]; none may be longer than the largest
+        segment time.
+        """
         return max(FEWEST_SEGMENTS, int(np.ceil(duration / self.largest - 1e-9)))
 
     def nearest(self, segment: float) -> float:
@@ -155,9 +159,8 @@ class Grid:
         return round(segment / self.quantum) * self.quantum
 
     def not_below(self, segment: float) -> float:
-        """Return the least segment time [s] that the controller can represent.
-
-        It is neither below `segment` nor below the smallest one.
+        """Return the least segment time that the controller can represent and that isn't below `segment` [s]
+        or the smallest one [s].
         """
         steps = np.ceil(max(segment, self.smallest) / self.quantum - 1e-6)
         return float(steps * self.quantum)

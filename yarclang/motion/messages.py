@@ -21,13 +21,13 @@ from yarclang.written import slower, stretch_fix
 
 
 def no_motion(origin: Origin) -> Message:
-    """Return the finding about a motion to the robot's present position."""
+    """Return the finding that a motion leads to the robot's present position."""
     message = "the robot stands at the target already: nothing moves"
     return "Y0603", message, origin.span, "take the command away, or check its target", None
 
 
 def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Nearest | None = None) -> Message:
-    """Return the finding about a time in which a limit is broken."""
+    """Return the finding that a motion breaks a limit in its given time."""
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
     fix = None
@@ -62,14 +62,13 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
 
 
 def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: float | None) -> Message:
-    """Return the finding about a timetable that breaks a limit, or that the controller's segments can't
-    follow.
+    """Return the finding that a timetable breaks a limit, or that the controller's segments can't follow it.
 
     Args:
         robot: the robot.
         refused: the reason.
         step: the motion.
-        stretch: the shortest STRETCH that works, or None.
+        stretch: the smallest factor after STRETCH, by which all times grow, that works; or None.
     """
     origin = step.origin
     when = "" if isinstance(refused, TooShort) else f"{refused.time:.4g} s after the start"
@@ -106,7 +105,7 @@ def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: 
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:
-    """Return a clause that names the joint, motor or zone that breaks a limit, and the excess."""
+    """Return a clause that names the joint, motor or zone whose limit is broken, and by how much."""
     limits, row = robot.limits, demand.row
     if demand.watch is not None and demand.watch.item is not None:
         zone = demand.watch.zone
@@ -138,7 +137,7 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
 def too_fast_a_cruise(
     robot: Robot, fitted: CruiseBroken, step: Motion, near: Nearest | None = None
 ) -> Message:
-    """Return the finding about a speed of the moving frame that can't be held."""
+    """Return the finding that the moving frame can't have the requested speed."""
     origin, broken = step.origin, fitted.broken
     span = origin.time_span or origin.span
     message, code = "no segments are short enough for this speed", "Y0605"
@@ -163,7 +162,7 @@ def too_fast_a_cruise(
 
 
 def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) -> Message:
-    """Return the finding about a path that a singularity makes slow."""
+    """Return the finding that a singularity makes a motion slow."""
     message = f"the path comes near a singularity: {_beside(robot, near)}"
     if step.timing.duration is None and step.timing.speed is None:
         message += f"; the shortest time is {curve.duration:.4g} s"
@@ -172,8 +171,8 @@ def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) ->
 
 
 def _beside(robot: Robot, near: Nearest) -> str:
-    """Return a clause about the place where a path is nearest to a singularity: the distance, and the effect
-    on speed.
+    """Return a clause about the place where a path is nearest to a singularity: its distance along the path,
+    and its effect on speed.
     """
     joint, unit = robot.joint_names[near.joint], robot.axis_unit_names[near.joint]
     rate = near.rate / robot.axis_units[near.joint] * (DEG if near.turns else MM)
@@ -184,7 +183,7 @@ def _beside(robot: Robot, near: Nearest) -> str:
 
 
 def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
-    """Return the finding about a speed without a unit."""
+    """Return the finding that a speed has no unit that suits the path."""
     kind: Kind = "angle" if turns else "length"
     what = "an angle unit: the moving frame only turns" if turns else "a length unit: the moving frame moves"
     subject = MissingUnit(kind, "the speed")
@@ -193,7 +192,7 @@ def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
 
 
 def no_cruise(step: Motion) -> Message:
-    """Return the finding about a speed for a law that has no cruise."""
+    """Return the finding that a speed is requested of a motion profile without a cruise."""
     origin = step.origin
     message = f"[V ..] is the speed of a cruise, and _{step.profile} has none"
     help_ = f"take {profiles_with(lambda profile: profile.has_cruise)}"
@@ -201,7 +200,7 @@ def no_cruise(step: Motion) -> Message:
 
 
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
-    """Return the finding about a motion that would need more segments than are planned."""
+    """Return the finding that a motion would need more segments than are ever planned."""
     message = (
         f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the "
         "most that are planned"
@@ -216,7 +215,7 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
 
 
 def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
-    """Return the finding about a timetable that would need more segments than are planned."""
+    """Return the finding that a timetable would need more segments than are ever planned."""
     message = (
         f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than "
         f"{MOST_SEGMENTS:,} segments, the most that are planned"
@@ -226,7 +225,7 @@ def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
 
 
 def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = None) -> Message:
-    """Return the finding about a path along which the search for a law gives up."""
+    """Return the finding that the search for a motion profile gives up at a place of the path."""
     message = (
         f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % "
         "of the way"
@@ -241,7 +240,7 @@ def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = Non
 
 
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
-    """Return the finding about a path that the controller's segments can't follow."""
+    """Return the finding that the controller's segments can't follow a path within the tolerance."""
     message = (
         f"with segments of {fitted.segment / MS:.4g} ms the path is missed by "
         f"{length_text(fitted.position)} and {fitted.angle / DEG:.2g} deg, and the controller takes none "
@@ -251,6 +250,6 @@ def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
 
 
 def _not_below(value: float) -> float:
-    """Return the value rounded up to six digits after its first."""
+    """Return a value rounded up to seven significant digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - 6)
     return math.ceil(value / step - 1e-6) * step

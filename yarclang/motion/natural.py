@@ -12,8 +12,10 @@ from yarclang.motion.curve import solve_tridiagonal
 
 @frozen(eq=False)
 class NaturalSpline:
-    """A natural cubic spline: `knots` (w,) from 0 to 1, `values` (w, d) and second derivatives `bends` (w, d)
-    there, zero at the ends.
+    """A natural cubic spline through values at knots.
+
+    `knots` (w,) go from 0 to 1, `values` (w, d) are the values there, and `bends` (w, d) the second
+    derivatives, which are zero at the ends.
     """
 
     knots: Array
@@ -22,7 +24,7 @@ class NaturalSpline:
 
     @staticmethod
     def through(knots: Array, values: Array) -> NaturalSpline:
-        """Return the spline with `values` (w, d) at ascending `knots` (w,); w at least 2."""
+        """Return the natural spline with `values` (w, d) at ascending `knots` (w,); w at least 2."""
         bends = np.zeros_like(values)
         if len(values) > 2:
             width = np.diff(knots)
@@ -35,7 +37,7 @@ class NaturalSpline:
         return NaturalSpline(knots, values, bends)
 
     def at(self, s: Array) -> Array:
-        """Return the values (N, d) at `s` (N,)."""
+        """Return the values of the spline (N, d) at the places `s` (N,)."""
         leg, width, left = self._legs(s)
         right = 1.0 - left
         v0, v1, m0, m1 = self.values[leg], self.values[leg + 1], self.bends[leg], self.bends[leg + 1]
@@ -43,11 +45,13 @@ class NaturalSpline:
         return v
 
     def slope_at(self, s: Array) -> Array:
-        """Return the derivatives (N, d) at `s` (N,)."""
+        """Return the first derivatives of the spline (N, d) at the places `s` (N,)."""
         return self.slope_on(self._leg(s), s[:, None])[:, 0]
 
     def slope_on(self, leg: NDArray[np.intp], s: Array) -> Array:
-        """Return the derivatives (N, k, d) at places `s` (N, k) of legs `leg` (N,)."""
+        """Return the first derivatives (N, k, d) of the spline at places `s` (N, k) on its legs `leg`
+        (N,).
+        """
         width = (self.knots[leg + 1] - self.knots[leg])[:, None, None]
         left = (self.knots[leg + 1, None] - s)[:, :, None] / width
         right = 1.0 - left
@@ -57,8 +61,8 @@ class NaturalSpline:
         return slope
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Return the extremes of each component (d,): the least value, its place s, the largest value, its
-        place s.
+        """Return the extremes of each component of the spline, (d,) each: the least value, its place s, the
+        largest value, its place s.
         """
         s = np.concatenate((self.knots, self._turning_points()))
         values = self.at(s)
@@ -66,19 +70,21 @@ class NaturalSpline:
         return np.amin(values, axis=0), s[low], np.amax(values, axis=0), s[high]
 
     def _legs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
-        """Return, for each `s`, its leg (N,), the leg's width (N, 1), and the remaining share of the leg
-        (N, 1).
+        """Return, for each `s`, the number of the leg on which it lies (N,), the leg's width (N, 1), and the
+        share of the leg that remains after it (N, 1).
         """
         leg = self._leg(s)
         width = (self.knots[leg + 1] - self.knots[leg])[:, None]
         return leg, width, (self.knots[leg + 1] - s)[:, None] / width
 
     def _leg(self, s: Array) -> NDArray[np.intp]:
-        """Return the leg (N,) of each `s` (N,)."""
+        """Return, for each `s` (N,), the number of the leg on which it lies (N,)."""
         return np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
 
     def _turning_points(self) -> Array:
-        """Return all s strictly inside the legs at which some component's derivative is zero."""
+        """Return all s strictly inside the legs of the spline at which the derivative of some component is
+        zero.
+        """
         width = np.diff(self.knots)[:, None]
         m0, m1 = self.bends[:-1], self.bends[1:]
         # With r from 0 to 1 on a leg, the derivative with respect to s is a r² + b r + c.

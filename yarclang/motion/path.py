@@ -29,13 +29,15 @@ class Path(Protocol):
 
     @property
     def slope(self) -> Array:
-        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
+        """The largest absolute derivative of each joint with respect to s along the path, approximately
+        (n,) [rad or m].
+        """
         ...
 
     @property
     def places(self) -> Array:
-        """Places s (k,) that show the path's bends, for paths of which equally spaced places may be too
-        few.
+        """Places s (k,) that are denser where the path bends, for paths on which equally spaced places may be
+        too few.
         """
         ...
 
@@ -44,7 +46,7 @@ class Path(Protocol):
         ...
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the deviation of joint positions `q` (N, n), each near `s` (N,), from the path.
+        """Return how far joint positions `q` (N, n), each near the place `s` (N,), are from the path.
 
         Returns:
             The largest distance in m and the largest angle in rad: of the moving frame for a Cartesian path,

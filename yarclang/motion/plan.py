@@ -1,4 +1,4 @@
-"""Define the motion plan: the robot's motion as a function of time."""
+"""Define the motion plan: the joint positions of the robot as functions of time."""
 
 from __future__ import annotations
 
@@ -53,15 +53,15 @@ _MARKS: Mapping[type, Mark] = MappingProxyType(
 
 @frozen(eq=False)
 class PlannedMotion:
-    """One motion: step number `step` of the program.
+    """A planned motion: the curve for step number `step` of the program.
 
     `profile` is empty for a motion along a timetable. `waypoints` (k, n) [rad or m] are the joint positions
     chosen for its way-points, without the start. `curve` goes from rest to rest; if the motion flows into its
-    neighbours, it goes from the middle of one overlap to the middle of the next. `overlap` is the number of
-    segments of the overlap at its end, 0 if both paths are kept, None if it ends at rest. `law` are the
-    control values of the share of the path over the motion's own time from rest to rest, which is half an
-    overlap longer on either side. `kept` is the share of the requested speed that is reached. `least` is the
-    share below which the speed doesn't fall after that; see `Piece`.
+    neighbours, the curve goes from the middle of one overlap to the middle of the next. `overlap` is the
+    number of segments of the overlap at its end, 0 if both paths are kept, None if the motion ends at rest.
+    `law` are control values of the share of the path that is done, over the motion's own time from rest to
+    rest, which is half an overlap longer on either side. `kept` is the share of the requested speed that is
+    reached. `least` is the share below which the speed doesn't fall after that; see `Piece`.
     """
 
     step: int
@@ -81,7 +81,7 @@ class PlannedMotion:
 
     @property
     def half(self) -> float:
-        """The duration of the half of the overlap at its end [s]."""
+        """The duration of half the overlap at the end of the motion [s]."""
         return (self.overlap or 0) * self.curve.segment / 2.0
 
 
@@ -89,11 +89,11 @@ class PlannedMotion:
 class MotionPlan:
     """All motions of a program, one after the other, each as a curve that the controller can execute exactly.
 
-    Its times count motions and dwells, with the branches of a WHEN one after the other; waiting for an input
-    or the operator takes no time.
+    The times of the plan count motions and dwells, with the branches of a WHEN one after the other; waiting
+    for an input or the operator takes no time.
 
-    In `program`, lines around obstacles are replaced by their legs; `asked` is the program without that, None
-    if nothing was replaced.
+    In `program`, each line that was replaced by a polyline around obstacles is several steps, one for each
+    leg; `asked` is the program without this replacement, None if nothing was replaced.
     """
 
     program: Program
@@ -103,7 +103,7 @@ class MotionPlan:
 
     @property
     def source_program(self) -> Program:
-        """The program as it was checked."""
+        """The program as it was checked, with lines around obstacles as single steps."""
         return self.program if self.asked is None else self.asked
 
     @cached_property
@@ -151,8 +151,8 @@ class MotionPlan:
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
-        """The steps of the motions without a limit of jerk: their law has none, or they follow a
-        timetable.
+        """The steps of the motions whose jerk isn't limited: their motion profile has no such limit, or they
+        follow a timetable.
         """
         return frozenset(
             motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
@@ -160,16 +160,16 @@ class MotionPlan:
 
     @property
     def duration(self) -> float:
-        """The last time of the plan [s]: all motions and dwells, with the branches of a WHEN one after the
-        other.
+        """The time at which the plan ends [s]: all motions and dwells, with the branches of a WHEN one after
+        the other.
 
-        `lasting` is the duration of a run.
+        The duration of one run of the program is `lasting`.
         """
         return self.schedule.places[-1]
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
-        """Return position, velocity and acceleration of the joints, (N, n) each, at `times` (N,) [s], in
-        SI.
+        """Return position, velocity and acceleration of the joints, (N, n) each, at `times` (N,) [s] of the
+        plan, in SI units.
         """
         q = np.tile(self.program.start, (len(times), 1))
         v, a = np.zeros_like(q), np.zeros_like(q)

@@ -1,4 +1,6 @@
-"""Plan a checked program: first the paths of all motions, then the curves on which the robot follows them."""
+"""Plan a checked program: first find the paths of all motions, then the curves on which the robot follows
+them.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,7 @@ class Settings:
     """The settings of the planner.
 
     `grid` are the segment times that the controller accepts, `memory` has results of earlier plans, and
-    `searches` is the number of ways around obstacles that are searched for; the fastest is taken.
+    `searches` is the number of paths around obstacles that are searched for; the fastest is taken.
     """
 
     grid: Grid
@@ -190,7 +192,7 @@ def plan_in_part(
 
 
 def _known_without_a_way(step: Motion) -> list[Diagnostic]:
-    """Return the findings about a motion whose start or end isn't known.
+    """Return the findings about a motion without a path, because its start or end isn't known.
 
     They are reported now, and not only after the fault that hides the position is mended.
     """
@@ -209,14 +211,16 @@ class _Planner:
     _slow: dict[Hashable, SlowZones | None] = field(default_factory=dict)
 
     def zones(self, step: Motion, path: Path, cell: Cell | None, *, leaves: bool) -> SlowZones | None:
-        """Return the slow zones that a motion may enter; with `leaves`, it may leave its path to flow into
-        another one.
+        """Return the slow zones that a motion may enter.
+
+        With `leaves`, the motion may leave its path to flow into another one, so that no zone can be
+        excluded.
         """
         zones = slow_zones(self.robot, cell, step)
         return zones if zones is None or leaves else zones.beside(path.joints, path.slope)
 
     def asked(self, step: Motion) -> tuple[Bounds, Tolerance]:
-        """Return the limits and the tolerance that a motion asks for, without slow zones."""
+        """Return the limits and the tolerance that a motion requests, without slow zones."""
         timing, tolerance = step.timing, self.settings.tolerance
         if step.tolerance is not None:
             tolerance = tolerance.of_motion(step.tolerance, leads_frame=step.leads_frame)
@@ -232,18 +236,20 @@ class _Planner:
         *,
         leaves: bool,
     ) -> Link | None:
-        """Plan a motion by itself.
+        """Plan a motion by itself, from rest to rest.
 
         Args:
             step: the motion.
             path: its path.
             cell: the cell during the motion.
             findings: receives the findings about the motion.
-            ahead: returns the trials that were made together with those of other motions.
+            ahead: function that returns the trials that were made together with those of other motions, or
+                None.
             leaves: as for `zones`.
 
         Returns:
-            The link; None, with a finding, if the motion can't be done as its command asks.
+            The motion as a possible member of a chain; None, with a finding, if the motion can't be done as
+            its command requests.
         """
         told = self.settings
         # The path was recalled by a key of everything that the step does (motion/routes.py), so the path
@@ -322,11 +328,11 @@ class _Planner:
     def _below_ceiling(
         self, step: Motion, path: Path, bounds: Bounds, tolerance: Tolerance
     ) -> tuple[float, Curve] | None:
-        """Plan a motion with a cruise just below its ceiling.
+        """Plan a motion with a cruise just below its speed limit, if its command sets one.
 
         Returns:
-            The duration of the whole path at that speed [s], and the curve; None if the motion has no
-            ceiling, or no cruise at that speed is possible.
+            The duration of the whole path at that speed [s], and the curve; None if the command sets no
+            limit, or no cruise at that speed is possible.
         """
         full = _full_below(step, path)
         if full is None or not load_profile(step.profile).has_cruise:
@@ -337,7 +343,7 @@ class _Planner:
     def _timed(
         self, step: TimedMove, path: TimedPath, bounds: Bounds, tolerance: Tolerance, findings: Collector
     ) -> Link | None:
-        """Plan a motion along a timetable; None, with a finding, if it can't be done."""
+        """Plan a motion along a timetable; None, with a finding, if the robot can't follow it."""
         grid = self.settings.grid
         fitted = fit_timed(path, step.within, bounds, grid)
         match fitted:
@@ -355,8 +361,11 @@ class _Planner:
         return None
 
     def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:
-        """Return a link with only its path, to be planned as part of a long chain; None if more must be
-        known first.
+        """Return a motion of a long chain with only its path and limits; its curve is planned with the whole
+        chain.
+
+        The result is None if the motion can't be planned so and needs a plan by itself: its path is in joint
+        space, its profile has no cruise, its duration is given, or its speed has no suitable unit.
         """
         if not isinstance(path, CartesianPath):
             return None
@@ -382,9 +391,9 @@ class _Planner:
         return Link(path, profile, None, full, bounds, tolerance, None, None)
 
     def pieces(self, chain: list[Link]) -> list[Piece] | None:
-        """Return the curves of motions that flow into each other, or of a single one.
+        """Return the curves of the motions of a chain, or of a single motion.
 
-        The result is None if each of them has to be planned by itself first.
+        The result is None if the motions have to be planned by themselves first.
         """
         settings = self.settings
         if all(link.by_itself is not None for link in chain):
@@ -425,16 +434,18 @@ class _Planner:
         found: list[list[Diagnostic]],
         links: dict[int, Link],
     ) -> list[Piece | None]:
-        """Return the curves of a chain that can't be planned as one path; None for each motion that can't be
-        done by itself.
+        """Plan each motion of a chain by itself, since the chain can't be planned as one path, and return the
+        curves.
+
+        An item is None for a motion that can't be done by itself.
 
         Args:
-            numbers: the steps of its motions.
+            numbers: the step indices of the motions.
             chain: the motions.
-            steps: of the program.
+            steps: the steps of the program.
             all_done: what is known of each step.
             found: the findings of each step; those of these motions are added.
-            links: all motions; receives these ones, planned by themselves.
+            links: all motions by their step indices; receives these ones, planned by themselves.
         """
         known: list[Link | None] = []
         for number, bare in zip(numbers, chain, strict=True):
@@ -456,7 +467,9 @@ class _Planner:
         )
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
-        """Report the places where a chain can't do exactly what its commands ask for."""
+        """Report where a motion in a chain isn't executed exactly as its command requests: a stop at a
+        corner, or another duration.
+        """
         if flows and piece.overlap is None:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
@@ -464,8 +477,8 @@ class _Planner:
 
 
 def _full_below(step: Motion, path: Path) -> float | None:
-    """Return the duration of a path just below a motion's ceiling [s]; None without a ceiling, or for a
-    pure turn.
+    """Return the duration of a path just below the speed limit that its motion sets [s]; None without such a
+    limit, or for a pure turn.
     """
     ceiling = step.timing.ceiling
     if ceiling is None or not isinstance(path, CartesianPath):

@@ -1,4 +1,4 @@
-"""Define a profile: a law of motion along a path, and its form on a grid of segments."""
+"""Define motion profiles: the share of a path that is done over time, also on a grid of segments."""
 
 from __future__ import annotations
 
@@ -19,30 +19,31 @@ from yarclang.motion.path import Path
 from yarclang.named import by_name
 
 Form = tuple[int, ...]
-"""The free parameters of a law on a grid, in segments: the lengths of its ramps and blends.
+"""The free parameters of a motion profile on a grid of segments: the lengths of its ramps and blends
+[segments].
 
-Each law has its own parameters.
+Each kind of profile has its own parameters.
 """
 
 NO_FORM = np.zeros((1, 0), dtype=np.int64)
-"""The forms of a law without free parameters: a single, empty form."""
+"""The forms of a motion profile without free parameters: a single, empty form."""
 
 
 @frozen
 class Law:
-    """A law of motion along one path.
+    """A motion profile (law of motion) along one path.
 
     Attributes:
-        pure: maps time as a share u (N,) of the duration to the share s (N,) of the path.
-        control: returns the control values (n + 3,) of s for n segments and a form: three zeros first, three
-            ones last.
-        forms: returns the forms (K, f) for which n segments leave room, the one nearest to the pure law
-            first.
-        strain: returns the peaks (K, 3) of velocity, acceleration and jerk over distance, in units of
-            segments, for n segments and forms (K, f); used to compare forms.
-        scaled: returns the form for n' segments that is most similar to a form for n segments; its arguments
-            are n, form, n'.
-        shortest: the duration [s] for which the limits shape the law; None if its shape doesn't depend on
+        pure: function from the share u (N,) of the duration to the share s (N,) of the path.
+        control: function that returns the control values (n + 3,) of s for n segments and a form: three zeros
+            first, three ones last.
+        forms: function that returns the forms (K, f) for which n segments leave room, the one nearest to the
+            pure profile first.
+        strain: function that returns the peaks (K, 3) of velocity, acceleration and jerk over distance, in
+            units of segments, for n segments and forms (K, f); used to compare forms.
+        scaled: function of n, form and n', which returns the form for n' segments that is most similar to a
+            form for n segments.
+        shortest: the duration [s] for which the limits shape the profile; None if its shape doesn't depend on
             them.
     """
 
@@ -56,31 +57,31 @@ class Law:
 
 @frozen
 class NoLaw:
-    """The place `s` of a path, from 0 to 1, at which the search for a law gives up."""
+    """The place `s` of a path, from 0 to 1, at which the search for a motion profile gives up."""
 
     s: float
 
 
 def _without_law(path: Path, bounds: Bounds) -> Law | NoLaw:  # noqa: ARG001
-    """Raise an error: a motion along a timetable has no law, since the table prescribes the joints'
-    positions over time.
+    """Raise an error: a motion along a timetable has no motion profile, since the table prescribes the
+    joints' positions over time.
     """
     raise TypeError("a timetable has no law")
 
 
 @frozen
 class Profile:
-    """A law of motion for every path.
+    """A kind of motion profile, which makes a law of motion for any path.
 
     Attributes:
-        name: in upper case.
-        summary: for lists of profiles.
-        law: makes the law for a path and the limits to keep; NoLaw if none is found.
-        is_stretched: True if the form is that of the shortest time, stretched to a longer one.
+        name: the name in upper case, as programs write it.
+        summary: one line for lists of profiles.
+        law: function that makes the law for a path and the limits to keep; it returns NoLaw if none is found.
+        is_stretched: True if a longer motion has the form of the shortest one, stretched in time.
         has_jerk_limit: False for a law whose acceleration may jump.
         has_cruise: True if most of the path is traversed at one speed, which a command may set.
-        needs_search: False for a law that is found along any path.
-        longest_segment: the longest segment fine enough to rate the shortest duration [s].
+        needs_search: False if a law exists along any path.
+        longest_segment: the longest segment that is fine enough to rate the shortest duration [s].
     """
 
     name: str
@@ -94,7 +95,7 @@ class Profile:
 
 
 def profile_names() -> tuple[str, ...]:
-    """Return the names of all profiles, one for each file of motion/profiles, without importing them.
+    """Return the names of all profiles, one for each file of motion/profiles, without importing these files.
 
     Raises:
         NamedTwice: two files have one name in upper case.
@@ -111,7 +112,7 @@ TIMETABLE = Profile("", "as the timetable says", _without_law, has_jerk_limit=Fa
 
 
 def profiles_with(fits: Callable[[Profile], bool]) -> str:
-    """Return the suffixes of all profiles for which `fits` is True, as messages list them."""
+    """Return the command suffixes of all profiles for which `fits` is True, as messages list them."""
     *first, last = [f"_{name}" for name in profile_names() if fits(load_profile(name))]
     return f"{', '.join(first)} or {last}" if first else last
 

@@ -1,5 +1,5 @@
-"""Recall motions that were planned before, by their content and their start, wherever their commands are now
-in the file.
+"""Reuse the results of motions that were planned before, if their content and their start are the same,
+wherever their commands are now in the file.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ def told_before(
     *,
     may_look_around: bool = False,
 ) -> T:
-    """Return the result kept under a key, and repeat the findings about its command. If there is none,
-    compute both.
+    """Return the earlier result that is stored under a key, and repeat the findings that came with it. If
+    there is no earlier result, compute the result and its findings.
 
     Args:
-        memory: keeps results and findings; the places of findings are relative to the command's line.
+        memory: stores results and findings; the places of findings are relative to the command's line.
         key: everything on which the result depends, without the place of the command.
         origin: the command; if its text is different, the findings may differ.
         findings: receives the findings, new or repeated.
-        make: computes the result, with findings about this command alone.
+        make: function that computes the result, with findings about this command alone.
         may_look_around: True if the findings may depend on other lines: results with findings are then
             computed each time.
     """
@@ -59,7 +59,9 @@ def told_before(
 
 
 def _spelling(origin: Origin) -> Hashable:
-    """Return all parts of a command's origin that messages may quote, except its line and its file."""
+    """Return everything of a command's origin that messages may quote, except its line number and its
+    file.
+    """
     line = origin.span.line
     places: list[Hashable] = [
         None if one is None else (one.line - line, one.column, one.end_line - line, one.end_column)
@@ -78,8 +80,8 @@ def _last_line(origin: Origin) -> int:
 
 
 def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
-    """Return True if a finding concerns only the lines of its command. Other findings may change with
-    other lines.
+    """Return True if a finding concerns only the lines of its command. A finding about other lines may change
+    when they change.
     """
     spans = [edit.span for edit in one.fix.edits] if one.fix else []
     spans += [one.span] if one.span else []
@@ -90,7 +92,7 @@ def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
 
 
 def _moved(one: Diagnostic, origin: Origin, place: str, lines: int) -> Diagnostic:
-    """Return a finding of a command that is now `lines` further down."""
+    """Return a finding, moved down by `lines` lines like its command."""
     span = None if one.span is None else _shifted(one.span, lines)
     fix = one.fix
     if fix is not None and lines:

@@ -1,4 +1,4 @@
-"""Compute turns about a fixed axis: between two orientations, and beyond them."""
+"""Compute rotations about a fixed axis: between two orientations, and beyond them."""
 
 from __future__ import annotations
 
@@ -62,15 +62,15 @@ _UP = constant(np.array([0.0, 0.0, 1.0]))
 
 
 def turned(rotation: Array, axis: Array, angles: Array) -> Array:
-    """Return rotations turned about unit vectors in {B}, by Rodrigues' formula.
+    """Return rotations that are turned about unit vectors in {B}, by Rodrigues' formula.
 
     Args:
-        rotation: (..., 3, 3), broadcast against the turns.
-        axis: (..., 3), broadcast against the angles.
+        rotation: (..., 3, 3) rotations to start from, broadcast against the turns.
+        axis: (..., 3) unit vectors, broadcast against the angles.
         angles: (..., N) [rad].
 
     Returns:
-        (..., N, 3, 3).
+        The turned rotations (..., N, 3, 3).
     """
     turn = skew(axis)
     angle = angles[..., None, None]

@@ -1,8 +1,8 @@
-"""Route the motions of a program: find the path of each, from the end of the one before.
+"""Find the path of each motion of a program, from the end of the motion before it.
 
-A pose target of a joint motion has several solutions, and the choice decides which Cartesian motions are
-possible after it. The nearest solution is taken first. If a later motion can't be done from there, the next
-solutions are tried.
+A pose target of a joint motion has several inverse-kinematics solutions, and the choice decides which
+Cartesian motions are possible after it. The nearest solution is taken first. If a later motion can't be done
+from there, the next solutions are tried.
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ from yarclang.ways import Turn, Ways
 class Route:
     """The path of one motion, and the joint positions (k, n) [rad or m] chosen for its way-points.
 
-    A line around obstacles has `legs`, and the path of the last one.
+    A line that is replaced by a polyline around obstacles has `legs`; `path` is then the path of the last
+    leg.
     """
 
     path: Path
@@ -71,12 +72,12 @@ class Route:
 
 @frozen
 class _Stand:
-    """State of the search between two steps.
+    """State of the search between two steps of the program.
 
-    `ways` has the robot's position on the open control-flow paths (None if it isn't known). `choice` is the
-    last motion with a free choice of solution that determines this position; None if the text gives the
-    position. `flange` is the flange's pose base_from_flange (4, 4), if only the pose is known. `parts` are
-    the places of the cell's parts.
+    `ways` has the robot's position on the open branches of the program (None if it isn't known). `choice` is
+    the last motion with a free choice of inverse-kinematics solution that determines this position; None if
+    the program text gives the position. `flange` is the flange's pose base_from_flange (4, 4), if only the
+    pose is known. `parts` are the places of the parts (workpieces) in the cell.
     """
 
     ways: Ways[Array | None]
@@ -92,11 +93,11 @@ class _Stand:
 
 @dataclass(slots=True)
 class Done:
-    """The result of one step.
+    """The result of one step of the program.
 
     `before` and `behind` are the states before and after the step. `broken` is True if the step can't be done
-    from the robot's position, but perhaps from another one. `way` is the way of its frame, if no more is
-    known.
+    from the robot's position, but perhaps from another one. `way` is the path of the moving frame, if the
+    joint positions along it aren't known.
     """
 
     before: _Stand
@@ -111,7 +112,9 @@ class Done:
 
 @dataclass(slots=True)
 class Router:
-    """Routes the steps of a program one after the other; `done` has the result of each."""
+    """Finder of the paths for the steps of a program, one after the other; `done` has the result of each
+    step.
+    """
 
     robot: Robot
     steps: Sequence[Step]
@@ -136,13 +139,17 @@ class Router:
     _reached: ReachedAhead = field(init=False)
 
     def __post_init__(self) -> None:
-        """Find the straight ways on which grippers approach and leave parts."""
+        """Prepare the tables of the whole program: targets in reach, paths ahead, and the handling of
+        parts by grippers.
+        """
         self._reached = ReachedAhead(self.robot, self.steps)
         self._ahead = WaysAhead(self.robot, self.steps, long_chains(self.steps))
         self._handling = handling_of(self.robot, self.cell, self.steps)
 
     def in_legs(self) -> tuple[tuple[Step, ...], list[Done]]:
-        """Return the steps and what is known of each, with each line around obstacles as its legs."""
+        """Return the steps of the program and their results, with each line that became a polyline around
+        obstacles replaced by its legs.
+        """
         steps, done = list[Step](), list[Done]()
         for step, one in zip(self.steps, self.done, strict=False):
             if not (isinstance(step, LineMove) and step.avoids) or one.route is None:
@@ -167,7 +174,7 @@ class Router:
         return (*steps, *self.steps[len(self.done) :]), done
 
     def _solver(self, number: int, step: Motion, before: _Stand) -> Solver:
-        """Return the solver for the poses of a command.
+        """Return the inverse-kinematics solver for the poses of a command.
 
         It searches long only in the first pass of a loop, and measures how far poses are out of reach only
         for some commands of a program.
@@ -179,7 +186,7 @@ class Router:
         return Solver(self.robot, self._around(number, step, before), measures, is_again, self.searches)
 
     def _around(self, number: int, step: Motion, before: _Stand) -> Cell | None:
-        """Return the cell during a motion."""
+        """Return the cell as it is during a motion, with the workpieces where they are then."""
         handling = self._handling
         if self.cells is not None:
             return self.cells.get(number, self.cell)
@@ -198,8 +205,8 @@ class Router:
         return _Stand(Ways(self.start), parts=self._handling.first())
 
     def advance(self) -> None:
-        """Route the next step. If it can't be done from here, try the other solutions of an earlier
-        target.
+        """Find the path of the next step. If the step can't be done from the robot's position, try the other
+        solutions of an earlier target.
         """
         before = self.done[-1].behind if self.done else self._first()
         done = self._step(len(self.done), before)
@@ -208,8 +215,8 @@ class Router:
             self._choose_otherwise(before.choice)
 
     def _choose_otherwise(self, chosen: int) -> None:
-        """Try the other solutions of step `chosen`, the nearest first, until all steps from there to the last
-        one can be done.
+        """Try the other inverse-kinematics solutions for the target of step `chosen`, the nearest first,
+        until all steps from there to the last one can be done.
         """
         tried = self.done[chosen:]
         last = len(self.done)
@@ -249,7 +256,9 @@ class Router:
         self.done[chosen:] = tried
 
     def _near(self, number: int) -> Array | None:
-        """Return the joint position near which the solution of a motion's last pose is wanted."""
+        """Return the joint position to which the solution of a motion's last pose should be near: the
+        way-point before it, or the start.
+        """
         done = self.done[number]
         if done.route is None or len(done.route.waypoints) < 2:
             return done.before.q
@@ -284,7 +293,7 @@ class Router:
     def _flow(self, number: int, step: Action, stand: _Stand, findings: Collector) -> _Stand:
         """Return the state after a step that doesn't move the robot.
 
-        The state changes only at the branches of a WHEN, and where a gripper closes or opens.
+        The state changes only at the branches of a WHEN or a loop, and where a gripper closes or opens.
         """
         if self._handling.has_parts:
             parts, grasp = self._handling.passed(stand.parts, number, stand.q)
@@ -319,14 +328,14 @@ class Router:
 
     def _same(self, one: Array, other: Array) -> bool:
         """Return True if two joint positions are the same for the controller: they differ by far less than
-        a count.
+        an encoder count.
         """
         return bool((np.abs(one - other) <= 1e-9 * self.robot.axis_units).all())
 
     def _motion(
         self, solver: Solver, number: int, step: Motion, before: _Stand, q: Array, findings: Collector
     ) -> Done:
-        """Route one motion from `q` (n,)."""
+        """Find the path of one motion from the joint position `q` (n,)."""
         # A joint motion to a free pose becomes the new choice to vary; other targets in joint space fix the
         # position.
         choice, taken = before.choice, self._choices.get(number)
@@ -377,8 +386,8 @@ class Router:
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> Done:
-        """Check a motion from an unknown position as far as possible: if its poses can be reached at all, and
-        the way of its frame.
+        """Check a motion from an unknown position as far as possible: if its poses are in reach at all, and
+        if there is a path of the moving frame.
         """
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
@@ -393,11 +402,11 @@ class Router:
     def _goals_from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> tuple[Array | None, Array | None, FrameWay | None]:
-        """Return the goals of a motion from an unknown position.
+        """Return what is known of the end of a motion from an unknown position.
 
         Returns:
-            Joint positions (n,) if they are given, the flange's pose (4, 4), and the way of its frame; None
-            for each value that isn't known.
+            The joint position (n,), the flange's pose (4, 4), and the path of the moving frame; None for each
+            that isn't known.
         """
         if isinstance(step, TimedMove):
             return step.table.positions[-1], None, None
@@ -426,24 +435,28 @@ MOST_MEASURED = 20
 
 
 def _to_via(step: LineMove, pose: Array) -> LineMove:
-    """Return the leg of a line that leads to a pose (4, 4) in between, and stops there."""
+    """Return a line with a pose (4, 4) as its new goal, at which the robot stops: one leg of a polyline."""
     return replace(step, goal=PoseGoal(pose, step.goal.flange_from_moving), blend=None, search=None)
 
 
 def _timed(step: LineMove, share: float) -> LineMove:
-    """Return the leg of a line with its share of the duration, if one is given."""
+    """Return a leg of a polyline with its share of the line's duration, if a duration is given."""
     duration = step.timing.duration
     return step if duration is None else replace(step, timing=replace(step.timing, duration=share * duration))
 
 
 def _moved(stand: _Stand, q: Array | None) -> _Stand:
-    """Return the state after a motion to `q` (n,) [rad or m]; None if the position isn't known."""
+    """Return the state after a motion to the joint position `q` (n,) [rad or m]; None if the position
+    isn't known.
+    """
     # This is twice as fast as `replace`, and runs for every motion of a program that is edited.
     return _Stand(Ways(q, stand.ways.ends, stand.ways.open), None, None, stand.parts)
 
 
 def _flange_at(robot: Robot, goal: Goal, stands: Array) -> Array:
-    """Return the flange's pose base_from_flange (4, 4) at the goal of a joint motion from `stands` (n,)."""
+    """Return the flange's pose base_from_flange (4, 4) at the goal of a joint motion from the joint position
+    `stands` (n,).
+    """
     match goal:
         case PoseGoal():
             return flange_at(goal)

@@ -1,4 +1,6 @@
-"""Decide how many motions are computed together: more of them if longer consecutive runs are requested."""
+"""Decide how many consecutive motions are computed together: the more, the longer the run of motions
+requested.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ MOST = 64
 
 @dataclass(slots=True)
 class Growing:
-    """The number of motions that are computed together.
+    """The number of consecutive motions that are computed together.
 
     The number is 1 if a single motion is requested, as after an edit. It doubles each time the next motions
     are requested, up to `most` (None: `MOST`).

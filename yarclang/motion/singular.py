@@ -1,4 +1,4 @@
-"""Measure the distance of a path of the moving frame from a singularity, and its effect on speed."""
+"""Measure how near a path of the moving frame comes to a singularity, and the effect on speed."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ _STILL = 1e-9
 class Nearest:
     """The place `s` of a path that is nearest to a singularity.
 
-    `smallest` is the smallest singular value there. `joint` is the joint that moves most, by `rate` [rad or m
-    per m of the path, or per rad of a pure turn]. `turns` is True for a pure turn.
+    `smallest` is the smallest singular value of the Jacobian there. `joint` is the joint that moves most, by
+    `rate` [rad or m per m of the path, or per rad of a pure turn]. `turns` is True for a pure turn.
     """
 
     s: float
@@ -38,7 +38,7 @@ class Nearest:
 
 
 def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
-    """Return True for each path that is proved to keep away from singularities.
+    """Return, for each path, True if it is proved to keep away from singularities.
 
     All paths are of one arm and one moving frame.
     """
@@ -50,10 +50,10 @@ def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
 
 
 def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
-    """Return the place where a singularity slows a path; None if the path keeps away, or passes without a
-    loss.
+    """Return the place where a singularity slows a path; None if the path keeps away from singularities, or
+    passes them without loss of speed.
 
-    The places examined are those at which the arm was followed; they are denser near a singularity.
+    The places examined are those at which inverse kinematics was solved; they are denser near a singularity.
 
     Args:
         path: the path.

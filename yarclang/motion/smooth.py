@@ -1,5 +1,5 @@
-"""Approximate joint positions along a line or an arc by one polynomial: a few places are solved, and all
-others are evaluated.
+"""Approximate joint positions along a line or an arc by one polynomial: inverse kinematics is solved at a few
+places, and the polynomial gives all others.
 
 Except at singularities, the joints of an arm are analytic functions of the place on such a path, so their
 Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the last
@@ -38,11 +38,11 @@ _AT_ONCE = 8_192
 
 @frozen(eq=False)
 class Smooth:
-    """The joint positions of a path over s from 0 to 1.
+    """The joint positions along a path as a polynomial over s from 0 to 1.
 
     `coefficients` (d + 1, n) are those of the Chebyshev polynomials of 1 - 2 s [rad or m]. `lever` [m] is
     larger than the distance of the moving frame's origin from any joint's axis; `is_sliding` (n,) is 1 for
-    joints that slide.
+    prismatic joints.
     """
 
     coefficients: Array
@@ -58,11 +58,11 @@ class Smooth:
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Bound the distance of the moving frame from the path.
+        """Return upper bounds of the distance of the moving frame from the path at given joint positions.
 
         Args:
             q: (N, n) joint positions [rad or m].
-            s: (N,) their places on the path.
+            s: (N,) the place on the path for each joint position.
 
         Returns:
             Upper bounds of the distance [m] and of the angle [rad].
@@ -89,7 +89,9 @@ def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
 
 
 def _of_degree(degree: int, paths: Sequence[CartesianPath]) -> list[Smooth | None]:
-    """Return the polynomials of one degree; None for each that misses its path."""
+    """Return the joint positions along each path as a polynomial of one degree; None if it isn't accurate
+    enough.
+    """
     places, between, to_coefficients, to_between = _nodes(degree)
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     values = np.array(joints_of(paths, [places] * len(paths)))
@@ -107,7 +109,7 @@ def _of_degree(degree: int, paths: Sequence[CartesianPath]) -> list[Smooth | Non
 
 
 def _poses(paths: Sequence[CartesianPath], s: Array) -> Array:
-    """Return base_from_moving (M * N, 4, 4) of each path at `s` (N,)."""
+    """Return the poses base_from_moving (M * N, 4, 4) along each of M paths, at the places `s` (N,)."""
     lines = [path.frame for path in paths if isinstance(path.frame, Line)]
     if len(lines) == len(paths):
         return poses_along(lines, s).reshape(-1, 4, 4)
@@ -133,7 +135,9 @@ def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
 
 
 def _chebyshev(s: Array, count: int) -> Array:
-    """Return the first Chebyshev polynomials of 1 - 2 s, (count, N), at `s` (N,)."""
+    """Return the values of the first `count` Chebyshev polynomials of 1 - 2 s, (count, N), at the places
+    `s` (N,).
+    """
     x = 1.0 - 2.0 * s
     polynomials = np.empty((count, len(s)))
     polynomials[0], polynomials[1] = 1.0, x

@@ -53,9 +53,9 @@ _ROUNDS = 12
 
 @frozen
 class Broken:
-    """A broken limit, named by `demand`.
+    """A limit that a timetable breaks, named by `demand`.
 
-    `share` is its used share (1 is all of it), and `time` [s] the time of the excess.
+    `share` is the used share of the limit (1 is all of it), and `time` [s] is when the limit is broken.
     """
 
     demand: Demand
@@ -65,9 +65,10 @@ class Broken:
 
 @frozen
 class Missed:
-    """A path that can't be held: `joint` misses it by `off` [rad or m], `time` [s] after the start.
+    """A path that can't be followed within the tolerance: `joint` is off by `off` [rad or m], `time` [s]
+    after the start.
 
-    The shortest segments, of `segment` [s], are used. `share` is the miss as a share of the allowed one.
+    This is with the shortest segments, of `segment` [s]. `share` is the error as a share of the tolerance.
     """
 
     joint: int
@@ -79,7 +80,7 @@ class Missed:
 
 @frozen
 class TooShort:
-    """A table that is shorter than the fewest segments.
+    """A timetable that is shorter than the fewest segments that a motion may have.
 
     The table ends after `duration` [s], and the fewest segments take `shortest` [s].
     """
@@ -89,16 +90,17 @@ class TooShort:
 
 
 Refused = Broken | Missed | TooShort
-"""The reasons why a timetable can't be carried out as it is; a slower timetable can."""
+"""The reasons why a timetable can't be executed as it is; if all its times grow enough, it can."""
 
 
 def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
-    """Choose segments and control points of a motion along a timetable.
+    """Choose the segments and the control points of a motion along a timetable.
 
     Args:
-        path: the joints' positions over time.
-        within: (n,) the largest distance of each joint from its position at the same time [rad or m].
-        bounds: the limits to keep, except that of jerk, since the table determines the jerk.
+        path: the joint positions over time.
+        within: (n,) the tolerance: the largest distance of each joint from its position at the same time [rad
+            or m].
+        bounds: the limits to keep, except that on jerk, since the table determines the jerk.
         grid: the segment times that the controller accepts.
 
     Returns:
@@ -151,10 +153,12 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
 
 
 STEPS = 24
-"""Largest number of stretches that are tried."""
+"""Largest number of factors by which the times of a table are stretched in the search."""
 
 FINE = 1.001
-"""Factor within which a stretch counts as the shortest that works."""
+"""Ratio of two factors, one too small and one that works, below which the search for the smallest factor
+ends.
+"""
 
 
 def shortest_stretch(
@@ -165,18 +169,18 @@ def shortest_stretch(
     grid: Grid,
     stretch: float,
 ) -> float | None:
-    """Search for the shortest stretch of a timetable that keeps all limits.
+    """Search for the smallest factor by which all times of a timetable must grow to keep all limits.
 
     Args:
-        path_at: returns the path at a stretch.
-        refused: the reason why `stretch` doesn't work.
+        path_at: function that returns the path for such a factor.
+        refused: the reason why the factor `stretch` doesn't work.
         within: as for `fit_timed`.
         bounds: as for `fit_timed`.
         grid: as for `fit_timed`.
-        stretch: a stretch that doesn't work.
+        stretch: a factor that doesn't work.
 
     Returns:
-        A stretch with few digits that was tried and works; None if none is found.
+        A factor with few digits that was tried and works; None if none is found.
     """
     fails, works = stretch, math.inf
     nearest = stretch * _needed(refused)
@@ -202,9 +206,9 @@ def shortest_stretch(
 
 
 def _needed(refused: Refused) -> float:
-    """Return the approximate factor by which all times must grow.
+    """Return the approximate factor by which all times of a timetable must grow.
 
-    Velocities fall with the first power of the factor. Accelerations, and the misses of the shortest
+    Velocities fall with the first power of the factor. Accelerations, and the errors of the shortest
     segments, fall with its square.
     """
     if isinstance(refused, TooShort):
@@ -215,7 +219,7 @@ def _needed(refused: Refused) -> float:
 
 
 def _few_digits(stretch: float) -> float:
-    """Return a stretch of four digits, not below the given one."""
+    """Return a factor of four digits that isn't below the given one."""
     digits = 3 - math.floor(math.log10(stretch))
     return round(math.ceil(stretch * 10.0**digits - 1e-6) / 10.0**digits, max(0, digits))
 
@@ -235,7 +239,8 @@ _NUMBERS = 4096
 
 
 def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
-    """Return a number of segments and their time [s], near `wanted`, that together last as long as a table.
+    """Return a number of segments and a segment time [s], near `wanted`, that together last as long as a
+    timetable.
 
     They may last longer by at most `LATE`.
     """
@@ -257,10 +262,10 @@ def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
 
 @frozen(eq=False)
 class _Trial:
-    """Trial of a timetable with a fixed number of segments.
+    """A fit of a timetable with a fixed number n of segments.
 
-    `knots` (n + 1, d) are the wanted positions at the knots, `between` (n * _BETWEEN + 1, d) those at all
-    samples. `within` (d,) is the tolerance.
+    `knots` (n + 1, d) are the wanted joint positions at the knots, `between` (n * _BETWEEN + 1, d) those at
+    all samples. `within` (d,) is the tolerance.
     """
 
     path: TimedPath
@@ -270,21 +275,23 @@ class _Trial:
 
     @staticmethod
     def of(path: TimedPath, within: Array, segments: int) -> _Trial:
-        """Sample the wanted positions."""
+        """Sample the joint positions that a timetable prescribes."""
         count = segments * _BETWEEN
         between = path.joints(np.arange(count + 1) / count)
         return _Trial(path, within, between[::_BETWEEN], between)
 
     def solved(self, weight: float) -> tuple[Array, float]:
-        """Return control points (n + 3, d), and the share of the tolerance that they use."""
+        """Return the control points (n + 3, d) that fit the path with a weight of smoothness, and the share
+        of the tolerance that they use.
+        """
         points = _least_squares(self.knots, weight)
         return points, float((np.abs(_looked_at(points) - self.between) / self.within).max())
 
     def smoothest(self, points: Array) -> Array:
-        """Return the control points with the largest weight that keep the tolerance.
+        """Return the control points for the largest weight of smoothness that keeps the tolerance.
 
         Args:
-            points: the control points without weight.
+            points: the control points without smoothing, which are returned if no weight keeps the tolerance.
         """
         low, high = 0, len(_WEIGHTS) - 1
         while low < high:
@@ -297,15 +304,15 @@ class _Trial:
         return points
 
     def overshoot(self, curve: Curve, bounds: Bounds) -> float:
-        """Return the ratio of the largest acceleration of a curve to that of the path, or to half of the
-        limit if that is larger.
+        """Return the ratio of a curve's largest acceleration to that of the path, or to half of the limit if
+        that is larger.
         """
         asked = np.abs(np.diff(self.knots, 2, axis=0)).max(axis=0) / curve.segment**2
         made = np.abs(np.diff(curve.points, 2, axis=0)).max(axis=0) / curve.segment**2
         return float((made / np.maximum(asked, bounds.acceleration / 2.0)).max())
 
     def missed(self, points: Array, segment: float) -> Missed:
-        """Return the place at which control points miss the path most."""
+        """Return where control points miss the path most, in relation to the tolerance."""
         off = np.abs(_looked_at(points) - self.between)
         at, joint = divmod(int(np.argmax(off / self.within)), off.shape[1])
         most = float(off[at, joint])
@@ -313,7 +320,9 @@ class _Trial:
 
 
 def _looked_at(points: Array) -> Array:
-    """Return the values (n * _BETWEEN + 1, d) of control points (n + 3, d) at the knots and between them."""
+    """Return the joint positions (n * _BETWEEN + 1, d) at the knots and between them, for control points
+    (n + 3, d).
+    """
     f = [points[i : len(points) - 3 + i] for i in range(4)]
     found = np.empty((len(f[0]) * _BETWEEN + 1, points.shape[1]))
     for place in range(_BETWEEN):
@@ -326,11 +335,13 @@ def _looked_at(points: Array) -> Array:
 
 
 def _least_squares(knots: Array, weight: float) -> Array:
-    """Return the control points (n + 3, d) that fit positions at knots 0 to n, (n + 1, d), by least squares.
+    """Return the control points (n + 3, d) that fit joint positions at knots 0 to n, (n + 1, d), by least
+    squares.
 
-    The first three are the start and the last three the end. Each knot from 1 to n - 1 contributes one row
-    for the position and one, times the root of `weight`, for the second difference. Each unknown occurs in
-    three rows of either kind, so that the normal equations have the same coefficients in every row.
+    The first three control points are the start and the last three the end. Each knot from 1 to n - 1
+    contributes one equation for the position and one, times the root of `weight`, for the second difference.
+    Each unknown occurs in three equations of either kind, so that the normal equations have the same
+    coefficients in every row.
     """
     from scipy.linalg import solveh_banded
 

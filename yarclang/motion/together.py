@@ -1,4 +1,4 @@
-"""Make the first trials of many lines together: most lines need few more trials."""
+"""Compute the first trials of many Cartesian motions together; most of these motions need few more trials."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _MOST_ROWS = 20_000
 
 @frozen(eq=False)
 class Tried:
-    """The trials of a motion, including the first one.
+    """The trials of a motion, with the first one already made.
 
-    The flag is True if the motion's path is known to keep away from singularities.
+    `keeps_away` is True if the motion's path is proved to keep away from singularities.
     """
 
     trials: Trials
@@ -36,16 +36,16 @@ class Tried:
     keeps_away: bool
 
     def trials_of(self, profile: Profile) -> Trials | None:
-        """Return the trials if they are of this profile, otherwise None."""
+        """Return the trials if they were made for this profile, otherwise None."""
         return self.trials if profile is self.profile else None
 
 
 @dataclass(slots=True)
 class TriedAhead:
-    """Maker of the first trials of motions.
+    """Maker of the first trials of motions, for many consecutive motions at once.
 
-    `motions` are those of a program in order, with their paths; None if a path isn't known. `asked` returns
-    the limits and the tolerance of a motion.
+    `motions` are the motions of a program in order, with their paths; None if a path isn't known. `asked` is
+    a function that returns the limits and the tolerance of a motion.
     """
 
     motions: Sequence[tuple[Motion, Path] | None]
@@ -64,7 +64,9 @@ class TriedAhead:
         return self._ready.pop(number, None)
 
     def _work(self, number: int, size: int) -> None:
-        """Try consecutive motions of the same kind together, from a number on, up to `size` of them."""
+        """Make the first trials of up to `size` consecutive motions of the same kind together, from motion
+        `number` on.
+        """
         begun = list[_Begun]()
         for here in range(number, min(number + size, len(self.motions))):
             one = self._begun(here)
@@ -85,7 +87,9 @@ class TriedAhead:
         self._growing.done(number + len(begun) - 1)
 
     def _begun(self, number: int) -> _Begun | None:
-        """Return the first trial to make for a motion; None for a motion of another kind."""
+        """Return which trial to make first for a motion; None if the motion isn't of a kind that is tried
+        together with others.
+        """
         motion = self.motions[number]
         if motion is None:
             return None
@@ -123,7 +127,7 @@ class TriedAhead:
 
 @frozen(eq=False)
 class _Begun:
-    """A motion whose first trial is known.
+    """A motion for which it is decided which trial to make first.
 
     The trial has `segments` segments of `segment` [s]. If `segment` is None, the trial is that of the
     shortest duration.
@@ -136,7 +140,9 @@ class _Begun:
     segment: float | None
 
     def is_like(self, other: _Begun) -> bool:
-        """Return True if both can be tried together: motions of one kind, one arm and one moving frame."""
+        """Return True if the trials of two motions can be made together: they are of one kind, with one arm
+        and one moving frame.
+        """
         one, two = self.path, other.path
         return (
             (self.segment is None) == (other.segment is None)

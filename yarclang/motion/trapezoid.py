@@ -1,5 +1,5 @@
-"""Compute laws that speed up, cruise and slow down; their accelerations rise and fall in ramps of integer
-numbers of segments.
+"""Compute motion profiles that speed up, cruise and slow down; their accelerations rise and fall in ramps of
+integer numbers of segments.
 
 A form is (blend, ramp). The blend is the number of segments for speeding up, and also for slowing down. The
 ramp is the number of segments in which the acceleration rises, and in which it falls.
@@ -21,14 +21,14 @@ _ROUNDING = 1e-9
 
 
 def trapezoid(segments: int, blend: int, ramp: int) -> Array:
-    """Return the control values (n + 3,) of s.
+    """Return the control values (n + 3,) of the share s of the path for a trapezoidal profile.
 
-    The acceleration is linear between knots, so the curve is exactly the law.
+    The acceleration is linear between knots, so the spline is exactly the profile.
 
     Args:
         segments: n, at least twice the blend.
-        blend: segments of speeding up, at least twice the ramp.
-        ramp: segments in which the acceleration rises.
+        blend: number of segments of speeding up, at least twice the ramp.
+        ramp: number of segments in which the acceleration rises.
     """
     knot = np.arange(segments + 1)
     # A trapezoid of acceleration for speeding up, and its mirror image for slowing down.
@@ -43,15 +43,15 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
 
 
 def cruising(segments: int, cruise: float, ramp: int) -> Array:
-    """Return the control values (n + 3,) of a law whose cruise would take the whole path in `cruise`
+    """Return the control values (n + 3,) of a profile whose cruise would take the whole path in `cruise`
     segments, an integer or not.
 
-    If the blend n - cruise lies between two integers, speeding up is a mixture of both.
+    If the length of the blend, n - cruise, lies between two integers, the profile mixes the blends of both.
 
     Args:
         segments: n, at least two more than `cruise` and at most twice as many.
-        cruise: the segments that the path takes at full speed.
-        ramp: segments in which the acceleration rises, at most half of the blend.
+        cruise: number of segments that the whole path takes at full speed.
+        ramp: number of segments in which the acceleration rises, at most half of the blend.
     """
     # The pulse has the sum 1, so the law gains the speed of one path per `cruise` segments.
     rise = _pulse(segments, segments - cruise, ramp)
@@ -60,10 +60,10 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
 
 @frozen
 class Ramp:
-    """Speeding up or slowing down.
+    """A speed ramp: speeding up or slowing down.
 
-    The ramp begins at knot `start`, an integer or not, and takes `width` segments. Its acceleration rises in
-    `rise` of them and falls in as many.
+    The ramp begins at the time `start` [segments], at a knot or not, and takes `width` segments. The
+    acceleration rises in `rise` of them and falls in as many.
     """
 
     start: float
@@ -77,35 +77,35 @@ class Ramp:
 
 
 def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
-    """Return the control values (n + 3,) of a law that speeds up in one ramp and slows down in another.
+    """Return the control values (n + 3,) of a profile that speeds up in one ramp and slows down in another.
 
-    The time between the middles of the two ramps is the time of the whole path at full speed.
+    The time between the middles of the two ramps is the time that the whole path takes at full speed.
 
     Args:
         segments: n; both ramps are within the n segments.
-        first: speeding up.
-        last: slowing down.
+        first: the ramp that speeds up.
+        last: the ramp that slows down.
     """
     pushes = [_shifted(segments, ramp) for ramp in (first, last)]
     return _of_accelerations((pushes[0] - pushes[1]) / (last.middle - first.middle))
 
 
 def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
-    """Return the control values (n + 3,) of a law that speeds up in a ramp, and comes to rest at the end of
-    its last segment.
+    """Return the control values (n + 3,) of a profile that speeds up in a given ramp, and comes to rest at
+    the end of its last segment.
 
     Args:
-        segments: n.
-        first: speeding up.
-        cruise: the segments that the whole path would take at full speed, an integer or not.
-        rise: segments in which the acceleration rises and falls while slowing down.
+        segments: n, the number of segments.
+        first: the ramp that speeds up.
+        cruise: number of segments that the whole path would take at full speed, an integer or not.
+        rise: number of segments in which the acceleration rises and falls while slowing down.
     """
     width = 2.0 * (segments - first.middle - cruise)
     return _of_accelerations((_shifted(segments, first) - _pulse(segments, width, rise)[::-1]) / cruise)
 
 
 def _shifted(segments: int, ramp: Ramp) -> Array:
-    """Return accelerations (n + 1,) at the knots of one ramp, with sum 1.
+    """Return the accelerations (n + 1,) at the knots in one speed ramp, scaled to the sum 1.
 
     They are a mixture of two ramps that begin at integer knots.
     """
@@ -123,7 +123,7 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
 
 
 def _pulse(segments: int, blend: float, ramp: int) -> Array:
-    """Return accelerations (n + 1,) at the knots from knot 0 on, with sum 1.
+    """Return the accelerations (n + 1,) at the knots while speeding up from knot 0 on, scaled to the sum 1.
 
     They are a mixture of two blends of integer length.
     """
@@ -139,7 +139,7 @@ def _pulse(segments: int, blend: float, ramp: int) -> Array:
 
 
 def _of_accelerations(accelerations: Array) -> Array:
-    """Return the control values (n + 3,) whose second differences are the accelerations (n + 1,) at the
+    """Return the control values (n + 3,) whose second differences are the given accelerations (n + 1,) at the
     knots.
     """
     control = np.zeros(len(accelerations) + 2)
@@ -149,7 +149,7 @@ def _of_accelerations(accelerations: Array) -> Array:
 
 
 def trapezoid_strain(segments: int, forms: NDArray[np.int64]) -> Array:
-    """Return the peaks (K, 3) of velocity, acceleration and jerk of `forms` (K, 2).
+    """Return the peaks (K, 3) of velocity, acceleration and jerk of trapezoidal profiles with `forms` (K, 2).
 
     They are relative to the distance, in units of segments.
     """

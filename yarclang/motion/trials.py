@@ -1,4 +1,5 @@
-"""Try a path and a law on a number of segments, and compute the segment time that each limit demands.
+"""Try a motion profile along a path with a number of segments, and compute the segment time that each limit
+requires.
 
 The control points don't depend on the segment time. Once they are known, the shortest time in which they keep
 all limits follows in closed form.
@@ -43,13 +44,13 @@ speed limits.
 """
 
 MANY_SEGMENTS = 24
-"""Number of segments from which the form of a law hardly depends on their number."""
+"""Number of segments from which on the best form of a motion profile hardly depends on this number."""
 
 
 @frozen(eq=False)
 class Trial:
-    """Control points for a number of segments and a form of the law, and the demands of the limits on
-    these points.
+    """The control points of a motion for a number of segments and a form of its profile, and the shortest
+    segment time with which they keep each limit.
     """
 
     segments: int
@@ -60,13 +61,13 @@ class Trial:
 
     @property
     def demand(self) -> Demand:
-        """The demand of the limit that requires the longest segments."""
+        """The limit that requires the longest segments, with the segment time that it requires."""
         return max(self.demands, key=lambda demand: demand.segment)
 
 
 @dataclass(slots=True)
 class Trials:
-    """All trials of a path under one law; each is made once."""
+    """All trials of a path with one motion profile; each is made only once."""
 
     path: Path
     law: Law
@@ -82,15 +83,17 @@ class Trials:
     _is_smooth_known: bool = False
 
     def trial(self, segments: int, form: Form) -> Trial:
-        """Return the trial with a number of segments and a form."""
+        """Return the trial with a given number of segments and a given form of the profile."""
         return self.trials([(segments, form)])[0]
 
     def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
-        """Return many trials at once: their joint positions are solved together."""
+        """Return several trials, each for a number of segments and a form; their joint positions are
+        solved together.
+        """
         return _made([(self, segments, form) for segments, form in wanted])
 
     def within(self, segments: int, segment: float) -> Trial:
-        """Return the trial of the first form that keeps the limits at a segment time [s], or else the
+        """Return the trial of the first form that keeps the limits with a segment time [s]; if none does, the
         fastest trial.
         """
         forms = self.law.forms(segments)
@@ -110,7 +113,7 @@ class Trials:
         return self.fastest(segments)
 
     def fastest(self, segments: int) -> Trial:
-        """Return the trial with the form that needs the shortest segments."""
+        """Return the trial of the form that needs the shortest segments to keep the limits."""
         return self.fastest_of([segments])[0]
 
     def fastest_of(self, numbers: Sequence[int]) -> list[Trial]:
@@ -119,20 +122,24 @@ class Trials:
         return [self._fastest[number] for number in numbers]
 
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
-        """Estimate the shortest segment times [s] for other numbers of segments.
+        """Estimate the shortest segment time [s] for each of several other numbers of segments, from one
+        trial.
 
         The estimate is exact for straight lines in joint space.
         """
         return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
 
     def foreseen_shortest(self) -> float:
-        """Estimate the shortest duration [s] from the steepest slope of the path, unless the law knows it."""
+        """Return the shortest duration [s], if the motion profile states it; otherwise estimate it from the
+        steepest slope of the path.
+        """
         if self.law.shortest is not None:
             return self.law.shortest
         return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
     def is_slow(self, segments: int, segment: float) -> bool:
-        """Return True if segments of a given time [s] are far from every speed limit in any form of the law.
+        """Return True if motions with segments of a given time [s] are far from every speed limit, with any
+        form of the profile.
 
         With slow zones, the result is False.
         """
@@ -147,14 +154,16 @@ class Trials:
         return bool(_FAR * peak * share <= segment)
 
     def deviation(self, trial: Trial) -> tuple[float, float]:
-        """Return the largest distance [m] and angle [rad] of the curve from the path, in the middle of the
-        segments and at the knots.
+        """Return the largest distance [m] and angle [rad] by which the curve of a trial leaves the path,
+        sampled in the middle of the segments and at the knots.
         """
         known = self._deviations.get((trial.segments, trial.form)) or self._surely(trial)
         return known or self.path.deviation(_looked_at(trial.points), _looked_at(trial.control))
 
     def segments_for_tolerance(self, trial: Trial) -> int | None:
-        """Return the number of segments that holds the path; None if the trial already does."""
+        """Return the number of segments with which the curve stays within the tolerance; None if that of the
+        trial already does.
+        """
         if self.path.is_straight_in_joints:
             return None
         go_on()
@@ -170,9 +179,10 @@ class Trials:
         return max(trial.segments + 1, math.ceil(trial.segments * math.pow(min(excess, 256.0), 0.25)))
 
     def _surely(self, trial: Trial) -> tuple[float, float] | None:
-        """Return an upper bound of the deviation [m], [rad] for a trial with many segments.
+        """Return upper bounds of the distance [m] and the angle [rad] by which a trial with many segments
+        leaves the path.
 
-        The result is None if there is no such bound, or if it doesn't prove that the tolerance is kept.
+        The result is None if no such bounds are known, or if they don't prove that the tolerance is kept.
         """
         if self._smooth is None or trial.segments < MANY:
             return None
@@ -181,8 +191,8 @@ class Trials:
         return (position, angle) if excess <= _SHARE_OF_TOLERANCE else None
 
     def _forget(self) -> None:
-        """Drop the oldest trials while all of them together have too many segments; a long motion would
-        fill the memory.
+        """Drop the oldest trials while all of them together have too many segments; otherwise a long motion
+        would fill the memory.
         """
         kept = sum(segments for segments, _ in self._made)
         for key in list(self._made)[:-1]:
@@ -192,7 +202,7 @@ class Trials:
             del self._made[key]
 
     def _likely(self, segments: int, forms: NDArray[np.int64], segment: float) -> int:
-        """Estimate the first form that keeps the limits."""
+        """Estimate which form of the profile is the first that keeps the limits, as an index."""
         first = self._first.get((segments, segment))
         if first is None:
             first = int(np.argmax(self._from_slope(segments, forms) <= segment))
@@ -200,7 +210,9 @@ class Trials:
         return first
 
     def _from_slope(self, segments: int, forms: NDArray[np.int64]) -> Array:
-        """Estimate the segment times (K,) that forms need, from the steepest slope of the path alone."""
+        """Estimate the segment times (K,) that K forms of the profile need, from the steepest slope of the
+        path alone.
+        """
         strain = self.law.strain(segments, forms)
         if self._rates is None:
             slope, bounds = self.path.slope, self.bounds
@@ -212,7 +224,8 @@ class Trials:
         return needed
 
     def _foreseen(self, trial: Trial, forms: NDArray[np.int64], segments: int | None = None) -> Array:
-        """Estimate the segment times (K,) that other forms need, with the same or another number of segments.
+        """Estimate the segment times (K,) that other forms of the profile need, from a trial, with the same
+        or another number of segments.
 
         The estimate is exact for straight lines in joint space.
         """
@@ -227,7 +240,8 @@ class Trials:
 
 
 def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float]]) -> None:
-    """Make the trials with which `within` begins, and find their deviations, for many paths together.
+    """Make the first trial that `within` needs, and measure how far its curve leaves the path, for many paths
+    together.
 
     Args:
         all_trials: trials of paths of one arm and one moving frame.
@@ -241,7 +255,9 @@ def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float
 
 
 def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
-    """Find the deviations of trials together, each on a path of one arm and one moving frame."""
+    """Measure how far the curves of several trials leave their paths, all together; the Cartesian paths are
+    of one arm and one moving frame.
+    """
     cartesian = [
         (trials, trial, trials.path) for trials, trial in made if isinstance(trials.path, CartesianPath)
     ]
@@ -262,7 +278,8 @@ def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
 
 
 def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
-    """Find, for several paths of one arm and one moving frame, the form that needs the shortest segments.
+    """Find, for several paths of one arm and one moving frame, the form of the profile that needs the
+    shortest segments.
 
     Each path has a given number of segments.
     """
@@ -294,7 +311,7 @@ def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
 
 
 def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
-    """Return trials of paths of one arm and one moving frame, each with a number of segments and a form.
+    """Return trials of paths of one arm and one moving frame, each for a number of segments and a form.
 
     Missing trials are made together.
     """
@@ -316,8 +333,8 @@ def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
 
 
 def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
-    """Return the control points of the joints for control values of the share of the path, several for
-    each path.
+    """Return the control points of the joints for control values of the share of the path that is done; each
+    path has several sets of control values.
     """
     _smoothen([trials for trials, controls in wanted if any(len(one) - 3 >= MANY for one in controls)])
     found = list[list[Array]]()
@@ -349,7 +366,9 @@ _TO_SOLVE = np.empty((0, 0))
 
 
 def _smoothen(all_trials: Sequence[Trials]) -> None:
-    """Find the joint positions along paths of one arm and one moving frame as polynomials."""
+    """Approximate the joint positions along paths of one arm and one moving frame by polynomials, if not
+    done yet.
+    """
     unknown = [
         (trials, trials.path)
         for trials in all_trials
@@ -361,7 +380,9 @@ def _smoothen(all_trials: Sequence[Trials]) -> None:
 
 
 def _solved(wanted: Sequence[tuple[Path, Array]]) -> list[Array]:
-    """Return the joint positions (N, n) of each path at its places (N,)."""
+    """Return, for each path, the joint positions (N, n) at its places (N,); Cartesian paths are solved
+    together.
+    """
     cartesian = [path for path, _ in wanted if isinstance(path, CartesianPath)]
     if len(cartesian) == len(wanted) > 1:
         return joints_of(cartesian, [knots for _, knots in wanted])
@@ -376,9 +397,10 @@ def _straight(path: Path, control: Array) -> Array:
 
 
 def _looked_at(points: Array) -> Array:
-    """Return the values (n + 2, ...) of control points at which the deviation is sampled.
+    """Return the values (n + 2, ...) of a curve, from its control points, at which the distance from the path
+    is sampled.
 
-    The knots 2 to n - 2 are left out, since they were solved.
+    The knots 2 to n - 2 are left out, since the curve passes through solved joint positions there.
     """
     return np.concatenate((knot_values(points)[[1, -2]], middle_values(points)))
 

@@ -22,12 +22,14 @@ _DISTANCE_NOISE = 1e-6
 
 
 def percent_text(share: float) -> str:
-    """Return a share in percent."""
+    """Return a share as text in percent."""
     return f"{share * 100:.3g} %" if share < 10.0 else f"{share * 100:,.0f} %"
 
 
 def miss_text(distance: float, angle: float) -> str:
-    """Return a distance [m], an angle [rad] or both in words; amounts that are only rounding are left out."""
+    """Return an error of position [m], of orientation [rad] or of both in words; amounts that are only
+    rounding are left out.
+    """
     if angle <= _ANGLE_NOISE:
         return length_text(distance)
     turn = f"{angle / DEG:.3g} deg"
@@ -35,25 +37,25 @@ def miss_text(distance: float, angle: float) -> str:
 
 
 def length_text(metres: float) -> str:
-    """Return a length [m] in mm."""
+    """Return a length [m] as text in mm."""
     return f"{metres / MM:.3g} mm" if abs(metres) < 1.0 else f"{metres / MM:,.0f} mm"
 
 
 def amount_text(robot: Robot, joint: int, value: float) -> str:
-    """Return a joint's motion [rad or m] in its unit."""
+    """Return an amount of a joint's motion [rad or m] as text in the joint's unit."""
     return f"{value / robot.axis_units[joint]:.4g} {robot.axis_unit_names[joint]}"
 
 
 def beyond_text(robot: Robot, joint: int, excess: float) -> str:
-    """Return in words the excess of a joint over its limits [rad or m]; a negative one is over the lower
-    limit.
+    """Return in words how far a joint is beyond its limits [rad or m]; a negative amount is beyond the
+    lower limit.
     """
     side = "above its upper" if excess > 0 else "below its lower"
     return f"{robot.joint_names[joint]} {amount_text(robot, joint, abs(excess))} {side} limit"
 
 
 def range_text(robot: Robot, joint: int) -> str:
-    """Return the limits of a joint."""
+    """Return the limits of a joint as text."""
     lower, upper = (
         limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
     )

@@ -1,6 +1,6 @@
-"""Limit curves by the slow zones of the cell.
+"""Compute how slow a motion must be to keep the slow zones of the cell.
 
-Slow zones are limits like any other, since control points don't depend on the segment time.
+Slow zones are limits like any other, since the control points of a motion don't depend on the segment time.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ HEADROOM = 4e-4
 """The share of a zone's speed that is left for printing with finitely many decimals."""
 
 BELOW_CEILING = 1.0 - 2.0 * HEADROOM
-"""Share of a motion's ceiling that is used for a cruise."""
+"""Share of the speed limit that a motion sets itself, at which it cruises."""
 
 _SHARP = 1e-3
 """Relative accuracy of speeds: a motion may be slower than allowed by this share."""
@@ -50,28 +50,30 @@ _TOGETHER = 8
 
 @frozen(eq=False)
 class SlowZones:
-    """The items that slow zones watch during a motion."""
+    """The slow zones during a motion, each with the item whose speed it limits."""
 
     scene: Scene
     watches: tuple[Watch, ...]
 
     @property
     def key(self) -> Hashable:
-        """The scene, and what is watched in which zone."""
+        """A hashable key of the scene and of the watched items with their zones."""
         return self.scene, tuple((one.zone, one.item.name if one.item else "") for one in self.watches)
 
     def asked(
         self, points: Array, segment: float, *, stops: bool = False
     ) -> Iterator[tuple[float, int, Watch]]:
-        """Yield the demands of zones on control points (N, n) that exceed a segment time [s].
+        """Yield the segment times that slow zones require of control points (N, n), if they exceed a given
+        one [s].
 
         Args:
             points: the control points.
-            segment: the segment time that is known to be needed [s].
-            stops: True to end at the first demand, if it only matters that a zone demands more.
+            segment: the segment time that other limits already require [s].
+            stops: True to end after the first item, if it only matters that a zone requires more.
 
         Yields:
-            The segment time [s], the first control point of the most demanding difference, and the watch.
+            The segment time [s], the first control point of the most demanding difference, and the watched
+            item with its zone.
         """
         if not self.watches or len(points) < 4:
             return
@@ -99,14 +101,15 @@ class SlowZones:
                     return
 
     def too_fast(self, points: Array, segment: float) -> tuple[Array, Array]:
-        """Return the segments in which an item is too fast in its zone, one of each group, and the factors.
+        """Return the segments in which an item is too fast in its slow zone, one of each group of segments,
+        and by which factor.
 
         Args:
             points: the control points (N, n).
             segment: the segment time [s].
 
         Returns:
-            The segments (K,), and the factor of the excess in each (K,).
+            The segments (K,), and the ratio of the speed to the allowed speed in each (K,).
         """
         if not self.watches or len(points) < 4:
             return np.zeros(0), np.zeros(0)
@@ -126,11 +129,11 @@ class SlowZones:
         return np.concatenate(where), np.concatenate(factors)
 
     def beside(self, way: Callable[[Array], Array], slope: Array) -> SlowZones | None:
-        """Return the zones that a path may enter; None if there are none.
+        """Return the slow zones that a path may enter; None if there are none.
 
         Args:
-            way: returns joint positions (N, n) at places (N,) of the path.
-            slope: (n,) the joints' steepest slope, approximately.
+            way: function that returns joint positions (N, n) at places (N,) of the path.
+            slope: (n,) the largest derivatives of the joints with respect to s, approximately.
         """
         q = way(np.linspace(0.0, 1.0, _FEW + 1))
         step = np.broadcast_to(_STEEPER * slope / _FEW, q[1:].shape)
@@ -139,27 +142,27 @@ class SlowZones:
         return SlowZones(self.scene, near) if near else None
 
     def shortest(self, way: Callable[[Array], Array]) -> float:
-        """Estimate the least time [s] of the whole path at constant speed.
+        """Estimate the least time [s] in which the zones allow the whole path at constant speed.
 
-        `way` returns joint positions (N, n) at places (N,).
+        `way` is a function that returns joint positions (N, n) at places (N,) of the path.
         """
         points = way(np.linspace(0.0, 1.0, _PLACES + 1))
         return max((segment for segment, _, _ in self.asked(points, 0.0)), default=0.0) * _PLACES
 
     @property
     def ceiling(self) -> float:
-        """The speed limit of a motion's frame everywhere [m/s]; infinite if there is none."""
+        """The speed limit that a motion sets for its own frame everywhere [m/s]; infinite if it sets none."""
         return min((one.zone.speed or 0.0 for one in self.watches if is_ceiling(one)), default=np.inf)
 
     def without_ceiling(self) -> SlowZones | None:
-        """Return only the zones of the cell."""
+        """Return the slow zones of the cell, without the speed limit that the motion sets itself."""
         rest = tuple(one for one in self.watches if not is_ceiling(one))
         if len(rest) == len(self.watches):
             return self
         return SlowZones(self.scene, rest) if rest else None
 
     def together(self, other: SlowZones | None) -> SlowZones:
-        """Return all items that are watched where two motions overlap."""
+        """Return the slow zones of two motions together, for the time in which the motions overlap."""
         if other is None or other is self:
             return self
         known = {(one.zone.name, one.item.name if one.item else "") for one in self.watches}
@@ -170,7 +173,9 @@ class SlowZones:
 
 
 def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | None:
-    """Return the slow zones that a motion has to keep, with its own ceiling; None if there are none."""
+    """Return the slow zones that apply to a motion, with the speed limit that the motion sets itself; None if
+    there are none.
+    """
     has_zones = cell is not None and any(zone.rule == "slow" for zone in cell.zones)
     ceiling = motion.timing.ceiling
     if not has_zones and ceiling is None:
@@ -200,7 +205,7 @@ def moving_of(robot: Robot, motion: Motion) -> Moving:
 
 
 def _in_knots(points: Array) -> Course:
-    """Return the curve of control points (N, n) with segments of 1 s."""
+    """Return the curve of control points (N, n), timed with segments of 1 s."""
     f0, f1, f2, f3 = (points[at : len(points) - 3 + at] for at in range(4))
     steps = f1 - f0, f2 - f1, f3 - f2
     first, second = steps[1] - steps[0], steps[2] - steps[1]

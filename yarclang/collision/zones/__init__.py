@@ -1,3 +1,3 @@
-"""Check zones of a cell: the items that they watch, the distances of these items from the zones' borders, and
-the proof that the zones are respected along a motion.
+"""Check the zones of a cell: which bodies and points they watch, how far these are from the zones' borders,
+and the proof that the zones are respected along a motion.
 """

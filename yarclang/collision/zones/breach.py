@@ -1,4 +1,4 @@
-"""Find the part of a motion on which a zone is broken, and the worst excess, for messages."""
+"""Find from when to when a zone is broken during a motion, and by how much, for messages."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ SAMPLES = 200
 
 @frozen
 class Beyond:
-    """The part of a motion on which a watch is broken.
+    """The time of a motion during which a zone is broken.
 
-    The part lasts from `begin` to `end` [s] after the motion's start, and is worst at `worst`, where the
-    slack is `slack` (negative) [m; rad or m for a joint window]. The values are sampled: between the samples
-    the slack may be slightly less.
+    It lasts from `begin` to `end` [s] after the motion's start. At `worst` [s] the zone is broken most:
+    `slack` is then its distance from being broken, which is negative [m; rad or m for a joint window]. The
+    values are sampled: between the samples the slack may be slightly less.
     """
 
     begin: float
@@ -29,14 +29,14 @@ class Beyond:
 
 
 def beyond(scene: Scene, course: Course, span: tuple[int, int], watch: Watch, seen: float) -> Beyond:
-    """Return the part of a motion on which a watch is broken.
+    """Return the time of a motion during which a zone is broken.
 
     Args:
         scene: the bodies of robot and cell.
         course: the segments of all motions.
-        span: the motion's segments, from and up to.
-        watch: the broken watch.
-        seen: a time of the course at which it is broken [s].
+        span: the first segment of the motion, and the one after its last.
+        watch: the broken zone, with the item that breaks it.
+        seen: a time of the course at which the zone is broken [s].
     """
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), seen))

@@ -1,4 +1,4 @@
-"""Limit the speed of a motion's frame (`[V<=250]`) by a slow zone that contains everything."""
+"""Limit the speed of the frame that a motion moves (`[V<=250]`) by a slow zone that contains all space."""
 
 from __future__ import annotations
 
@@ -18,11 +18,13 @@ EVERYWHERE = HalfSpace(constant(np.array([0.0, 0.0, 1.0])), -_FAR)
 
 
 def ceiling_watch(robot: Robot, moving: Moving, speed: float) -> Watch:
-    """Return the watch that keeps the origin of a frame below a speed [m/s]."""
+    """Return a slow zone, with the origin of a frame as its watched item, that keeps this origin below a
+    speed [m/s].
+    """
     zone = Zone(f"[V<={speed / MM:.10g} mm/s]", "slow", EVERYWHERE, speed, ("tcp",))
     return Watch(zone, point_of(robot, moving))
 
 
 def is_ceiling(watch: Watch) -> bool:
-    """Return True if a watch is a motion's speed limit, and not a zone of the cell."""
+    """Return True if a watched zone is a motion's own speed limit, and not a zone of the cell."""
     return watch.zone.region is EVERYWHERE

@@ -1,8 +1,8 @@
-"""Measure the distance of an item from the border of a zone: exactly at instants, and bounded from below on
-pieces of a motion.
+"""Measure the distance of a body or point ("item") from the border of a zone: exactly at instants, and
+bounded from below on pieces of a motion's time.
 
 Two theorems are used. First, a point whose acceleration is at most A is, on an interval of d seconds, at most
-A d² / 8 from the chord between its places at the ends. Second, a region's signed distance is convex: on a
+A d² / 8 from the chord between its positions at the ends. Second, a region's signed distance is convex: on a
 chord it is nowhere larger than at the chord's ends. Therefore an item that is inside at both ends of a piece
 by more than A d² / 8 is inside on the whole piece. Being outside of a convex region means being beyond some
 plane, and the first theorem holds for each plane.
@@ -22,8 +22,8 @@ from yarclang.shapes import Array
 
 
 def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
-    """Return the depth of an item inside a region at each instant (P,) [m]; negative if a point of it is
-    outside.
+    """Return how deep an item is inside a region at each of P instants (P,) [m]; negative if a point of the
+    item is outside.
     """
     faces = faces_of(region)
     if faces is not None:
@@ -37,13 +37,14 @@ def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
 
 
 def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | None = None) -> Array:
-    """Return the distance of an item from a region at each instant (P,) [m]; minus the depth if it is inside.
+    """Return the distance of an item from a region at each of P instants (P,) [m]; minus the depth of
+    penetration if the two overlap.
 
     Args:
         region: the region.
         item: the item.
-        posed: the motion of the joints that carry the item.
-        normal: (P, 3) receives the unit directions in {B} from the region to the item; or None.
+        posed: the motion of the body that carries the item.
+        normal: (P, 3) array that receives the unit directions in {B} from the region to the item; or None.
     """
     if isinstance(region, HalfSpace):
         if normal is not None:
@@ -60,7 +61,7 @@ def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | No
 
 
 def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | None) -> Array:
-    """Compute `distance_outside` by coal, for bodies."""
+    """Compute `distance_outside` of a body by the library coal."""
     import coal
 
     assert item.base_from_body is not None
@@ -78,14 +79,14 @@ def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | No
 
 
 def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: Array) -> Array:
-    """Return lower bounds (P,) of the distance of an item from a region on pieces [m], from the ball around
-    the item.
+    """Return lower bounds (P,) of the distance of an item from a region on pieces of a motion's time [m],
+    from the ball around the item.
 
     Args:
         region: the region.
         item: the item.
-        ends: the motion of the joints that carry the item, at the beginnings and ends of the pieces.
-        way: (P,) upper bounds of the distance that its points travel [m].
+        ends: the motion of the body that carries the item, at the beginnings and at the ends of the pieces.
+        way: (P,) upper bounds of the distance that the item's points travel on each piece [m].
     """
     before, behind = (outside(region, posed.point(item.middle)) for posed in ends)
     # A signed distance changes no faster than its point moves.
@@ -96,17 +97,17 @@ def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: A
 def least_outside(
     region: Place, item: Item, pieces: Pieces, posed: tuple[Posed, Posed, Posed], bounds: Rates
 ) -> tuple[Array, Array]:
-    """Compute the distance of an item from a region on pieces.
+    """Compute the distance of an item from a region on pieces of a motion's time.
 
     Args:
         region: the region.
         item: the item.
-        pieces: of segments.
-        posed: the motion of the joints that carry the item, at the pieces' beginnings, middles and ends.
-        bounds: of the item's points on all segments.
+        pieces: the pieces.
+        posed: the motion of the body that carries the item, at the pieces' beginnings, middles and ends.
+        bounds: bounds of speed and acceleration of the item's points on all segments.
 
     Returns:
-        Lower bounds on the pieces, and the distances in their middles, (P,) each [m].
+        Lower bounds of the distance on the pieces, and the distances in their middles, (P,) each [m].
     """
     long = pieces.end - pieces.begin
     normal = np.empty((len(long), 3))

@@ -1,4 +1,6 @@
-"""Compute the places and velocities of items at instants of a motion, and bounds between the instants."""
+"""Compute where watched items are, and how fast, at instants of a motion, and bounds between these
+instants.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,11 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Posed:
-    """The motion, at P instants, of a body that some of the joints move.
+    """The pose and velocity, at P instants, of a body that some of the joints move.
 
-    `turn` (3, 3, P) and `shift` (3, P) [m] move it from its place with all joints at zero. `angular` [rad/s]
-    and `linear` [m/s] (3, P) are its angular velocity, and the velocity of its point at the origin of {B}.
+    `turn` (3, 3, P) and `shift` (3, P) [m] are the rotation and translation of the body from its pose with
+    all joints at zero. `angular` [rad/s] and `linear` [m/s] (3, P) are its angular velocity, and the velocity
+    of its point at the origin of {B}.
     """
 
     turn: Array
@@ -31,23 +34,23 @@ class Posed:
     linear: Array
 
     def points(self, points: Array) -> Array:
-        """Return the places (P, V, 3) of its points (V, 3), in {B} [m]."""
+        """Return the positions (P, V, 3) of points (V, 3) of the body, in {B} [m]."""
         moved: Array = np.matmul(points, self.turn) + self.shift[:, None]
         return moved.transpose(2, 1, 0)
 
     def point(self, point: Array) -> Array:
-        """Return the places (P, 3) of one of its points (3,), in {B} [m]."""
+        """Return the positions (P, 3) of one point (3,) of the body, in {B} [m]."""
         moved: Array = np.matmul(point, self.turn) + self.shift
         return moved.T
 
     def support(self, item: Item, directions: Array) -> Array:
-        """Return the support of an item in unit directions (F, 3): the largest d · p over its points, (F,
+        """Return how far an item reaches in unit directions (F, 3): the largest d · p over its points p, (F,
         P) [m].
         """
         return _reach(item, np.tensordot(directions, self.turn, axes=1)) + directions @ self.shift
 
     def support_each(self, item: Item, directions: Array) -> Array:
-        """Return the support (P,) [m] of an item, with one direction (3,) for each instant (P, 3)."""
+        """Return how far an item reaches (P,) [m], in one unit direction (3,) for each instant (P, 3)."""
         own = np.einsum("pi,ijp->jp", directions, self.turn)
         reach: Array = _reach(item, own) + np.einsum("pi,ip->p", directions, self.shift)
         return reach
@@ -70,7 +73,7 @@ class Posed:
         return Posed(*(getattr(self, name)[..., rows] for name in self.__dataclass_fields__))
 
     def beside(self, other: Posed) -> Posed:
-        """Return these instants, followed by those of `other`."""
+        """Return the poses and velocities at these instants, followed by those at the instants of `other`."""
         return Posed(
             *(
                 np.concatenate([getattr(self, name), getattr(other, name)], axis=-1)
@@ -81,9 +84,9 @@ class Posed:
 
 @frozen(eq=False)
 class Arm:
-    """The arm at P instants, with the fields of `Posed`.
+    """The poses and velocities of all parts of the arm at P instants, with the fields of `Posed`.
 
-    Row k is the motion of a body that the first k joints move.
+    Row k belongs to a body that the first k joints move.
     """
 
     turn: Array
@@ -93,8 +96,8 @@ class Arm:
 
     @staticmethod
     def at(scene: Scene, q: Array, rate: Array | None = None) -> Arm:
-        """Place the arm at joint positions (P, n) [rad or m], with joint rates (P, n); without rates, it
-        is at rest.
+        """Place the arm at joint positions (P, n) [rad or m], with joint velocities `rate` (P, n); without
+        `rate`, it is at rest.
         """
         placed = place(scene, q)
         # `Posed` has the instants last.
@@ -113,13 +116,13 @@ class Arm:
         return Arm(turn, shift, angular, linear)
 
     def of(self, item: Item) -> Posed:
-        """Return the motion of the body that carries an item."""
+        """Return the pose and velocity of the body that carries an item."""
         return Posed(*(getattr(self, name)[item.joint] for name in self.__dataclass_fields__))
 
 
 def _reach(item: Item, directions: Array) -> Array:
-    """Return the support (..., P) [m] of an item in unit directions (..., 3, P) in its own axes: the
-    largest d · p.
+    """Return how far an item reaches in unit directions (..., 3, P) in its own axes: the largest d · p over
+    its points p, (..., P) [m].
     """
     reach: Array = np.matmul(item.points, directions).max(axis=-2) + item.radius
     if item.disc:
@@ -128,7 +131,7 @@ def _reach(item: Item, directions: Array) -> Array:
 
 
 def _cross(one: Array, other: Array) -> Array:
-    """Return the cross products of vectors (3, ...), components first."""
+    """Return the cross products of vectors (3, ...); the first dimension is that of the components."""
     product = np.empty(np.broadcast_shapes(one.shape, other.shape))
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
@@ -139,8 +142,8 @@ def _cross(one: Array, other: Array) -> Array:
 
 @frozen(eq=False)
 class Rates:
-    """Upper bounds (N,), over all points of an item, of speed [m/s], acceleration [m/s^2] and jerk [m/s^3] on
-    segments of a course.
+    """Upper bounds on each of N segments of a motion, (N,) each, over all points of an item: of speed [m/s],
+    acceleration [m/s^2] and jerk [m/s^3].
     """
 
     first: Array
@@ -149,18 +152,18 @@ class Rates:
 
 
 def rates(chain: Chain, course: Course, item: Item) -> Rates:
-    """Bound speed, acceleration and jerk of an item's points on each segment.
+    """Bound speed, acceleration and jerk of an item's points on each segment of a motion.
 
     A partial derivative of a point with respect to some joints is a nested cross product with their axes; the
     innermost axis is that of the joint nearest to the point. The derivative is at most the point's distance
     from that axis. Summed over the nearest joint m, the derivatives are at most R_m (B_m - B_(m-1)). B stands
-    for the expressions w, w² + a and w³ + 3 w a + j of the sums w, a, j over the joints up to m. A sliding
+    for the expressions w, w² + a and w³ + 3 w a + j of the sums w, a, j over the joints up to m. A prismatic
     joint occurs at most once, innermost, and with length 1: its terms are the derivative of B in its
     direction.
 
     Args:
         chain: the arm.
-        course: the segments.
+        course: the segments of the motion.
         item: the item.
     """
     reach, turn, slide = _reaches(chain, course, item)
@@ -190,14 +193,14 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
 
 
 def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Array]:
-    """Compute the lever of each joint on an item.
+    """Compute the lever arm of an item about the axis of each joint.
 
     Go from the item towards the base. On each axis take the point nearest to the point chosen last. The
     lengths between these points add up, since a rotation doesn't change them.
 
     Returns:
-        The largest distance of any point of the item from each axis (n,) [m], and the amounts by which each
-        joint turns (n,) and slides (n,) per unit.
+        Three arrays (n,): the largest distance of any point of the item from each axis [m], and the amounts
+        by which each joint turns and slides per unit of its position.
     """
     lines = lines_of(chain)
     # Largest |q| of each joint: at the start of a segment, plus its travel within the segment.
@@ -218,7 +221,9 @@ def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Ar
 
 @frozen(eq=False)
 class Pieces:
-    """Pieces of segments: `segment` (P,), and `begin` and `end` (P,) after the segment's start [s]."""
+    """Pieces of a motion's time: `segment` (P,) contains the piece, which goes from `begin` to `end` (P,) [s]
+    after the start of this segment.
+    """
 
     segment: Rows
     begin: Array
@@ -226,13 +231,13 @@ class Pieces:
 
     @staticmethod
     def whole(course: Course, first: int, last: int) -> Pieces:
-        """Return the segments from `first` up to `last` (not included)."""
+        """Return one piece for each whole segment from `first` up to `last` (not included)."""
         segment = np.arange(first, last)
         return Pieces(segment, np.zeros(len(segment)), np.diff(course.begins)[segment])
 
     @property
     def middle(self) -> Array:
-        """The times (P,) in the middle of the pieces, after the segments' starts [s]."""
+        """The times (P,) in the middle of the pieces, after the starts of their segments [s]."""
         return (self.begin + self.end) / 2.0
 
     def take(self, rows: Rows) -> Pieces:
@@ -249,17 +254,19 @@ class Pieces:
         )
 
     def posed(self, item: Item, scene: Scene, course: Course, time: Array, *, moving: bool = False) -> Posed:
-        """Return the motion of the body that carries an item, at times (P,) after the segments' starts
-        [s].
+        """Return the pose and velocity of the body that carries an item, at times (P,) [s] after the starts
+        of the pieces' segments.
+
+        Velocities are zero unless `moving` is True.
         """
         q, rate = joints(course, self.segment, time)
         return Arm.at(scene, q, rate if moving else None).of(item)
 
 
 class Ends:
-    """The arm at both ends of whole segments.
+    """The arm at both ends of whole segments of a motion.
 
-    Most segments end where the next one begins; the arm is then computed once.
+    Most segments end where the next one begins; the arm is then computed only once.
     """
 
     def __init__(self, scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> None:
@@ -276,8 +283,8 @@ class Ends:
         self.stops[jumps] = len(begin) + np.arange(len(jumps))
 
     def of(self, item: Item, rows: Rows | None = None) -> tuple[Posed, Posed]:
-        """Return the motion of the body that carries an item, at the beginnings and at the ends of all
-        segments or of the given ones.
+        """Return the pose and velocity of the body that carries an item, first at the beginnings and then at
+        the ends of all segments, or of the segments `rows`.
         """
         posed = self.arm.of(item)
         begins, stops = (self.begins, self.stops) if rows is None else (self.begins[rows], self.stops[rows])
@@ -285,7 +292,7 @@ class Ends:
 
 
 class Whole:
-    """The arm at the ends of all segments of motions, computed on first use, and once for all items."""
+    """The arm at the ends of all segments of motions, computed at the first use, and once for all items."""
 
     def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
         self.scene, self.course = scene, course
@@ -293,7 +300,7 @@ class Whole:
 
     @cached_property
     def ends(self) -> Ends:
-        """The arm at both ends of the segments, with rates."""
+        """The arm at both ends of all segments, with joint velocities."""
         return Ends(self.scene, self.course, self.pieces, moving=True)
 
 
@@ -302,7 +309,9 @@ _SAME = 1e-10
 
 
 def joints(course: Course, segment: Rows, time: Array) -> tuple[Array, Array]:
-    """Return joint positions and rates, (P, n) each, at times (P,) after the starts of segments (P,)."""
+    """Return joint positions and velocities, (P, n) each, at times (P,) [s] after the starts of segments
+    (P,).
+    """
     t = time[:, None]
     v, a, j = course.v[segment], course.a[segment], course.j[segment]
     return course.x[segment] + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0)

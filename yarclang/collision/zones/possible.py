@@ -1,5 +1,5 @@
-"""Check, before any program, that the zones of a cell can be respected, and that the robot's HOME respects
-them.
+"""Check, before any program, that the zones of a cell can be respected at all, and that the robot's HOME
+respects them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from yarclang.units import DEG, MM
 
 
 def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
-    """Yield a finding for each zone that nothing can respect, by itself or together with an earlier zone."""
+    """Yield a finding for each zone that no robot position can respect, by itself or together with an
+    earlier zone.
+    """
     for at, zone in enumerate(cell.zones):
         why = _by_itself(robot, zone)
         for other in cell.zones[:at]:
@@ -60,7 +62,9 @@ def _told(code: str, cell: Cell, zone: Zone, message: str, help_: str) -> Diagno
 
 
 def _by_itself(robot: Robot, zone: Zone) -> str | None:
-    """Return the reason why a zone by itself is impossible; None if it is possible."""
+    """Return the reason why no robot position respects a zone, taken by itself; None if the zone can be
+    respected.
+    """
     for window in (zone.region, zone.posture):
         if isinstance(window, JointWindow) and (zone.rule in ("allowed", "posture")):
             joint = _joint_without(robot, window, robot.limits)
@@ -78,7 +82,7 @@ def _by_itself(robot: Robot, zone: Zone) -> str | None:
 
 
 def _depth(region: ShapeRegion) -> float:
-    """Return the distance of a region's innermost point from its border [m]."""
+    """Return the largest depth that a point can have inside a region [m]."""
     match region.shape:
         case Box(size=size):
             return float(size.min()) / 2.0
@@ -89,7 +93,7 @@ def _depth(region: ShapeRegion) -> float:
 
 
 def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
-    """Return the reason why two zones exclude each other; None if both can be respected."""
+    """Return the reason why no robot position respects both of two zones; None if both can be respected."""
     one, other = first.region, second.region
     rules = {first.rule, second.rule}
     if isinstance(one, JointWindow) and isinstance(other, JointWindow):
@@ -108,8 +112,8 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
 
 
 def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) -> str | None:
-    """Return a joint for which a window and another window or its limits have no position in common; None if
-    there is none.
+    """Return the name of a joint for which a window has no position in common with another window, or with
+    the joint limits; None if there is none.
     """
     low, high = np.maximum(one.lower, other.lower), np.minimum(one.upper, other.upper)
     (empty,) = np.nonzero(low > high)
@@ -119,7 +123,7 @@ def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) 
 def _apart(one: Place, other: Place, margin: float) -> bool:
     """Return True if two regions have no point in common.
 
-    A half space is reduced by the margin; other regions ignore it.
+    If one is a half space, it is reduced by `margin`; between other regions the margin is ignored.
     """
     if isinstance(one, HalfSpace) or isinstance(other, HalfSpace):
         half, rest = (one, other) if isinstance(one, HalfSpace) else (other, one)
@@ -139,7 +143,7 @@ def _within(inner: Place, outer: Place) -> bool:
 
 
 def _how(robot: Robot, scene: Scene, watch: Watch, slack: float) -> str:
-    """Return a clause that says how HOME breaks a watch."""
+    """Return a clause that says how HOME breaks a zone."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):

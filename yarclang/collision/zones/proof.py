@@ -1,9 +1,9 @@
 """Prove that watched items stay in zones, or out of them, along a whole motion, and compute their least
 distances from the zones' borders, by bisection.
 
-A piece is settled if the bounds of `gaps` suffice; otherwise it is halved. The error of a bound grows with
-the square of a piece's duration, so a motion along a border needs few pieces. Nothing is missed, however
-short.
+The motion's time is divided into pieces. A piece is settled if the bounds of `gaps` suffice; otherwise it is
+halved. The error of a bound grows with the square of a piece's duration, so a motion along a border needs few
+pieces. No breach is missed, however short.
 """
 
 from __future__ import annotations
@@ -32,17 +32,19 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 MOST = 500_000
-"""Largest number of pieces for a watch. If more are needed, the watch counts as broken: only motions that no
-robot can make need so many.
+"""Largest number of pieces of time for one zone and item. If more are needed, the zone counts as broken: only
+motions that no robot can make need so many.
 """
 BLOCK = 2048
-"""Pieces that are examined together."""
+"""Number of pieces of time that are examined together."""
 Flags = NDArray[np.bool_]
 
 
 @frozen
 class Breach:
-    """A watch that is broken on a motion, and the time of the first sample at which this was seen [s]."""
+    """A zone that is broken on a motion, by its index among the watches, and the time of the first sample at
+    which this was seen [s].
+    """
 
     motion: int
     watch: int
@@ -54,8 +56,8 @@ class Kept:
     """The result of a proof for G motions.
 
     `least` (G,) is a lower bound of the distance [m] of all watched items from the borders that they must not
-    cross. `nearest` (G,) is the watch that comes nearest, -1 if all stay above `KNOWN`, and `when` (G,) [s]
-    the time of that sample. `breaches` are the broken watches.
+    cross. `nearest` (G,) is the index of the watch (zone and item) that comes nearest to its border, -1 if
+    all stay above `KNOWN`, and `when` (G,) [s] the time of that sample. `breaches` are the broken watches.
     """
 
     least: Array
@@ -65,13 +67,14 @@ class Kept:
 
 
 def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequence[Watch]) -> Kept:
-    """Prove that watched items stay in their zones, or out of them, and that required postures are kept in
-    zones.
+    """Prove that watched items stay in their zones, or out of them, and that the arm has the required posture
+    in zones that require one.
 
     Args:
         scene: the bodies of robot and cell.
         course: the segments of all motions.
-        spans: (G, 2) the segments, from and up to, of each motion, one after the other; none is empty.
+        spans: (G, 2) for each motion, its first segment and the one after its last; the motions are
+            consecutive, and none is empty.
         watches: the zones and the watched items. Slow zones aren't checked here.
     """
     search = _Search(scene, course, spans)
@@ -82,7 +85,7 @@ def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequen
 
 
 class _Search:
-    """State and results of the search."""
+    """State and results of the proof that zones are respected."""
 
     def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
         self.scene, self.course, self.spans = scene, course, spans
@@ -97,7 +100,7 @@ class _Search:
         self.bounds: dict[int, Rates] = {}
 
     def look(self, number: int, watch: Watch) -> None:
-        """Settle one watch on all motions."""
+        """Check one zone with its watched item on all motions."""
         region = watch.zone.region
         hit = np.zeros(len(self.spans), dtype=np.bool_)
         if isinstance(region, JointWindow):
@@ -137,8 +140,8 @@ class _Search:
                 waiting.append((part, (begins, stops)))
 
     def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
-        """Return the segments that balls around the item don't settle; record the bounds of the other
-        segments.
+        """Return the segments that the ball around the item can't decide; record the lower bounds of the
+        other segments.
         """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, Unplaced)
@@ -195,7 +198,7 @@ class _Search:
     def _learn(
         self, number: int, segment: Rows, found: tuple[Array, Array, Array], margin: float, hit: Flags
     ) -> Rows:
-        """Record the bounds of pieces of segments, and return the pieces that aren't settled."""
+        """Record the lower bounds of pieces, and return the pieces that are still undecided."""
         least, seen, when = found
         motion = self.motion[segment]
         self._break(number, segment, seen < margin - SLACK / 2.0, when, hit)
@@ -211,7 +214,7 @@ class _Search:
         return np.flatnonzero(~done & ~hit[motion])
 
     def _window(self, number: int, watch: Watch, window: JointWindow, hit: Flags) -> None:
-        """Settle a joint window on all motions."""
+        """Check a zone of allowed or forbidden joint positions on all motions."""
         pieces = self.pieces
         while len(pieces.segment):
             go_on()
@@ -229,7 +232,9 @@ class _Search:
             pieces = pieces.take(np.flatnonzero(open_)).halves()
 
     def _tilt(self, number: int, tilt: Tilt, hit: Flags) -> None:
-        """Settle a tilt on all motions: by the angle that the axis can turn, and by its second derivative."""
+        """Check a zone that limits an axis' angle on all motions, by the angle that the axis can turn in a
+        piece of time, and by the second derivative of its direction.
+        """
         scene, course, pieces, done = self.scene, self.course, self.pieces, 0
         speed, bend = turning(scene.chain, course)
         while len(pieces.segment):
@@ -255,7 +260,7 @@ class _Search:
             pieces = pieces.halves()
 
     def _sight(self, number: int, sight: Sight, hit: Flags) -> None:
-        """Settle a point in a cone on all motions."""
+        """Check a zone that keeps a point in a cone on all motions."""
         pieces, done = self.pieces, 0
         bounds = Bounds(sight, self.scene, self.course)
         while len(pieces.segment):
@@ -271,7 +276,7 @@ class _Search:
             pieces = pieces.halves()
 
     def _break(self, number: int, segment: Rows, broken: Flags, when: Array, hit: Flags) -> None:
-        """Record the first place of each motion at which a watch is broken."""
+        """Record the first sample of each motion at which a zone is broken."""
         for row in np.flatnonzero(broken).tolist():
             motion = int(self.motion[segment[row]])
             if not hit[motion]:

@@ -1,7 +1,7 @@
 """Compute signed distances of points from the regions of zones.
 
 The signed distance of a point is positive outside, and minus the depth inside. All regions are convex, so the
-signed distance is convex too. It changes by no more than the point moves.
+signed distance is a convex function. It changes by no more than the point moves.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ Place = ShapeRegion | HalfSpace
 
 @frozen(eq=False)
 class Faces:
-    """A region with flat faces: the points p with normals · p <= offsets, (F, 3) and (F,); the normals point
-    outwards.
+    """A region with flat faces: all points p with normals · p <= offsets, which are (F, 3) and (F,); the
+    normals point outwards.
     """
 
     normals: Array
@@ -31,7 +31,7 @@ class Faces:
 
 @lru_cache(maxsize=256)
 def faces_of(region: Place) -> Faces | None:
-    """Return the faces of a region, or None for a round one; cached by the region's identity."""
+    """Return the faces of a region, or None for a round region; cached by the region's identity."""
     if isinstance(region, HalfSpace):
         return Faces(-region.normal[None], np.array([-region.offset]))
     if not isinstance(region.shape, Box):
@@ -43,7 +43,7 @@ def faces_of(region: Place) -> Faces | None:
 
 @lru_cache(maxsize=256)
 def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
-    """Return a region's shape and place for coal, cached by the region's identity."""
+    """Return a region's shape and pose as objects of the library coal, cached by the region's identity."""
     import coal
 
     placed = region.base_from_shape
@@ -51,7 +51,7 @@ def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
 
 
 def outside(region: Place, points: Array) -> Array:
-    """Return the signed distances (...,) of points (..., 3) in {B} [m]."""
+    """Return the signed distances (...,) [m] of points (..., 3) in {B} from a region."""
     if isinstance(region, HalfSpace):
         flat: Array = region.offset - points @ region.normal
         return flat
@@ -69,10 +69,10 @@ def outside(region: Place, points: Array) -> Array:
 
 
 def direction(region: Place, points: Array) -> Array:
-    """Return the gradients (P, 3) in {B} of the signed distance at points (P, 3).
+    """Return the gradients (P, 3) in {B} of the signed distance from a region, at points (P, 3).
 
-    For a point outside it is the unit direction from the region to the point, for one inside that from the
-    point to the border.
+    For a point outside, the gradient is the unit direction from the region to the point; for a point inside,
+    that from the point to the border.
     """
     if isinstance(region, HalfSpace):
         return np.broadcast_to(-region.normal, points.shape)
@@ -99,7 +99,8 @@ def direction(region: Place, points: Array) -> Array:
 
 
 def reach(region: Place, directions: Array) -> Array:
-    """Return the support of a region in unit directions (P, 3): the largest d · p over its points (P,) [m].
+    """Return how far a region reaches in unit directions (P, 3): the largest d · p over its points p, (P,)
+    [m].
 
     The value is infinite if the region is unbounded in that direction.
     """
@@ -128,13 +129,15 @@ def _local(region: ShapeRegion, points: Array) -> Array:
 
 
 def _around(local: Array, radius: float, length: float) -> tuple[Array, Array]:
-    """Return the distances of points beyond the wall of a cylinder, and beyond its ends; negative inside."""
+    """Return how far points are beyond the wall of a cylinder, and how far beyond its ends; negative
+    inside.
+    """
     return _length(local[..., :2]) - radius, np.abs(local[..., 2]) - length / 2.0
 
 
 def _beyond(beyond: Array) -> Array:
-    """Return the signed distance from a region, given the signed distances beyond its perpendicular walls
-    (..., K).
+    """Return the signed distance of points from a region, given their signed distances beyond its
+    perpendicular walls (..., K).
     """
     # Outside: the length of the positive components. Inside: the distance from the nearest wall.
     far = _length(np.maximum(beyond, 0.0))

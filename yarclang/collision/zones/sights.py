@@ -1,4 +1,6 @@
-"""Measure where a point is in a cone, and bound how fast the direction from the cone's apex to it changes."""
+"""Measure where a point is in a cone that a zone prescribes, and bound how fast the direction from the cone's
+apex to the point changes.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,12 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Aim:
-    """The directions from the apex of a cone to a point at P instants.
+    """Where a point is relative to a cone, at P instants.
 
     Attributes:
-        angle: (P,) their angles to the axis of the cone [rad].
-        distance: (P,) distances of the point from the apex [m].
-        way: (3, P) from the apex to the point [m].
+        angle: (P,) angle between the cone's axis and the direction from its apex to the point [rad].
+        distance: (P,) distance of the point from the apex [m].
+        way: (3, P) vector from the apex to the point [m].
     """
 
     angle: Array
@@ -31,13 +33,13 @@ class Aim:
 
 
 def aimed(sight: Sight, chain: Chain, turn: Array, shift: Array) -> Aim:
-    """Return where the point is in the cone.
+    """Return where the point is relative to the cone at P instants.
 
     Args:
         sight: the cone and the point.
         chain: the arm.
-        turn: (3, 3, P) rotations of the flange from its place with all joints at zero.
-        shift: (3, P) translations of the flange [m].
+        turn: (3, 3, P) rotations of the flange from its pose with all joints at zero.
+        shift: (3, P) translations of the flange from this pose [m].
     """
     carried = np.matmul(_placed(sight, chain), turn) + shift
     spot = np.array(sight.spot)[:, None]
@@ -52,14 +54,14 @@ def aimed(sight: Sight, chain: Chain, turn: Array, shift: Array) -> Aim:
 
 
 def aimed_at(sight: Sight, scene: Scene, q: Array) -> Aim:
-    """Return where the point is in the cone at joint positions (P, n) [rad or m]."""
+    """Return where the point is relative to the cone at joint positions (P, n) [rad or m]."""
     arm = Arm.at(scene, q)
     return aimed(sight, scene.chain, arm.turn[-1], arm.shift[-1])
 
 
 def reserve(sight: Sight, aim: Aim) -> Array:
-    """Return how far a rule is from being broken, (P,): the least of the reserves of the angle [rad] and of
-    both ends of the range of distances [m].
+    """Return how far the point is from leaving the cone or its range of distances, (P,): the least of the
+    reserves of the angle [rad] and of both ends of the range [m].
     """
     least: Array = np.minimum(
         sight.limit - aim.angle, np.minimum(aim.distance - sight.near, sight.far - aim.distance)
@@ -68,7 +70,7 @@ def reserve(sight: Sight, aim: Aim) -> Array:
 
 
 class Bounds:
-    """Bounds of a rule between the ends of pieces of segments."""
+    """Bounds on how near a point comes to leaving its cone, between the ends of pieces of a motion's time."""
 
     def __init__(self, sight: Sight, scene: Scene, course: Course) -> None:
         chain = scene.chain
@@ -79,8 +81,9 @@ class Bounds:
         self._turned = turning(chain, course) if sight.is_carried else (zero, zero)
 
     def look(self, pieces: Pieces) -> tuple[Array, Array, Array]:
-        """Return for each piece a lower bound of the reserve (P,), the least reserve at its ends (P,), and
-        the time of that after the segment's start (P,) [s].
+        """Return three values for each piece of a motion's time: a lower bound of the reserve on the piece
+        (P,), the smaller reserve of its two ends (P,), and the time of that end after the segment's start
+        (P,) [s].
         """
         sight, long, at = self._sight, pieces.end - pieces.begin, pieces.segment
         before, after = (
@@ -113,6 +116,8 @@ class Bounds:
 
 
 def _placed(sight: Sight, chain: Chain) -> Array:
-    """Return the carried point (3,) in {B} with all joints at zero [m]."""
+    """Return the position (3,) in {B}, with all joints at zero [m], of what the flange carries: the apex of
+    the cone, or the point.
+    """
     placed: Array = chain.base_from_flange[:3, :3] @ np.array(sight.own) + chain.base_from_flange[:3, 3]
     return placed

@@ -1,9 +1,9 @@
-"""Bound the speed of watched items inside of their zones: compute the largest speed on whole motions, at
-every instant, by bisection.
+"""Bound the speed of watched items inside of slow zones: compute the largest speed on whole motions, over all
+instants, by bisection.
 
 On an interval of d seconds, the velocity of a point is at most J d² / 8 from the chord between the velocities
 at the ends, where J bounds its third derivative. The length of a vector is largest at an end of a chord. The
-bound of a piece is therefore sharp long before the piece is short.
+bound of a piece of time is therefore sharp long before the piece is short.
 """
 
 from __future__ import annotations
@@ -36,10 +36,11 @@ SHARP = 2e-4
 
 @frozen(eq=False)
 class Fastest:
-    """The largest speed of an item on each motion while it is in a zone.
+    """The largest speed that an item has on each of G motions while it is in a zone.
 
     `speed` (G,) [m/s] is a proved bound, 0 if the item is never in the zone. `segment` (G,) is the segment of
-    the largest speed, -1 if there is none, and `time` (G,) [s] the middle of its piece.
+    the largest speed, -1 if the item is never in the zone. `time` (G,) [s] is the middle of the piece of time
+    in which the largest speed occurs.
     """
 
     speed: Array
@@ -59,32 +60,33 @@ def fastest_inside(
     sharp: float = SHARP,
     whole: Whole | None = None,
 ) -> Fastest:
-    """Compute the largest speed of an item in a slow zone.
+    """Compute the largest speed that an item has in a slow zone, on each motion.
 
     Args:
         scene: the bodies of robot and cell.
         course: the segments of all motions.
-        spans: (G, 2) the segments, from and up to, of each motion, one after the other; none is empty.
+        spans: (G, 2) for each motion, its first segment and the one after its last; the motions are
+            consecutive, and none is empty.
         watch: the zone and the item; the zone's margin counts as inside.
         least: speed up to which speeds don't matter [m/s]: the result may be none, or this speed.
         beyond: distance by which the zone is enlarged [m].
         stops: True to end as soon as all motions are known to be faster than `least`. The result is then only
             some speed that occurs on them.
         sharp: relative accuracy of the largest speed.
-        whole: the arm along these motions, if several watches are computed; or None.
+        whole: the arm along these motions, to share it between several watches; or None.
     """
     shared = whole or Whole(scene, course, spans)
     return _Search(shared, spans, watch, (least, beyond, sharp), stops=stops).made()
 
 
 def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Sequence[Watch]) -> Flags:
-    """Return a mask (W, R) of the items that may enter their zones on short ways.
+    """Return which watched items may enter their zones during short joint motions, as a mask (W, R).
 
     Args:
         scene: the bodies of robot and cell.
-        ways: the joint positions at the beginnings and at the ends of the ways, (R, n) each [rad or m].
+        ways: the joint positions at the beginnings and at the ends of R motions, (R, n) each [rad or m].
         step: (R, n) the largest distance that each joint travels on them, back and forth.
-        watches: watches of slow zones.
+        watches: the W slow zones and their items.
     """
     begin, end = ways
     # A course of one second for each way.
@@ -107,11 +109,11 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
 
 
 _ASIDE = 1e-3
-"""Largest distance of the arm from the way that was examined [m]."""
+"""Largest distance of the arm from the joint motion that was examined [m]."""
 
 
 class _Search:
-    """Search for the largest speed of one watch on all motions."""
+    """Search for the largest speed of one item in its slow zone, on all motions."""
 
     def __init__(
         self,
@@ -136,7 +138,7 @@ class _Search:
         self.time = np.zeros(len(spans))
 
     def made(self) -> Fastest:
-        """Halve pieces until all are settled, and return the result."""
+        """Halve pieces of time until all are decided, and return the largest speeds."""
         # Drop segments on which no point can be faster than `least`, and segments far from the zone.
         (rows,) = np.nonzero(self.bounds.first[self.pieces.segment] > self.least)
         if len(rows):
@@ -153,8 +155,8 @@ class _Search:
         return Fastest(speed, self.segment, self.time)
 
     def _look(self, pieces: Pieces, ends: tuple[Posed, Posed]) -> tuple[Pieces, tuple[Posed, Posed] | None]:
-        """Examine pieces with the arm at their ends; return those that are still open, with the arm at
-        their ends.
+        """Examine pieces of time, given the arm at their ends; return the halves of the pieces that are still
+        undecided, with the arm at their ends.
         """
         long, segment = pieces.end - pieces.begin, pieces.segment
         bound = (
@@ -184,7 +186,7 @@ class _Search:
         return pieces.take(left).halves(), (begin.beside(half), half.beside(end))
 
     def _surely_far(self) -> Flags:
-        """Return a mask of the whole segments on which the ball around the item is outside of the zone."""
+        """Return a mask of the whole segments on which the ball around the item stays outside of the zone."""
         region, pieces = self.watch.zone.region, self.pieces
         if isinstance(region, JointWindow):
             return np.zeros(len(pieces.segment), dtype=np.bool_)
@@ -209,8 +211,8 @@ class _Search:
     def _where(
         self, pieces: Pieces, arms: tuple[Posed, Posed, Posed]
     ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Return a mask of the pieces that are entirely outside of the zone, and a mask of those whose
-        middle is inside.
+        """Return two masks of the pieces of time: those entirely outside of the zone, and those with the item
+        inside in their middle.
         """
         region = self.watch.zone.region
         if isinstance(region, JointWindow):
@@ -221,7 +223,7 @@ class _Search:
         return least > self.margin, seen <= self.margin + SLACK / 2.0
 
     def _learn(self, pieces: Pieces, speed: Array) -> None:
-        """Record the largest speed of each motion, and its place."""
+        """Record the largest speed of each motion, and where it occurs."""
         motion = self.motion[pieces.segment]
         order = np.argsort(speed, kind="stable")  # the largest is written last
         larger = order[speed[order] > self.best[motion[order]]]

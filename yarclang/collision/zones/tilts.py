@@ -1,4 +1,6 @@
-"""Measure the angle between an axis on the flange and a direction, and bound its rate of change."""
+"""Measure the angle between an axis on the flange and a fixed direction, and bound how fast the angle
+changes.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +15,12 @@ from yarclang.shapes import Array
 
 
 def angles(tilt: Tilt, chain: Chain, turn: Array) -> Array:
-    """Return the angles (P,) of a tilt's axis [rad].
+    """Return the angles (P,) [rad] between an axis on the flange and the direction that it should have.
 
     Args:
         tilt: the axis on the flange, and the direction.
         chain: the arm.
-        turn: (3, 3, P) rotations of the flange from its place with all joints at zero.
+        turn: (3, 3, P) rotations of the flange from its pose with all joints at zero.
     """
     axis = chain.base_from_flange[:3, :3] @ np.array(tilt.own)
     now, up = np.matmul(axis, turn), np.array(tilt.up)
@@ -29,12 +31,15 @@ def angles(tilt: Tilt, chain: Chain, turn: Array) -> Array:
 
 
 def angles_at(tilt: Tilt, scene: Scene, q: Array) -> Array:
-    """Return the angles (P,) of a tilt's axis at joint positions (P, n) [rad]."""
+    """Return the angles (P,) [rad] between an axis on the flange and the direction that it should have, at
+    joint positions (P, n).
+    """
     return angles(tilt, scene.chain, Arm.at(scene, q).turn[-1])
 
 
 def turning(chain: Chain, course: Course) -> tuple[Array, Array]:
-    """Bound the first two derivatives of a direction on the flange on each segment, (N,) each [1/s, 1/s^2].
+    """Return bounds of the first and of the second derivative of a unit vector on the flange, on each segment
+    of a motion, (N,) each [1/s, 1/s^2].
 
     The partial derivatives of a turned unit vector with respect to the joints are nested cross products with
     the joints' axes. Their length is at most 1 for axes of length 1.

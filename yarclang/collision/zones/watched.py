@@ -1,4 +1,4 @@
-"""Build the items that zones watch: solid parts of the arm, and points."""
+"""Make the items that zones watch: bodies of the arm and its tools, and points."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ from yarclang.transforms import constant
 
 @frozen(eq=False)
 class Moving:
-    """The frame that a motion moves: its name without braces, and `flange_from_moving` (4, 4) [m]."""
+    """The frame that a motion moves: its name without braces, and its pose `flange_from_moving` (4, 4)
+    [m].
+    """
 
     name: str
     flange_from_moving: Array
@@ -28,13 +30,13 @@ class Moving:
 
 @frozen(eq=False)
 class Item:
-    """A convex body, or a point, that the first `joint` joints move; in {B} with all joints at zero [m].
+    """A convex body, or a point, that a zone watches and that the first `joint` joints move.
 
-    The item is the Minkowski sum of the hull of `points` (V, 3), a disc of radius `disc` perpendicular to
-    `axis` (3,), and a ball of `radius`. The hull of the points `rim` (W, 3) encloses the first two: the disc
-    is replaced by a polygon around it, half a percent larger. The ball around `middle` (3,) with radius
-    `bound` encloses everything. `of_coal` at `base_from_body` (4, 4) is the shape for distances; None for a
-    point.
+    All coordinates are in {B} with all joints at zero [m]. The item is the Minkowski sum of the hull of
+    `points` (V, 3), a disc of radius `disc` perpendicular to `axis` (3,), and a ball of `radius`. The hull of
+    the points `rim` (W, 3) encloses the first two: the disc is replaced by a polygon around it, half a
+    percent larger. The ball around `middle` (3,) with radius `bound` encloses everything. `of_coal`, at the
+    pose `base_from_body` (4, 4), is the shape for distances; None for a point.
     """
 
     name: str
@@ -51,13 +53,13 @@ class Item:
 
 
 def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item, ...]:
-    """Return the items that a zone of a cell watches while a frame is moved.
+    """Return the bodies and points that a zone of a cell watches while a frame is moved.
 
     The result is empty if meshes can't be read, which is reported elsewhere.
 
     Args:
         robot: the robot.
-        cell: its cell.
+        cell: the cell of the robot.
         zone: a zone of the cell.
         moving: the frame that is moved.
     """
@@ -100,14 +102,14 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
 
 
 def point_of(robot: Robot, moving: Moving) -> Item:
-    """Return the origin of a moved frame as an item."""
+    """Return the origin of a moved frame as an item that zones can watch."""
     placed = robot.chain.base_from_flange @ moving.flange_from_moving
     return point_item(f"{{{moving.name}}}", robot.size, placed[:3, 3])
 
 
 def _elbow(chain: Chain) -> tuple[int, Array] | None:
-    """Return the joint at the elbow, and its point (3,) in {B} with all joints at zero; None if there is no
-    elbow.
+    """Return the number of joints that move the arm's elbow, and the elbow's position (3,) in {B} with all
+    joints at zero; None if the arm has no elbow.
     """
     if chain.kinematics is not None:
         return chain.kinematics.elbow(chain)
@@ -117,13 +119,14 @@ def _elbow(chain: Chain) -> tuple[int, Array] | None:
 
 @lru_cache(maxsize=32)
 def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
-    """Return the bodies of a scene, each with its item; cached by the scene's identity."""
+    """Return all bodies of a scene, each as an item that zones can watch; cached by the scene's identity."""
     return tuple((body, room_of(body)) for body in scene.bodies)
 
 
 def point_item(name: str, joint: int, point: Array) -> Item:
-    """Return a point (3,) that the first `joint` joints move, in {B} with all joints at zero [m], as an
-    item.
+    """Return a point (3,) as an item that zones can watch.
+
+    The point is in {B} with all joints at zero [m], and the first `joint` joints move it.
     """
     points = constant(point[None].copy())
     return Item(name, joint, points, constant(np.zeros(3)), 0.0, 0.0, points, points[0], 0.0)
@@ -135,7 +138,7 @@ _SIDES = 32
 
 @lru_cache(maxsize=1024)
 def room_of(body: Body) -> Item:
-    """Return the item of a body, cached by the body's identity."""
+    """Return a body as an item that zones can watch, cached by the body's identity."""
     import coal
 
     shape, placed = body.geometry.of_coal, body.base_from_body

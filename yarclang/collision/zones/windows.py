@@ -1,5 +1,5 @@
-"""Measure the distance of joints from the ends of windows of joint positions, at instants and on pieces of
-a motion.
+"""Measure how far joints are from the ends of allowed or forbidden ranges ("windows"), at instants and on
+pieces of a motion's time.
 """
 
 from __future__ import annotations
@@ -16,16 +16,17 @@ SLACK = 1e-6
 
 
 def room(window: JointWindow, q: Array) -> Array:
-    """Return the distance of joints (P, n) from the nearer end of a window, (P, n) [rad or m].
+    """Return the distances of joint positions (P, n) from the nearer end of each joint's window, (P, n) [rad
+    or m].
 
-    The distance is positive inside, negative outside, and infinite for a joint that the window leaves open.
+    A distance is positive inside, negative outside, and infinite for a joint without a window.
     """
     inner: Array = np.minimum(q - window.lower, window.upper - q)
     return inner
 
 
 def room_on(window: JointWindow, pieces: Pieces, course: Course) -> tuple[Array, Array]:
-    """Return lower and upper bounds of `room` on pieces of a motion, (P, n) each.
+    """Return a lower and an upper bound of `room` on each of P pieces of a motion's time, (P, n) each.
 
     A joint whose acceleration is at most A is at most A d² / 8 from the chord between its positions at both
     ends. `room` increases up to its maximum in the middle of the window and then decreases, so its extremes

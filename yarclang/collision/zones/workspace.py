@@ -1,4 +1,4 @@
-"""Check joint positions against the zones of a cell, and measure the distance from breaking them."""
+"""Check joint positions against the zones of a cell, and measure how far each zone is from being broken."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ distances by no more than this [rad or m], count as within it."""
 
 @frozen(eq=False)
 class Watch:
-    """A zone, and an item that the zone watches.
+    """A zone, with one item (a body or a point) that the zone watches.
 
     The item is None if the zone concerns only joints, or the flange's orientation.
     """
@@ -40,7 +40,9 @@ class Watch:
 
 
 def watches_of(robot: Robot, cell: Cell, moving: Moving) -> tuple[Watch, ...]:
-    """Return everything that the zones of a cell watch while a frame is moved, in the order of the file."""
+    """Return all zones of a cell, once for each item that they watch while a frame is moved, in the order of
+    the file.
+    """
     return _watches(robot, cell, moving.name, moving.flange_from_moving.tobytes())
 
 
@@ -57,8 +59,10 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
-    """Return how far a watch is from being broken at joint positions (P, n), (P,) [m; rad or m for a joint
-    window, rad for a tilt, either for a sight]. Below `slack_of` it is broken.
+    """Return how far a zone is from being broken at joint positions (P, n), as (P,) [m; rad or m for a joint
+    window, rad for a tilt, either for a sight].
+
+    Below `slack_of` it is broken.
     """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
     return _slack(scene, watch, q, arm, np.arange(len(q)))
@@ -66,14 +70,14 @@ def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
 
 @lru_cache(maxsize=16)
 def _one_arm(scene: Scene, q: bytes) -> Arm:
-    """Place the arm at one joint position. Cached, because all watches are evaluated there one after the
+    """Place the arm at one joint position; cached, because all zones are evaluated there one after the
     other.
     """
     return Arm.at(scene, np.frombuffer(q)[None])
 
 
 def _slack(scene: Scene, watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
-    """Return the slack of a watch, as `slack_at` does, at some of the instants of an arm."""
+    """Return how far a zone is from being broken, as `slack_at` does, at the instants `rows` of an arm."""
     zone, region = watch.zone, watch.zone.region
     if isinstance(region, JointWindow):
         inner: Array = room(region, q).min(axis=1)
@@ -96,7 +100,9 @@ def _slack(scene: Scene, watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
 
 
 def slack_of(watch: Watch) -> float:
-    """Return the slack below which a watch counts as broken at an instant."""
+    """Return the distance from being broken (see `slack_at`) below which a zone counts as broken at an
+    instant; it is slightly negative.
+    """
     match watch.zone.region:
         case JointWindow():
             return -WINDOW_SLACK / 2.0
@@ -106,7 +112,9 @@ def slack_of(watch: Watch) -> float:
 
 
 def broken_at(robot: Robot, cell: Cell, moving: Moving, q: Array) -> Sequence[tuple[Watch, float]]:
-    """Return the watches that one joint position (n,) breaks, each with its slack there (see `slack_at`)."""
+    """Return the zones that are broken at one joint position (n,), each with its value of `slack_at`
+    there.
+    """
     made = scene_of(robot, cell)
     if made.value is None:
         return ()

@@ -1,1 +1,1 @@
-"""Find ways around obstacles in joint space."""
+"""Find collision-free paths around obstacles, in joint space and for straight lines of the tool."""

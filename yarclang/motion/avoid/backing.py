@@ -31,8 +31,8 @@ _LEAST = 4
 """Least number of steps of a line; shorter ones lead nowhere."""
 
 _EVERY = 5
-"""Every `_EVERY` steps, a joint position of a line is kept as a way-point. A search may begin every `_ROOTS`
-steps.
+"""Number of steps of a line from one joint position that is kept as a way-point to the next. `_ROOTS` is the
+number of steps from one joint position at which a search may begin to the next.
 """
 
 _ROOTS = 20
@@ -43,22 +43,23 @@ _JUMP = 0.15
 
 @frozen(eq=False)
 class Retreat:
-    """A way out of a place along straight lines of the tool.
+    """A joint-space path along which the tool leaves a tight place in straight lines.
 
-    The joint positions `corners` (k, n) [rad or m] begin with the place itself.
+    `corners` (k, n) are the joint positions along the path [rad or m]; the first is the tight place itself.
     """
 
     corners: Array
 
 
 def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool) -> list[Retreat]:
-    """Return ways out of a place, those that end in the widest room first.
+    """Return straight-line paths out of a tight place; the path whose end has the most clearance comes first.
 
     Args:
-        room: the surroundings.
-        q: the place (n,) [rad or m], which is free.
-        free: returns True if a joint position is free.
-        turns: True to continue along the other axes from a line's end, and from its middle.
+        room: the surroundings of the arm.
+        q: (n,) joint position at the tight place [rad or m]; it is free of collisions.
+        free: function that returns True if a joint position is free of collisions.
+        turns: True to continue each line along the other axes of the tool, from the line's end and from half
+            way along it.
     """
     own = Retreat(q[None])
     lines = _lines(room, [own], free)
@@ -71,9 +72,9 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
 
 
 def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
-    """Return the ways that end in the widest room; the shorter one wins a tie.
+    """Return the few retreats whose ends have the most clearance; of two equal ones the shorter wins.
 
-    A search that also begins in tight places would draw most of its samples into walls.
+    A search that also began in tight places would draw most of its samples into obstacles.
     """
     spare = np.round(room.spare(np.array([one.corners[-1] for one in found]), _OPEN), 3).tolist()
     order = sorted(range(len(found)), key=lambda at: (-spare[at], len(found[at].corners)))
@@ -88,7 +89,9 @@ _MOST = 3
 
 
 def _roots(line: Array) -> list[Retreat]:
-    """Return the places along a line at which a search may begin: its end, and some places before it."""
+    """Return the parts of a line up to each joint position at which a search may begin: one every `_ROOTS`
+    steps, and the line's end.
+    """
     ends = {*range(_ROOTS, len(line) - 1, _ROOTS), len(line) - 1}
     return [Retreat(line[: end + 1]) for end in sorted(ends)]
 
@@ -101,8 +104,9 @@ def _thinned(corners: Array) -> Array:
 
 
 def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> list[Array]:
-    """Return ways (k, n) that continue other ways along the axes, until the arm can't reach farther or
-    something is in the way.
+    """Return joint-space paths (k, n) that extend given retreats along straight lines of the tool.
+
+    Each line ends where the arm can't reach farther, comes close to a singularity, or meets an obstacle.
     """
     if not begun:
         return []
@@ -140,8 +144,9 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
 
 
 def _directions(room: Room) -> Array:
-    """Return the axes (d, 3) of the moved frame and of the flange, each in both directions and without
-    duplicates, in the flange's frame.
+    """Return the axes of the moved frame and of the flange as unit vectors in the flange's frame, (d, 3).
+
+    Each axis is included in both directions; parallel axes are included once.
     """
     axes = [*room.flange_from_moving[:3, :3].T]
     axes += [one for one in np.eye(3) if all(abs(float(one @ other)) < _ALONG for other in axes)]

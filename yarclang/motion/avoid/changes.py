@@ -39,10 +39,11 @@ _ALONG = 0.999
 
 @frozen(eq=False)
 class Change:
-    """A small change of a pose that can't be taken.
+    """A small change of a target pose that the arm can't take.
 
-    `words` describe the change, `title` is that of its fix, and `base_from_moving` (4, 4) is the changed
-    pose. `is_reversed` is True if the tool's z points the other way.
+    `words` describe the change in a sentence, `title` is the title of the fix that makes it, and
+    `base_from_moving` (4, 4) is the changed pose. `is_reversed` is True if the tool's z axis points the other
+    way.
     """
 
     words: str
@@ -54,17 +55,17 @@ class Change:
 def helpful_changes(
     robot: Robot, room: Room | None, goal: PoseGoal, near: Array, origin: Origin
 ) -> tuple[Change, ...]:
-    """Return the first change of each kind with which the arm can take a pose and nothing is in the way.
+    """Return the first change of each kind with which the arm can take a target pose without a collision.
 
-    The kinds are: z reversed, a turn about z, a move. Some 45 poses are tried, which takes about 10 ms with a
-    closed form of the inverse kinematics, and 50 ms without.
+    The kinds are: z axis reversed, a turn about z, a translation. Some 45 poses are tried, which takes about
+    10 ms with a closed form of the inverse kinematics, and 50 ms without.
 
     Args:
         robot: the arm.
-        room: the surroundings; None if nothing can be in the way.
-        goal: the pose.
+        room: the surroundings of the arm; None if there are no obstacles.
+        goal: the target pose.
         near: (n,) joint position near which solutions are wanted [rad or m].
-        origin: the command; moves are along the axes of its frame.
+        origin: the command that gives the pose; translations are along the axes of its frame.
     """
     kinds = (
         tuple(_reversed(goal.base_from_moving)),
@@ -89,9 +90,11 @@ def _is_free(room: Room | None, q: Array) -> bool:
 
 
 def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array]:
-    """Return solutions (m, n) [rad or m] within limits for each of several poses (N, 4, 4).
+    """Return the inverse-kinematics solutions (m, n) [rad or m] within joint limits for each of N flange
+    poses (N, 4, 4).
 
-    Without a closed form of the inverse kinematics, these are the solutions that a short search finds.
+    Without a closed form of the inverse kinematics, only the solutions that a short search finds are
+    included.
     """
     chain, limits = robot.chain, robot.limits
     if has_all(chain):
@@ -115,7 +118,7 @@ _STARTS, _ROUNDS = 16, 15
 
 
 def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
-    """Return a sentence that lists changes, the first with its numbers.
+    """Return a sentence that lists the helpful changes of a pose; the first one is given with its six values.
 
     `how` is the state of the changed pose: free, or in reach.
     """
@@ -132,9 +135,10 @@ def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
 
 
 def change_fix(goal: PoseGoal, change: Change, origin: Origin) -> Fix | None:
-    """Return a fix that writes the pose of a change; None if the command's six values aren't plain numbers.
+    """Return a fix that replaces the six values of a command's pose by those of the changed pose.
 
-    Only a person knows if the robot should go there, so the fix is applied only by choice.
+    The result is None if the command's six values aren't plain numbers. Only a person knows if the robot
+    should go there, so the fix is applied only by choice.
     """
     where = origin.values_span
     if where is None:
@@ -176,7 +180,7 @@ def _turned(pose: Array) -> Iterator[Change]:
 
 
 def _moved(pose: Array, origin: Origin) -> Iterator[Change]:
-    """Yield moves of a pose: first along -z and z of the tool, then along those axes of the line's frame
+    """Yield translated poses: first along -z and z of the tool, then along those axes of the command's frame
     that differ from them.
     """
     ways: list[tuple[str, Array]] = [("-z of the tool", -pose[:3, 2]), ("z of the tool", pose[:3, 2])]
@@ -213,8 +217,8 @@ def _base(origin: Origin) -> Array:
 
 
 def _written(base_from_moving: Array, origin: Origin) -> str:
-    """Return a pose as a line writes it: x y z and roll pitch yaw in its units and frame, rounded to 0.0001
-    mm and 0.0001 deg.
+    """Return a pose as text in the units and the frame of a command: x y z and roll pitch yaw, rounded to
+    0.0001 mm and 0.0001 deg.
     """
     pose = np.linalg.inv(_base(origin)) @ base_from_moving
     units = np.repeat(_units(origin), 3)
@@ -226,5 +230,5 @@ def _written(base_from_moving: Array, origin: Origin) -> str:
 
 
 def _units(origin: Origin) -> tuple[float, float]:
-    """Return a line's units of length and angle in m and rad."""
+    """Return the units of length and angle in which a command is written, in m and rad."""
     return UNITS[origin.length_unit].factor, UNITS[origin.angle_unit].factor

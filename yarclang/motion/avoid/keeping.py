@@ -1,5 +1,5 @@
-"""Find a way of straight pieces along which an axis keeps its angle, or a point stays in a cone: two trees
-whose branches are pulled back into the rule at every step.
+"""Find a polyline in joint space along which an axis keeps its angle, or a point stays in a cone: two trees
+whose branches are projected onto this constraint at every step.
 
 The joint positions at which an axis is upright are a thin layer among all joint positions: samples hardly
 ever hit it, and straight lines leave it. Therefore samples, and each step of a branch, are projected onto it
@@ -42,8 +42,10 @@ _CUTS = 120
 
 
 def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]]:
-    """Return by how much a rule's inner limits are exceeded at the first of several joint positions (P, n),
-    each with the measured values (P,) at all of them [rad or m].
+    """Return by how much each limit of an angle or cone constraint, slightly tightened, is exceeded.
+
+    Each item is the excess at the first of P joint positions (P, n), and the measured values (P,) at all of
+    them [rad or m].
     """
     if not isinstance(rule, Sight):
         seen = angles_at(rule, scene, q)
@@ -58,16 +60,17 @@ def _excesses(rule: Pointed, scene: Scene, q: Array) -> list[tuple[float, Array]
 
 
 def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> Array | None:
-    """Return a joint position (n,) near another one at which all rules are kept with some reserve.
+    """Project a joint position: return a near one at which all angle and cone constraints hold with some
+    reserve.
 
     Args:
-        scene: has the arm.
-        rules: the axes and cones.
-        reach: (n,) scale of the joints [m/rad or 1]: joints that move bodies less turn more.
-        q: (n,) [rad or m].
+        scene: the scene with the arm.
+        rules: the axes that keep an angle, and the cones.
+        reach: (n,) scale of each joint [m/rad or 1]: joints that move bodies less turn more.
+        q: (n,) joint position to start from [rad or m].
 
     Returns:
-        The joint position; None if none is found.
+        The projected joint position; None if none is found.
     """
     around = np.concatenate((np.zeros((1, len(q))), np.eye(len(q)) * _DELTA))
     for _ in range(_ROUNDS):
@@ -88,11 +91,11 @@ def pulled(scene: Scene, rules: tuple[Pointed, ...], reach: Array, q: Array) -> 
 
 @frozen(eq=False)
 class _Space:
-    """The data of a search.
+    """The functions and numbers that a search under constraints works with.
 
-    `free` checks joint positions, `pull` projects them, `reach` (n,) is the scale of the joints [m/rad or 1].
-    `step` (n,) is the distance between checks [rad or m], and `low` and `high` (n,) are the range of joint
-    positions.
+    `free` returns True for joint positions without collision, `pull` projects a joint position onto the
+    constraints, and `reach` (n,) is the scale of each joint [m/rad or 1]. `step` (n,) is the distance between
+    joint positions that are checked [rad or m]. `low` and `high` (n,) are the range of joint positions.
     """
 
     free: Callable[[Array], bool]
@@ -103,16 +106,17 @@ class _Space:
     high: Array
 
     def joined(self, one: Array, other: Array) -> bool:
-        """Return True if the straight piece between two joint positions is free; `one` itself isn't
-        checked.
+        """Return True if the straight segment between two joint positions is free of collisions; `one` itself
+        isn't checked.
         """
         count = int(np.ceil(float(np.linalg.norm((other - one) / self.step)))) or 1
         return all(self.free(one + (other - one) * (at / count)) for at in range(count, 0, -1))
 
     def walk(self, one: Array, other: Array) -> list[Array]:
-        """Return joint positions on the way from one position to another.
+        """Return projected joint positions that step from one joint position towards another.
 
-        The walk ends where the way isn't free, or comes no nearer to `other`.
+        They end where the next step would meet an obstacle or leave the joint range, or comes hardly nearer
+        to `other`.
         """
         found: list[Array] = []
         here, left = one, float(np.linalg.norm((other - one) * self.reach))
@@ -142,7 +146,7 @@ class _Tree:
         return int(np.argmin(np.square((self.scaled - q) * reach).sum(axis=1)))
 
     def grow(self, parent: int, points: list[Array]) -> int:
-        """Add a branch, and return the number of its end."""
+        """Add a branch of joint positions to the tree, and return the index of its last one."""
         for one in points:
             self.points.append(one)
             self.parents.append(parent)
@@ -152,7 +156,7 @@ class _Tree:
         return parent
 
     def way(self, at: int) -> list[Array]:
-        """Return the way from a root to a point."""
+        """Return the joint positions from the root of the tree to the point number `at`."""
         found = []
         while at >= 0:
             found.append(self.points[at])
@@ -163,14 +167,18 @@ class _Tree:
 def along_rules(
     scene: Scene, rules: tuple[Pointed, ...], question: Question, effort: Effort
 ) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included, along which rules
-    are kept; or how near the search came.
+    """Search for a joint-space polyline from a start to a goal along which the angle and cone constraints are
+    kept.
 
     Args:
-        scene: has the arm.
-        rules: the axes and cones.
-        question: its `free` checks the rules too.
+        scene: the scene with the arm.
+        rules: the axes that keep an angle, and the cones.
+        question: starts and goals; its function `free` checks the constraints too.
         effort: parameters of the search.
+
+    Returns:
+        The corners (k, n) [rad or m], start and goal included; or, if none is found, where the search came
+        nearest to the goal.
     """
     random = np.random.default_rng(effort.seed)
     low, high = bounds_of(question)
@@ -207,7 +215,7 @@ def along_rules(
 
 
 def _shortened(space: _Space, points: list[Array], random: np.random.Generator) -> Array:
-    """Return a way with fewer and shorter pieces and the same ends."""
+    """Return a polyline with the same ends and fewer and shorter segments."""
     for _ in range(_CUTS):
         if len(points) < 3:
             break

@@ -1,7 +1,8 @@
-"""Follow straight legs of the moving frame among obstacles, and tell how far they are free.
+"""Follow straight lines of the moving frame among obstacles, and find how far along each line the arm stays
+free of collisions.
 
-All legs turn the frame about the one axis about which it turns from start to goal, so that a place is a
-position and a share of this turn: four numbers.
+All lines turn the frame about the one axis about which it turns from start to goal. A place of the frame is
+therefore four numbers: a position, and a share of this turn.
 """
 
 from __future__ import annotations
@@ -52,7 +53,10 @@ _BACK = 0.01
 
 @frozen(eq=False)
 class Stand:
-    """A place `x` (4,) of the frame, and the joint position `q` (n,) there [rad or m]."""
+    """A place of the moving frame, and the arm's joint position there.
+
+    `x` (4,) is the position [m] and the share of the turn; `q` (n,) is the joint position [rad or m].
+    """
 
     x: Array
     q: Array
@@ -60,7 +64,10 @@ class Stand:
 
 @frozen(eq=False)
 class Leg:
-    """A leg as far as it is free: `path` up to the place `x` (4,), a share `reached` of what was asked."""
+    """A straight line of the moving frame, cut where it stops being free of collisions.
+
+    `path` leads to the place `x` (4,), which is the share `reached` of the line that was asked for.
+    """
 
     path: CartesianPath
     x: Array
@@ -68,20 +75,20 @@ class Leg:
 
     @property
     def end(self) -> Stand:
-        """The place where the leg ends."""
+        """The place of the frame and the joint position at which the leg ends."""
         return Stand(self.x, self.path.end)
 
 
 @dataclass(slots=True)
 class Legs:
-    """Legs between places of a line's frame, in a room.
+    """Maker of straight lines ("legs") between places of the moving frame, among the obstacles of a room.
 
     Attributes:
-        room: the surroundings.
+        room: the surroundings of the arm.
         line: the straight line from start to goal.
         more: (K,) largest distance that pairs of bodies may be asked to keep in addition to their margins
             [m].
-        floor: smallest singular value that legs keep to.
+        floor: smallest singular value of the Jacobian that is allowed along a leg.
         left: number of legs that may still be followed.
     """
 
@@ -94,7 +101,7 @@ class Legs:
     _padded: dict[float, Room] = field(default_factory=dict)
 
     def pose(self, x: Array) -> Array:
-        """Return the frame's pose (4, 4) at a place (4,)."""
+        """Return the pose (4, 4) of the moving frame for a place (4,): a position and a share of the turn."""
         line = self.line
         if (x == self.goal).all():
             return line.base_from_end
@@ -105,31 +112,41 @@ class Legs:
 
     @property
     def start(self) -> Array:
-        """The place of the start (4,)."""
+        """The place (4,) of the moving frame at the start of the line."""
         return np.append(self.line.base_from_start[:3, 3], 0.0)
 
     @property
     def goal(self) -> Array:
-        """The place of the goal (4,)."""
+        """The place (4,) of the moving frame at the end of the line."""
         return np.append(self.line.base_from_end[:3, 3], 1.0)
 
     @property
     def scale(self) -> Array:
-        """The lengths for which one unit of each of the four numbers counts (4,) [m]."""
+        """The weights (4,) [m] of the four numbers of a place in the distance between two places: 1 for the
+        position, and a lever times the whole angle for the share of the turn.
+        """
         return np.array([1.0, 1.0, 1.0, max(LEVER * self.line.angle, 1e-6)])
 
     def length(self, x: Array, other: Array) -> float:
-        """Return the distance between two places [m]."""
+        """Return the distance between two places of the moving frame [m]; a turn counts by a lever."""
         return float(np.linalg.norm((other - x) * self.scale))
 
     def path(self, stand: Stand, x: Array) -> CartesianPath | float:
-        """Return the path of a leg, without regard to obstacles; or the share that the arm can follow."""
+        """Return the arm's path along the straight line from a stand to the place `x`, without regard to
+        obstacles.
+
+        If the arm can't follow the whole line, return the share of the line that it can follow.
+        """
         self.left -= 1
         self.followed += 1
         return self.between(self.pose(stand.x), self.pose(x), stand.q)
 
     def between(self, pose: Array, end: Array, q: Array) -> CartesianPath | float:
-        """Return the path from a pose (4, 4), where the arm is at `q` (n,), to another one; see `path`."""
+        """Return the arm's path along the straight line between two poses (4, 4) of the moving frame.
+
+        The arm is at `q` (n,) at the first pose. If it can't follow the whole line, return the share that it
+        can.
+        """
         go_on()
         frame = line_between(pose, end)
         if frame is None:
@@ -139,15 +156,16 @@ class Legs:
         return path if isinstance(path, CartesianPath) else path.s
 
     def leg(self, stand: Stand, x: Array, padding: float, step: float, *, whole: bool = False) -> Leg | None:
-        """Return a leg towards a place as far as it is free; None if it isn't at all.
+        """Return the leg from a stand towards a place, as far as it is free of collisions; None if the free
+        part is too short.
 
         Args:
-            stand: where it begins.
-            x: (4,) where it leads.
+            stand: where the leg begins.
+            x: (4,) the place to which it leads.
             padding: distance that bodies keep in addition to their margins, if they do so at start and goal
                 [m].
             step: approximate motion of bodies between two places that are checked [m].
-            whole: True if a part of it is of no use.
+            whole: True if only the whole leg is of use, not a part of it.
         """
         share = 1.0
         path = self.path(stand, x)
@@ -170,7 +188,9 @@ class Legs:
         return Leg(path, x if share == 1.0 else stand.x + share * (x - stand.x), share)
 
     def padded(self, padding: float) -> Room:
-        """Return the room with bodies that keep a distance in addition to their margins, if `more` has it."""
+        """Return the room in which each pair of bodies keeps `padding` in addition to its margin, at most
+        its `more`.
+        """
         if padding not in self._padded:
             scene = self.room.scene
             margin = scene.pairs.margin + np.minimum(self.more, padding)
@@ -180,7 +200,9 @@ class Legs:
         return self._padded[padding]
 
     def _free_until(self, path: CartesianPath, room: Room, step: float) -> float:
-        """Return the last place s of a path up to which all places that are checked are free."""
+        """Return the last place s before the first check that finds a collision or a singularity; 1 if
+        none does.
+        """
         places = self._places(path, step)
         for begin in range(0, len(places), _AT_ONCE):
             s = places[begin : begin + _AT_ONCE]
@@ -195,7 +217,7 @@ class Legs:
         return smallest_singular_values(self.room.robot.chain, q, self.room.flange_from_moving)
 
     def _places(self, path: CartesianPath, step: float) -> Array:
-        """Return places s of a path between which bodies move by about `step` [m], without the start."""
+        """Return places s along a path, about `step` [m] of body motion apart; the start isn't included."""
         track = path.followed
         moves = np.abs(np.diff(track.q, axis=0)) @ reaches(self.room.scene, self.room.robot)
         gone = np.concatenate(([0.0], np.cumsum(moves)))
@@ -205,8 +227,8 @@ class Legs:
         return places
 
     def is_proved(self, path: CartesianPath) -> bool:
-        """Return True if a path keeps a distance from everything that is larger than what bodies can move
-        between two of its places.
+        """Return True if a path is proved to be free of collisions: at places close enough together, the
+        clearance is larger than the distance that bodies can move from one place to the next.
         """
         room, reach = self.padded(_PROVED), reaches(self.room.scene, self.room.robot)
         s = np.concatenate(([0.0], self._places(path, _COARSE)))
@@ -231,7 +253,9 @@ class Legs:
             )
 
     def rounded(self, x: Array) -> Array:
-        """Return the pose (4, 4) at a place (4,), with few decimals of its numbers in mm and deg."""
+        """Return the pose (4, 4) of the moving frame at a place (4,), rounded to few decimals in mm and
+        deg.
+        """
         pose = self.pose(x)
         if (x == self.goal).all():
             return pose

@@ -1,9 +1,9 @@
-"""Find a way of straight legs for the moving frame around obstacles: the straight line if it is free,
-otherwise a polyline, along which the arm keeps its configuration.
+"""Find a polyline of the moving frame around obstacles, along which the arm keeps its configuration; if the
+straight line is free, it is the result.
 
-First, ways of three legs are tried: out of the start in one direction, across, and into the goal in the
-opposite direction. Then two trees of legs grow towards each other. The way is shortened, its corners are
-rounded to few decimals, and all its legs are followed and checked once more, densely.
+First, polylines of three legs are tried: out of the start in one direction, across, and into the goal in the
+opposite direction. Then two trees of legs grow towards each other. The polyline found is shortened, its
+corners are rounded to few decimals, and all its legs are followed and checked once more, densely.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ from yarclang.transforms import constant
 
 @frozen
 class Effort:
-    """The parameters of one search.
+    """The parameters of one search for a polyline.
 
-    `padding` [m] is the distance that pairs keep in addition to their margins if possible. `step` [m] is the
-    approximate motion of bodies between two places that are checked. At most `legs` legs are followed.
+    `padding` [m] is the distance that pairs of bodies keep in addition to their margins if possible. `step`
+    [m] is the approximate motion of bodies between two places that are checked. At most `legs` legs are
+    followed.
     """
 
     padding: float
@@ -44,7 +45,7 @@ EFFORTS = (Effort(0.02, 0.03, 350), Effort(0.005, 0.015, 250), Effort(0.0005, 0.
 """Searches made one after the other: first with room to spare, finally close to obstacles."""
 
 QUICK = (Effort(0.01, 0.03, 100),)
-"""Searches for motions that are routed once more."""
+"""Searches for the path of a line for which an earlier search found nothing."""
 
 _DISTANCES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7)
 """Lengths of the first and the last of three legs [m]."""
@@ -73,9 +74,11 @@ _WAYS = 4
 
 @frozen(eq=False)
 class Course:
-    """A way: `poses` (k, 4, 4) of the moving frame at the ends of its legs, the goal last, and the arm's
-    `paths` along them. If there is more than one leg, `between` is what is in the straight line, or None if
-    the arm can't follow it.
+    """A polyline of the moving frame from start to goal, which is free of collisions.
+
+    `poses` (k, 4, 4) are the frame's poses at the ends of the k legs, the goal last; `paths` are the arm's
+    paths along the legs. If there is more than one leg, `between` is the obstruction in the straight line, or
+    None if the arm can't follow the straight line.
     """
 
     poses: Array
@@ -83,7 +86,9 @@ class Course:
     between: Obstruction | None = None
 
     def shares(self, limits: Limits) -> Array:
-        """Return the share of each leg in the duration (k,), estimated from the joints' speeds."""
+        """Return the share of the whole duration that each leg takes (k,), estimated from the joints'
+        speeds.
+        """
         times = np.array([_time(path, limits) for path in self.paths])
         shares: Array = times / times.sum()
         return shares
@@ -98,16 +103,16 @@ def find_course(
     efforts: Sequence[Effort] = EFFORTS,
     searches: int = 1,
 ) -> Course | NoWay:
-    """Find a way of straight legs. The same question always has the same answer.
+    """Find a polyline of the moving frame around obstacles. The same arguments always give the same result.
 
     Args:
-        room: the surroundings; None if nothing can be in the way.
+        room: the surroundings of the arm; None if there are no obstacles.
         line: the straight line of the moving frame.
-        straight: the arm's path along it; None if the arm can't follow it.
-        start: (n,) [rad or m], within limits.
+        straight: the arm's path along the straight line; None if the arm can't follow it.
+        start: (n,) joint position at the start [rad or m], within limits.
         goals: joint positions (n,) at the goal, the nearest first.
-        efforts: searches to make one after the other until one finds a way.
-        searches: number of ways to find; the fastest is taken.
+        efforts: searches to make one after the other until one finds a polyline.
+        searches: number of polylines to find; the fastest is taken.
     """
     one = line.base_from_end[None]
     if room is None:
@@ -168,7 +173,7 @@ def _left(legs: Legs, stand: Stand) -> float:
 
 
 def _between(room: Room, path: CartesianPath) -> Obstruction | None:
-    """Return what is in the way on a path, in the middle of the blocked places; None if nothing is."""
+    """Return the obstruction in the middle of the blocked places along a path; None if the path is free."""
     q = path.joints(np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s))))
     blocked = np.flatnonzero(room.clearances(q, 0.1) <= 0.0)
     return room.obstruction(q[blocked[len(blocked) // 2]]) if len(blocked) else None
@@ -179,7 +184,9 @@ _PLACES = 257
 
 
 def _ahead(legs: Legs, stand: Stand) -> Obstruction:
-    """Return what is in the way, or comes nearest, from a place straight to the goal."""
+    """Return the first obstruction on the straight line from a stand to the goal, or what comes nearest to
+    being one.
+    """
     path = legs.path(stand, legs.goal)
     if not isinstance(path, CartesianPath):
         if path <= 0.0 or not isinstance(
@@ -195,7 +202,9 @@ def _ahead(legs: Legs, stand: Stand) -> Obstruction:
 
 @dataclass(slots=True)
 class _Tree:
-    """Legs that begin at one place; `parents` has for each stand the number of the one before."""
+    """A tree of legs that begins at one stand; `parents` has the index of the previous stand for each
+    stand.
+    """
 
     stands: list[Stand]
     parents: list[int]
@@ -210,7 +219,7 @@ class _Tree:
         return len(self.stands) - 1
 
     def way(self, number: int) -> list[Array]:
-        """Return the places from the root to a stand."""
+        """Return the places (4,) of the frame from the root of the tree to the stand number `number`."""
         way = []
         while number >= 0:
             way.append(self.stands[number].x)
@@ -229,7 +238,7 @@ class _Search:
     """The stand that came nearest to the goal."""
 
     def ways(self) -> Iterator[list[Array]]:
-        """Yield ways as places (4,), start and goal included."""
+        """Yield polylines as lists of the frame's places (4,), start and goal included."""
         if self.seed == 0:
             yield from self._in_three()
         yield from self._by_trees()
@@ -242,7 +251,7 @@ class _Search:
             self.nearest = stand
 
     def _in_three(self) -> Iterator[list[Array]]:
-        """Yield ways out of the start, across and into the goal, the shortest first."""
+        """Yield polylines of three legs: out of the start, across, and into the goal; the shortest first."""
         legs = self.legs
         back = Stand(legs.goal, self.goals[0])
         farthest = _DISTANCES[-1]
@@ -270,7 +279,7 @@ class _Search:
                 yield [self.start.x, stand.x, place, legs.goal]
 
     def _by_trees(self) -> Iterator[list[Array]]:
-        """Yield ways found by trees that grow towards each other from start and goal."""
+        """Yield polylines found by two trees of legs, which grow towards each other from start and goal."""
         legs = self.legs
         random = np.random.default_rng((self.seed, len(self.goals)))
         trees = (
@@ -309,7 +318,10 @@ class _Search:
                 other = met
 
     def _grown(self, tree: _Tree, parent: int, x: Array) -> int | None:
-        """Return the number of a new stand on the way to a place, at most a branch away."""
+        """Grow a tree from one of its stands towards a place, by at most the length `_BRANCH`.
+
+        Return the index of the new stand; None if no leg is possible.
+        """
         stand = tree.stands[parent]
         length = self.legs.length(stand.x, x)
         if length > _BRANCH:
@@ -323,7 +335,7 @@ class _Search:
 
 
 def _box(legs: Legs) -> tuple[Array, Array]:
-    """Return the corners (4,) of the space in which places are drawn."""
+    """Return the lowest and the highest corner (4,) of the box in which places of the frame are drawn."""
     size = arm_length(legs.room.robot.chain, legs.room.flange_from_moving)
     low = np.minimum(legs.start, legs.goal) - 0.5 * size
     high = np.maximum(legs.start, legs.goal) + 0.5 * size
@@ -332,8 +344,8 @@ def _box(legs: Legs) -> tuple[Array, Array]:
 
 
 def _directions(legs: Legs) -> Iterator[tuple[Array, Array]]:
-    """Yield directions out of start and goal (3,): along the axes of the frame there, its z axis first, along
-    the axes of {B}, and between them.
+    """Yield pairs of unit vectors (3,), out of the start and out of the goal: along the axes of the frame
+    there, its z axis first, along the axes of {B}, and between them.
     """
     ends = legs.line.base_from_start, legs.line.base_from_end
     for axis in (2, 0, 1):
@@ -354,10 +366,10 @@ _AXES = [
 
 
 def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, limits: Limits) -> list[Array]:
-    """Return a shorter way: corners that aren't needed are left out, the others are moved inwards."""
+    """Return a faster polyline: corners that aren't needed are left out, the others are moved inwards."""
 
     def follow(way: list[Array]) -> float | None:
-        """Return the duration of a way, estimated; None if it isn't free."""
+        """Return the estimated duration of a polyline [s]; None if it isn't free of collisions."""
         stand, time = Stand(way[0], start), 0.0
         for x in way[1:]:
             leg = legs.leg(stand, x, effort.padding, effort.step, whole=True)
@@ -395,7 +407,9 @@ def _shortened(legs: Legs, start: Array, corners: list[Array], effort: Effort, l
 
 
 def _proved(legs: Legs, start: Array, corners: list[Array]) -> Course | None:
-    """Return the way with corners of few decimals; None if it isn't surely free."""
+    """Return the polyline with rounded corners as a `Course`; None if it isn't proved to be free of
+    collisions.
+    """
     poses, paths = list[Array](), list[CartesianPath]()
     pose, q = legs.line.base_from_start, start
     for x in corners[1:]:
@@ -410,6 +424,6 @@ def _proved(legs: Legs, start: Array, corners: list[Array]) -> Course | None:
 
 
 def _time(path: CartesianPath, limits: Limits) -> float:
-    """Return about the duration of a leg [s]."""
+    """Estimate the duration of a leg, with the stop at its end [s]."""
     moves = np.abs(np.diff(path.followed.q, axis=0)).sum(axis=0)
     return float((moves / limits.velocity).max()) + _STOP

@@ -1,4 +1,6 @@
-"""Word findings about ways around obstacles and blocked configurations; see `yarclang.motion.messages`."""
+"""Word findings about detours around obstacles and blocked arm configurations; see
+`yarclang.motion.messages`.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,7 @@ _SHOWN = 4
 
 
 def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
-    """Return the finding that a way around obstacles was taken, with its way-points."""
+    """Return the finding that a joint motion makes a detour around obstacles, with its way-points."""
     count = len(way.waypoints) - 1
     in_way = inside(way.between) if way.between is not None else "something is in the straight way"
     message = (
@@ -37,7 +39,9 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
 
 
 def way_of_lines(course: Course, step: Motion) -> Message:
-    """Return the finding that a line goes round obstacles, with the places of its corners."""
+    """Return the finding that a straight line is replaced by a polyline around obstacles, with the positions
+    of its corners.
+    """
     why = inside(course.between) if course.between is not None else "the arm can't follow it"
     corners = course.poses[:-1, :3, 3] / MM
     count = len(corners)
@@ -57,7 +61,7 @@ def way_of_lines(course: Course, step: Motion) -> Message:
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
-    """Return the finding that no path exists, or that none was found.
+    """Return the finding that no path around obstacles exists, or that none was found.
 
     It names the obstruction at the start, at the goal, or in between.
     """
@@ -90,8 +94,8 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
 
 
 def tried(robot: Robot, why: NoWay) -> str:
-    """Return a clause with the number of tries, a reminder that they prove nothing, and the farthest place of
-    the search.
+    """Return a clause with the number of samples tried, a reminder that they prove nothing, and the place at
+    which the search came nearest to the goal.
     """
     said = f"in {why.tries:,} tries, which doesn't prove that there is none: "
     if why.has_corners:
@@ -107,8 +111,8 @@ def tried(robot: Robot, why: NoWay) -> str:
 
 
 def parted(robot: Robot, parting: Parting | Barrier) -> str:
-    """Return a clause that names the zone between start and target, and its joint or the item that can't get
-    past the zone.
+    """Return a clause that names the zone that separates start and target, and the joint or the item that
+    can't get past this zone.
     """
     if isinstance(parting, Barrier):
         return (
@@ -126,7 +130,9 @@ def parted(robot: Robot, parting: Parting | Barrier) -> str:
 def configuration_blocked(
     robot: Robot, step: Motion, taken: Array, nearest: tuple[Array, Obstruction], which: str
 ) -> Message:
-    """Return the finding that another solution was taken because the nearest one isn't free."""
+    """Return the finding that another inverse-kinematics solution was taken, because the nearest one
+    collides.
+    """
     origin = step.origin
     message = (
         f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: "
@@ -139,7 +145,9 @@ def configuration_blocked(
 def configuration_without_way(
     robot: Robot, step: Motion, taken: Array, nearest: Array, why: NoWay
 ) -> Message:
-    """Return the finding that another solution was taken because no way to the nearest one was found."""
+    """Return the finding that another inverse-kinematics solution was taken, because no path to the nearest
+    one was found.
+    """
     origin = step.origin
     message = (
         f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to "
@@ -152,7 +160,7 @@ def configuration_without_way(
 def every_configuration_blocked(
     robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
 ) -> Message:
-    """Return the finding that no solution of a pose is free."""
+    """Return the finding that all inverse-kinematics solutions of a target pose collide."""
     first = {one.names: one for _, one in reversed(blocked)}
     reasons = [inside(first[names]) for names in dict.fromkeys(one.names for _, one in blocked)]
     count = len(blocked)
@@ -171,14 +179,15 @@ _BLOCKED = "Y0925"
 def with_changes(
     told: Message, goal: PoseGoal, changes: tuple[Change, ...], origin: Origin, *, is_alone: bool
 ) -> Message:
-    """Add helpful changes to a message about a pose that can't be taken, the first one with its numbers.
+    """Add helpful changes of the target to a message about a pose that can't be taken; the first change is
+    given with its numbers.
 
     Args:
         told: the message.
-        goal: the pose.
+        goal: the target pose.
         changes: the changes that help; empty if none of those tried helps.
-        origin: its command.
-        is_alone: True if the command has no other way-point: then the first change may be a fix.
+        origin: the command that gives the pose.
+        is_alone: True if the command has no other way-point: then the first change may be offered as a fix.
     """
     code, message, span, help_, _ = told
     if changes:
@@ -192,7 +201,7 @@ def with_changes(
 
 
 def inside(one: Obstruction) -> str:
-    """Return the obstruction as the end of a sentence."""
+    """Return words for an obstruction, as the end of a sentence."""
     moving, other = one.names
     if one.is_tilt:
         return f"{moving} tilts {max(one.distance / DEG, 0.001):.3g} deg more than {other} allows"
@@ -211,7 +220,7 @@ def inside(one: Obstruction) -> str:
 
 
 def in_way(one: Obstruction) -> str:
-    """Return the obstruction, or the item that comes nearest to one, as the end of a sentence."""
+    """Return words for an obstruction, or for the item nearest to being one, as the end of a sentence."""
     moving, other = one.names
     if one.is_zone and one.distance <= 0.0:
         return f"zone {other} leaves {moving} too little room"
@@ -221,8 +230,8 @@ def in_way(one: Obstruction) -> str:
 
 
 def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
-    """Return a fix that declares the way-points and writes MOVEJ_SPLINE; None if the command's line is
-    executed in several places.
+    """Return a fix that declares the way-points of a detour and writes MOVEJ_SPLINE through them; None if the
+    command's line is executed in several places of the program.
     """
     origin = step.origin
     if not origin.index or ">" in origin.place or "(" in origin.place:
@@ -249,7 +258,9 @@ def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
 
 
 def _written(robot: Robot, q: Array, fine: int = 4) -> str:
-    """Return a joint position as numbers with at most `fine` decimals; those of way-points have two."""
+    """Return a joint position as text, with at most `fine` decimals per number; way-points are given with
+    two.
+    """
     return " ".join(
         f"{value:.{fine}f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, fine) + 0.0
     )

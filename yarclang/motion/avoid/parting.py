@@ -1,6 +1,6 @@
-"""Detect zones that certainly separate two joint positions, without a search.
+"""Detect forbidden zones that certainly separate two joint positions, without a search.
 
-No motion gets past such a zone, whatever the other joints do.
+No motion between the two gets past such a zone, whatever the other joints do.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from yarclang.shapes import Box
 
 @frozen
 class Parting:
-    """A forbidden window of a single joint between start and goal.
+    """A forbidden range of a single joint, which lies between start and goal.
 
     The zone `name` forbids the positions from `lower` to `upper` [rad or m] of joint number `joint`, counted
     from 0.
@@ -46,7 +46,9 @@ class Barrier:
 
 
 def parting(room: Room, start: Array, goal: Array) -> Parting | Barrier | None:
-    """Return a zone that certainly separates `start` from `goal` (n,) [rad or m]; None if there is none."""
+    """Return a zone that certainly separates the joint positions `start` and `goal` (n,) [rad or m]; None if
+    no zone certainly does.
+    """
     for watch in room.watches:
         if watch.zone.rule != "forbidden":
             continue
@@ -73,7 +75,7 @@ def _window(limits: Limits, watch: Watch, start: Array, goal: Array) -> Parting 
 
 
 def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | None:
-    """Return a zone as a barrier; None if it isn't one.
+    """Return a box zone as a barrier between start and goal; None if a point might get past the box.
 
     A box is a barrier if the watched item can't reach the box's other faces: a point of the item would then
     have to go through the box.
@@ -103,10 +105,12 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
 
 
 def _reach(chain: Chain, limits: Limits, item: Item) -> tuple[Array, float]:
-    """Return a ball that the first point of an item never leaves: middle (3,) in {B} and radius [m].
+    """Return a ball that the first point of a watched item never leaves, as its center (3,) in {B} and radius
+    [m].
 
     A turn about an axis keeps the distances to points of the axis. From the item to the first axis, the
-    distances from one axis to the nearest point of the next therefore add up, together with all slides.
+    distances from one axis to the nearest point of the next therefore add up, together with the travel of all
+    prismatic joints.
     """
     lines, way = lines_of(chain), np.maximum(np.abs(limits.lower), np.abs(limits.upper))
     point, radius = item.points[0], 0.0

@@ -1,5 +1,5 @@
-"""Describe the surroundings in which a way is searched for: limits, bodies and zones, and the levers by which
-joints move the bodies.
+"""Describe the surroundings in which a path is searched for: joint limits, bodies, zones, and the levers by
+which joints move the bodies.
 """
 
 from __future__ import annotations
@@ -44,9 +44,11 @@ TOUCH = 1e-6
 
 @frozen(eq=False)
 class Obstruction:
-    """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
-    and by how much it is broken [m; rad or m for joints; rad for a tilt; either for a sight]. `aim` is the
-    angle [rad] and the distance [m] of a point from the apex of its cone.
+    """The worst violation at a joint position: two bodies too close, or a watched item that breaks a zone.
+
+    For two bodies, their distance is given [m]. For a zone, it is by how much the zone is broken [m; rad or m
+    for joints; rad for a tilt; either for a sight]. `aim` is the angle [rad] and the distance [m] of a point
+    from the apex of its cone.
     """
 
     names: tuple[str, str]
@@ -58,10 +60,10 @@ class Obstruction:
 
 @frozen(eq=False)
 class Room:
-    """The surroundings of a robot while a frame is moved: the bodies, and the watches of all zones but slow
-    ones.
+    """The surroundings of a robot while a frame is moved: the bodies that may collide, and all zones but
+    those that only limit speed.
 
-    `flange_from_moving` (4, 4) is the moved frame [m].
+    `flange_from_moving` (4, 4) is the pose of the moved frame on the flange [m].
     """
 
     robot: Robot
@@ -71,12 +73,12 @@ class Room:
 
     @property
     def rules(self) -> tuple[Pointed, ...]:
-        """The angles that axes keep along the way, and the cones in which points stay."""
+        """The constraints on the path: angles that axes keep, and cones in which points stay."""
         regions = (watch.zone.region for watch in self.watches)
         return tuple(one for one in regions if isinstance(one, Pointed))
 
     def obstruction(self, q: Array) -> Obstruction | None:
-        """Return the worst obstruction at a joint position (n,) [rad or m]; None if nothing is in the way."""
+        """Return the worst violation at a joint position (n,) [rad or m]; None if the position is free."""
         left = gaps(self.scene, q)
         if len(left) and (worst := int(np.argmin(left))) >= 0 and left[worst] <= 0.0:
             return Obstruction(
@@ -90,8 +92,8 @@ class Room:
         return self._broken(watch, -by, q)
 
     def nearest(self, q: Array) -> Obstruction:
-        """Return the worst obstruction at a joint position (n,) [rad or m], or the pair or zone that is
-        nearest to being one.
+        """Return the worst violation at a joint position (n,) [rad or m]; if there is none, the pair of
+        bodies or the zone that is nearest to one.
         """
         found = self.obstruction(q)
         if found is not None:
@@ -131,7 +133,7 @@ class Room:
             yield found
 
     def free_among(self, q: Sequence[Array]) -> Iterator[Array]:
-        """Yield those of several joint positions (n,) at which nothing is in the way, in their order.
+        """Yield those of several joint positions (n,) that are free of obstructions, in their order.
 
         `_AT_ONCE` positions are checked together, and later ones only if they are requested. Positions that
         differ by full turns are checked once, unless a zone is about joints.
@@ -159,10 +161,12 @@ class Room:
         return bytes((np.round(turned, 9) + 0.0).tobytes())
 
     def clearances(self, q: Array, near: float) -> Array:
-        """Return the least reserve at joint positions (N, n): (N,) [m; rad or m for a joint window].
+        """Return the least reserve at each of N joint positions (N, n), as (N,) [m; rad or m for a joint
+        window].
 
         The reserve of a pair of bodies is its distance less its margin; that of a zone is its distance from
-        being broken. The result is negative if something is in the way, and at most `near`.
+        being broken. The reserve is negative if something is in the way. Values above `near` are given as
+        `near`.
         """
         left = self.spare(q, near)
         for watch in self.watches:
@@ -170,9 +174,10 @@ class Room:
         return left
 
     def spare(self, q: Array, near: float) -> Array:
-        """Return the least distance less margin of any pair of bodies at joint positions (N, n): (N,) [m].
+        """Return the least distance less margin among all pairs of bodies at each of N joint positions (N,
+        n), as (N,) [m].
 
-        The result is at most `near`.
+        Values above `near` are given as `near`.
         """
         scene, left = self.scene, np.full(len(q), near)
         count = len(scene.pairs.first)
@@ -189,17 +194,18 @@ class Room:
         return left
 
     def is_free(self, q: Array) -> bool:
-        """Return True if nothing is in the way at a joint position (n,). The inside of hollow meshes isn't
-        examined.
+        """Return True if a joint position (n,) has no collision and breaks no zone. The inside of hollow
+        meshes isn't examined.
         """
         return plain_free_space(self.scene).has(q) and self._keeps(q)
 
     def doubts(self, course: Course, more: Array | float = 0.0) -> Array:
-        """Return times (T,) at which a course isn't proved to be free; empty if it is.
+        """Return times (T,) at which a motion isn't proved to be free of collisions; empty if the proof
+        succeeds.
 
         Args:
-            course: one motion.
-            more: (K,) the distance that pairs keep in addition to their margins [m].
+            course: the motion over time.
+            more: (K,) the distance that pairs of bodies keep in addition to their margins [m].
         """
         scene = replace(self.scene, pairs=replace(self.scene.pairs, margin=self.scene.pairs.margin + more))
         span = np.array([[0, len(course.x)]])
@@ -211,17 +217,17 @@ class Room:
         return np.array(times)
 
     def padding(self, start: Array, goal: Array, most: float) -> Array:
-        """Return the additional distance beyond their margins that pairs should keep, (K,) [m].
+        """Return the distance that each pair of bodies should keep in addition to its margin, (K,) [m].
 
-        It is `most`, or half of the reserve at the ends if that is less.
+        It is `most`, or half of the pair's reserve at start and goal if that is less.
         """
         least = np.minimum(gaps(self.scene, start), gaps(self.scene, goal))
         return np.clip(least / 2.0, 0.0, most)
 
     def check(self, more: Array) -> Callable[[Array], bool]:
-        """Return a function that returns True for free joint positions (n,).
+        """Return a function that returns True for joint positions (n,) without collision.
 
-        Pairs keep `more` (K,) in addition to their margins [m].
+        Pairs of bodies keep `more` (K,) in addition to their margins [m].
         """
         space = free_space(self.scene, more)
         return lambda q: space.has(q) and self._keeps(q)
@@ -237,7 +243,7 @@ JOINTS = "the joints"
 """The watched item of a joint window."""
 
 _INSIDE = 1e-5
-"""Distance that a way keeps from the borders of zones [m]; a smaller one couldn't be proved."""
+"""Distance that a path keeps from the borders of zones [m]; a smaller one couldn't be proved."""
 
 
 def _of_joints(watch: Watch) -> bool:
@@ -247,8 +253,7 @@ def _of_joints(watch: Watch) -> bool:
 def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
     """Return the surroundings of a robot while a frame is moved.
 
-    The result is None if nothing can be in the way, or if a mesh can't be read, which the certificate
-    reports.
+    The result is None if there are no obstacles, or if a mesh can't be read, which the certificate reports.
     """
     zones = cell is not None and any(zone.rule != "slow" for zone in cell.zones)
     if not (robot.shapes or zones or (cell is not None and cell.obstacles)):
@@ -263,7 +268,8 @@ def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
 
 @lru_cache(maxsize=32)
 def reaches(scene: Scene, robot: Robot) -> Array:
-    """Return the approximate largest lever of each joint on any body, (n,) [m/rad, or 1 for a slide].
+    """Return, for each joint, the approximate largest lever by which it moves any body, (n,) [m/rad, or 1 for
+    a prismatic joint].
 
     The levers make distances in joint space comparable.
     """

@@ -1,4 +1,4 @@
-"""Find a way of straight pieces through joint space by OMPL's RRT-Connect and shortcuts.
+"""Find a polyline through joint space by OMPL's RRT-Connect and shortcuts.
 
 OMPL's random numbers come from one seed, which is set before any object of OMPL is created. A search ends by
 the number of its samples, never by a clock. The same question therefore has the same answer in every process,
@@ -21,13 +21,13 @@ from yarclang.robot.model import Limits
 
 @frozen
 class Effort:
-    """The parameters of one search.
+    """The parameters of one search in joint space.
 
-    `padding` [m] is the distance that pairs keep in addition to their margins if possible. `step` [m] is the
-    approximate motion of bodies between two joint positions that are checked. At most `samples` samples are
-    drawn, with the random numbers of `seed`. `lines` is the number of straight lines by which the tool is
-    first drawn out of start and goal (`backing`). With `is_for_lines`, the search is skipped if no line leads
-    out of either.
+    `padding` [m] is the distance that pairs of bodies keep in addition to their margins if possible. `step`
+    [m] is the approximate motion of bodies between two joint positions that are checked. At most `samples`
+    samples are drawn, with the random numbers of `seed`. `lines` is the number of straight lines by which the
+    tool is first drawn out of start and goal (`backing`). With `is_for_lines`, the search is skipped if no
+    such line leads out of either.
     """
 
     padding: float
@@ -40,11 +40,11 @@ class Effort:
 
 @frozen(eq=False)
 class Question:
-    """A question to a search: the way from any of several starts to any of several goals.
+    """The input of a search: a path is wanted from any of several starts to any of several goals.
 
-    `starts` (k, n) and `goals` (m, n) are joint positions [rad or m] within limits. `reach` (n,) are the
-    joints' scales [m/rad or 1]. `free` returns True for free joint positions. `is_over` returns True to end
-    the search before its samples are used up.
+    `starts` (k, n) and `goals` (m, n) are joint positions [rad or m] within limits. `reach` (n,) is the scale
+    of each joint [m/rad or 1]. `free` is a function that returns True for joint positions without collision.
+    `is_over` is a function that returns True to end the search before its samples are used up.
     """
 
     starts: Array
@@ -57,11 +57,10 @@ class Question:
 
 @frozen(eq=False)
 class Apart:
-    """The result of a search that found no way.
+    """The result of a search that found no path: where its two trees come nearest to each other.
 
-    `q` (n,) is a position reached from the starts, and `beyond` (n,) one from which a goal is reached: the
-    nearest two of all. `left` is the distance between them [m, of bodies]. `tries` is the number of samples
-    drawn.
+    `q` (n,) is a joint position reached from the starts, and `beyond` (n,) one from which a goal is reached.
+    `left` is the distance between the two [m, of bodies]. `tries` is the number of samples drawn.
     """
 
     q: Array
@@ -74,16 +73,18 @@ _RANGE = 1.0
 """Longest branch of a search tree [m, of bodies]."""
 
 _INNER = 0.01
-"""Distance that ways keep from the joint limits [rad or m], so that a curve has room to swing."""
+"""Distance that polylines keep from the joint limits [rad or m], so that a curve through them has room to
+swing.
+"""
 
 _FARTHEST = 6.4
 """Largest motion of a joint without limits from its start or goal [rad or m]."""
 
 
 def polyline(question: Question, effort: Effort) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included.
+    """Return the corners (k, n) [rad or m] of a joint-space polyline from a start to a goal, both included.
 
-    If no way is found, the result is the place at which the two trees come nearest to each other.
+    If no polyline is found, the result says where the two search trees come nearest to each other.
     """
     from ompl import base, geometric, util
 
@@ -161,7 +162,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
 
 
 def _apart(question: Question, data: Any, tries: int) -> Apart:
-    """Return the place at which the two trees of a search come nearest to each other."""
+    """Return the joint positions at which the two trees of a failed search come nearest to each other."""
     from scipy.spatial import cKDTree
 
     trees: dict[int, list[list[float]]] = {_FROM_START: [], _FROM_GOAL: []}
@@ -185,15 +186,17 @@ _FROM_START, _FROM_GOAL = 1, 2
 
 
 def _nearest(ends: Array, q: Array) -> Array:
-    """Return the exact end of a way: the joint position of `ends` (k, n) that is nearest to `q` (n,)."""
+    """Return the one of the joint positions `ends` (k, n) that is nearest to `q` (n,), to replace an end of
+    the path that the search has rounded.
+    """
     found: Array = ends[int(np.argmin(np.abs(ends - q).max(axis=1)))]
     return found
 
 
 def bounds_of(question: Question) -> tuple[Array, Array]:
-    """Return the least and the largest joint positions (n,) of the search.
+    """Return the lower and the upper bounds (n,) of the joint positions that the search samples.
 
-    They are slightly inside the limits, but include start and goal.
+    They are slightly inside the joint limits, but include start and goal.
     """
     ends = np.concatenate([question.starts, question.goals])
     least, most = ends.min(axis=0), ends.max(axis=0)

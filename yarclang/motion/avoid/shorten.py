@@ -1,5 +1,5 @@
-"""Shorten ways in time: the measure is the time that joints need at their limits, not the distance that
-bodies travel.
+"""Shorten joint-space polylines in time: the measure is the time that joints need at their speed limits, not
+the distance that bodies travel.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ TRIES = 200
 """Number of shortcuts that are tried."""
 
 _LEAST = 0.005
-"""Least share of the whole way that a shortcut must save to be checked."""
+"""Least share of the whole polyline's time that a shortcut must save to be checked."""
 
 _PLACES = 201
 
 
 def duration(curve: NaturalSpline, limits: Limits) -> float:
-    """Estimate the time that a curve takes from rest to rest within the limits of velocity and acceleration
-    [s].
+    """Estimate the duration [s] of the motion along a curve from rest to rest, within the limits of velocity
+    and acceleration.
 
-    The estimate is that of a law of motion that is a polynomial of degree 5.
+    The estimate assumes a motion profile that is a polynomial of degree 5.
     """
     u = np.linspace(0.0, 1.0, _PLACES)[:, None]
     # First and second derivative of s(u) = u^3 (10 - 15 u + 6 u^2). By the chain rule, q' = y' s' and q'' =
@@ -43,20 +43,20 @@ def duration(curve: NaturalSpline, limits: Limits) -> float:
 def shortened(
     corners: Array, free: Callable[[Array], bool], step: Array, velocity: Array, seed: int
 ) -> Array:
-    """Shorten a way of straight pieces in time, at the joints' largest speeds, with the same ends.
+    """Shorten a joint-space polyline in time, at the joints' largest speeds, with the same ends.
 
-    Parts of the way are replaced by straight pieces, of all joints or of one joint alone, wherever the piece
-    is shorter and free.
+    Parts of the polyline are replaced by straight segments, of all joints or of one joint alone, wherever the
+    segment is faster and free of collisions.
 
     Args:
-        corners: (w, n) [rad or m], of a way that is free.
-        free: returns True if a joint position (n,) is free.
+        corners: (w, n) the corners [rad or m] of a polyline that is free of collisions.
+        free: function that returns True if a joint position (n,) is free.
         step: (n,) distance between joint positions that are checked [rad or m].
         velocity: (n,) the joints' largest speeds [rad/s or m/s].
         seed: seed of the random choices.
 
     Returns:
-        The corners of the shortened way (k, n) [rad or m].
+        The corners of the shortened polyline (k, n) [rad or m].
     """
     random = np.random.default_rng(seed)
     points = corners
@@ -80,8 +80,9 @@ def shortened(
 
 
 def _length(points: Array, velocity: Array) -> Array:
-    """Return the time up to each corner, (k,) [s]: that of the slowest joint, plus a small share of the times
-    of all joints.
+    """Return the time from the start of a polyline to each corner, (k,) [s].
+
+    A leg counts for the time of its slowest joint, plus a small share of the times of all joints.
     """
     legs = np.abs(np.diff(points, axis=0)) / velocity
     taken = legs.max(axis=1) + _ALL * np.linalg.norm(legs, axis=1)
@@ -93,13 +94,14 @@ _ALL = 0.1
 
 
 def _cut(points: Array, length: Array, first: float, last: float, joint: int) -> tuple[Array, int, int]:
-    """Return the way with a straight piece between two places, and the range of its corners that are new.
+    """Return the polyline with a straight segment between two places on it, and the range of corners that are
+    new.
 
     Args:
-        points: the way's corners.
-        length: the time up to each corner.
-        first: the first place, as a time.
-        last: the second place, as a time.
+        points: the corners of the polyline.
+        length: the time from the start to each corner [s].
+        first: the place where the segment begins, as a time from the start [s].
+        last: the place where the segment ends, as a time from the start [s].
         joint: the joint that goes straight, or -1 for all.
     """
     legs = np.searchsorted(length, [first, last], side="right") - 1
@@ -118,7 +120,9 @@ def _cut(points: Array, length: Array, first: float, last: float, joint: int) ->
 
 
 def _is_free(one: Array, other: Array, free: Callable[[Array], bool], step: Array) -> bool:
-    """Return True if the straight piece between two joint positions is free; its middle is checked first."""
+    """Return True if the straight segment between two joint positions is free of collisions; its middle is
+    checked first.
+    """
     count = max(int(np.ceil(np.linalg.norm((other - one) / step))), 1)
     order = _by_halves(count)
     return all(free(q) for q in one + (order / count)[:, None] * (other - one))
@@ -140,7 +144,7 @@ def _by_halves(count: int) -> Array:
 
 
 def _without_idle(points: Array, velocity: Array) -> Array:
-    """Return the way without corners that coincide with others or lie on a straight line."""
+    """Return the polyline without corners that coincide with others or lie on a straight line."""
     kept = [points[0]]
     for at in range(1, len(points) - 1):
         before, here, after = kept[-1], points[at], points[at + 1]

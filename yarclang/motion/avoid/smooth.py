@@ -1,5 +1,5 @@
-"""Turn a way of straight pieces into the natural spline through way-points, which has a continuous
-acceleration and is proved to be free.
+"""Turn a joint-space polyline into the natural spline through way-points, which has a continuous acceleration
+and is proved to be free of collisions.
 """
 
 from __future__ import annotations
@@ -33,10 +33,11 @@ _PIECES = 4
 
 @frozen(eq=False)
 class Bend:
-    """The clearance that a curve must keep.
+    """The surroundings of a curve in joint space, and the clearance that the curve must keep.
 
-    `free` returns True for free joint positions, which are checked about `step` (n,) apart [rad or m]. `more`
-    (K,) is the distance that pairs of bodies are proved to keep in addition to their margins [m].
+    `free` is a function that returns True for joint positions without collision; positions are checked about
+    `step` (n,) apart [rad or m]. `more` (K,) is the distance that pairs of bodies are proved to keep in
+    addition to their margins [m].
     """
 
     room: Room
@@ -45,28 +46,28 @@ class Bend:
     more: Array
 
     def curve(self, points: Array) -> NaturalSpline:
-        """Return the curve through way-points (w, n), the start included."""
+        """Return the natural spline through way-points (w, n), the first of which is the start."""
         return through(points, self.room.robot.chain.is_prismatic).spline
 
     def seen(self, curve: NaturalSpline) -> Array:
-        """Return places s (T,) at which samples show that a curve is beyond joint limits; if there are none,
-        places at which it isn't free.
+        """Return places s (T,) at which samples of a curve are beyond joint limits; if none is, places at
+        which samples collide.
         """
         beyond = _swings_out(self.room, curve)
         return beyond if len(beyond) else _hits(curve, self.free, self.step)
 
     def doubts(self, curve: NaturalSpline) -> Array:
-        """Return places s (T,) at which a curve isn't proved to be free."""
+        """Return places s (T,) at which a curve isn't proved to be free of collisions."""
         return self.room.doubts(course_of(curve), self.more)
 
 
 def smooth(bend: Bend, corners: Array) -> Array | None:
-    """Return way-points (k, n), without the start, whose natural spline is proved to be free; None if none
-    are found.
+    """Return way-points (k, n), without the start, whose natural spline is proved to be free of collisions;
+    None if none are found.
 
     Args:
         bend: the clearance to keep.
-        corners: (w, n) [rad or m] of a way of straight pieces that is free.
+        corners: (w, n) the corners [rad or m] of a joint-space polyline that is free of collisions.
     """
     unit = bend.room.robot.axis_units * GRID
     points = corners.copy()
@@ -90,10 +91,12 @@ def smooth(bend: Bend, corners: Array) -> Array | None:
 
 
 def _fewer(bend: Bend, points: Array) -> Array:
-    """Return way-points (w, n), the start included, without those that the curve doesn't need.
+    """Return way-points (w, n), the start included, without those that the curve doesn't need to avoid
+    obstacles.
 
-    A way-point is removed if samples show that the curve stays free. The others are moved towards the
-    straight way as long as the curve stays free, which gives a shorter way with fewer bends.
+    A way-point is removed if samples show that the curve stays free without it. The others are moved towards
+    the straight line between their neighbours as long as the curve stays free, which gives a shorter curve
+    with fewer bends.
     """
     at = 1
     while at < len(points) - 1 and len(points) > 3:
@@ -126,7 +129,7 @@ def _fewer(bend: Bend, points: Array) -> Array:
 
 
 def _straight(points: Array, at: int) -> Array:
-    """Return the place of a way-point on the straight way between its neighbours (n,)."""
+    """Return where a way-point would lie on the straight line between its neighbours in joint space (n,)."""
     before, behind = points[at - 1], points[at + 1]
     chord = behind - before
     share = float((points[at] - before) @ chord / max(float(chord @ chord), 1e-12))
@@ -139,8 +142,8 @@ _PULLS = (0.75, 0.5, 0.25)
 
 
 def course_of(curve: NaturalSpline) -> Course:
-    """Return a spline as a course for the proof of collisions: its parameter, from 0 to 1, is the time
-    [s].
+    """Return a spline as a timed motion for the proof of collisions: its parameter, from 0 to 1, is the
+    time [s].
     """
     width = np.diff(curve.knots)
     begin = (curve.knots[:-1, None] + width[:, None] * np.arange(_PIECES) / _PIECES).ravel()
@@ -160,20 +163,20 @@ def course_of(curve: NaturalSpline) -> Course:
 
 
 def straight_course(start: Array, goal: Array) -> Course:
-    """Return the straight way between two joint positions (n,), in 1 s."""
+    """Return the straight motion in joint space between two joint positions (n,), with a duration of 1 s."""
     way = (goal - start)[None]
     return Course.of(start[None], way, np.zeros_like(way), np.zeros_like(way), np.ones(1), np.abs(way))
 
 
 def _swings_out(room: Room, curve: NaturalSpline) -> Array:
-    """Return places s (T,) at which a curve is beyond joint limits."""
+    """Return places s (T,) at which samples of a curve are beyond joint limits."""
     low, low_at, high, high_at = curve.extremes()
     limits, slack = room.robot.limits, 1e-9 * room.robot.axis_units
     return np.concatenate([low_at[low < limits.lower - slack], high_at[high > limits.upper + slack]])
 
 
 def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> Array:
-    """Return places s (T,) at which a curve isn't free, among samples about a step apart."""
+    """Return places s (T,) at which samples of a curve collide; samples are about a step apart."""
     legs = np.abs(np.diff(curve.values, axis=0)) / step
     counts = np.clip(np.ceil(1.2 * np.sqrt(np.square(legs).sum(axis=1))), 2, 400).astype(np.int64)
     s = np.concatenate(
@@ -187,7 +190,7 @@ def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> A
 
 
 def _between(points: Array, curve: NaturalSpline, wrong: Array, unit: Array) -> Array:
-    """Return the way-points and the middles of those legs on which something is wrong."""
+    """Return the way-points, with a new one in the middle of each leg on which the curve collides."""
     legs = np.unique(np.clip(np.searchsorted(curve.knots, wrong, side="right") - 1, 0, len(points) - 2))
     legs = legs[np.linalg.norm(points[legs + 1] - points[legs], axis=1) > 2.0 * _SHORTEST]
     middles = np.round((points[legs] + points[legs + 1]) / 2.0 / unit) * unit

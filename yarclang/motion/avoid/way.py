@@ -1,5 +1,5 @@
-"""Find the way from one joint position to another around obstacles: the straight way if it is free, otherwise
-a smooth one.
+"""Find a path from one joint position to another around obstacles: the straight line in joint space if it is
+free, otherwise a smooth curve.
 """
 
 from __future__ import annotations
@@ -29,20 +29,21 @@ EFFORTS = (
     Effort(0.003, 0.03, 3_000, 3),
     Effort(0.0005, 0.02, 3_000, 4, lines=2),
 )
-"""Searches that are made one after the other until one finds a way.
+"""Searches that are made one after the other until one finds a path.
 
-The first ones are fast and keep a distance; then the tool is drawn out of its places; the last ones are long
-and come close to obstacles.
+The first ones are fast and keep a distance from obstacles; then the tool is drawn out of tight places at
+start and goal; the last ones are long and come close to obstacles.
 """
 
 OTHERS = EFFORTS[:2]
-"""Searches for further solutions of a pose, made after all searches for the first solution.
+"""Searches for paths to further inverse-kinematics solutions of a pose, made after all searches for the first
+solution.
 
-These two find nearly all ways that any search finds.
+These two find nearly all paths that any search finds.
 """
 
 QUICK = EFFORTS[:1]
-"""Searches for motions that are routed a second time."""
+"""Searches for the path of a motion for which an earlier search found nothing."""
 
 _PROVED = 1e-3
 """Largest distance beyond the margins that the curve is proved to keep [m]: the executed motion may deviate
@@ -56,10 +57,10 @@ _LOOK = 0.05
 
 @frozen(eq=False)
 class Way:
-    """A way from a start to a goal.
+    """A path in joint space from a start to a goal.
 
     `waypoints` (k, n) [rad or m] don't include the start; the last one is the goal. A single way-point means
-    the straight way. Otherwise `between` is the obstruction in the straight way.
+    the straight line. Otherwise `between` is the obstruction in the straight line.
     """
 
     waypoints: Array
@@ -67,19 +68,19 @@ class Way:
 
     @property
     def is_straight(self) -> bool:
-        """True if there was nothing to avoid."""
+        """True if the path is the straight line in joint space."""
         return len(self.waypoints) == 1
 
 
 @frozen(eq=False)
 class NoWay:
-    """The reason why there is no way.
+    """The reason why no path in joint space was found.
 
-    `start` and `goal` are obstructions there; `parting` is a zone that certainly separates them. If all three
-    are None, a search of `tries` tries found nothing: `between` is the obstruction in the straight way, and
-    `furthest` the farthest place of the search. `has_corners` is True if a way of straight pieces was found,
-    but no curve along it was proved to be free. `is_cut` is True if the search ended early because there are
-    many bodies.
+    `start` and `goal` are the obstructions at start and goal; `parting` is a zone that certainly separates
+    the two. If all three are None, a search of `tries` samples found nothing: `between` is the obstruction in
+    the straight line, and `furthest` is the place nearest to the goal that the search reached. `has_corners`
+    is True if a polyline was found, but no curve along it was proved to be free. `is_cut` is True if the
+    search ended early because there are many bodies.
     """
 
     start: Obstruction | None = None
@@ -94,10 +95,10 @@ class NoWay:
 
 @frozen(eq=False)
 class Furthest:
-    """The farthest place of a search.
+    """The place nearest to the goal that a failed search reached.
 
-    At the joint position `q` (n,) [rad or m], the moving frame is `left` [m] from its place at the goal. From
-    there on, `blocked` is in the way.
+    At the joint position `q` (n,) [rad or m], the moving frame is `left` [m] from its position at the goal.
+    From there on, `blocked` is the obstruction.
     """
 
     q: Array
@@ -112,15 +113,15 @@ def find_way(
     efforts: tuple[Effort, ...] | None = None,
     searches: int = 1,
 ) -> Way | NoWay:
-    """Find a way. The same question always has the same answer.
+    """Find a path in joint space around obstacles. The same arguments always give the same result.
 
     Args:
-        room: the surroundings; None if nothing can be in the way.
-        start: (n,) [rad or m], within limits.
-        goal: (n,) [rad or m], within limits.
-        efforts: searches to make one after the other until one finds a way; None for all `EFFORTS`.
-        searches: number of ways to find with the parameters of the successful search. Each is shortened in
-            time, and the fastest is taken. With 1, the first way found is taken.
+        room: the surroundings of the arm; None if there are no obstacles.
+        start: (n,) joint position at the start [rad or m], within limits.
+        goal: (n,) joint position at the goal [rad or m], within limits.
+        efforts: searches to make one after the other until one finds a path; None for all `EFFORTS`.
+        searches: number of paths to find with the parameters of the successful search. Each is shortened in
+            time, and the fastest is taken. With 1, the first path found is taken.
     """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
@@ -170,7 +171,7 @@ class _Looks:
         self.cost = 1.0 + (len(room.scene.bodies) / _MANY) ** 2
 
     def counted(self, free: Callable[[Array], bool]) -> Callable[[Array], bool]:
-        """Return a function with the same results as `free` that counts its calls."""
+        """Return a function with the same results as `free`, which also counts how often it is called."""
 
         def look(q: Array) -> bool:
             self.left -= self.cost
@@ -194,10 +195,10 @@ _MANY = 100.0
 
 @frozen(eq=False)
 class _Corners:
-    """A way of straight pieces, with the clearance that its curve must keep.
+    """A joint-space polyline, with the clearance that the curve made from it must keep.
 
-    The corners are (k, n) [rad or m]. `free` returns True for free joint positions, which are checked `step`
-    (n,) apart on the pieces [rad or m].
+    `corners` are (k, n) [rad or m]. `free` is a function that returns True for joint positions without
+    collision, which are checked `step` (n,) apart [rad or m].
     """
 
     corners: Array
@@ -209,7 +210,9 @@ class _Corners:
 def _shorter(
     room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int, looks: _Looks
 ) -> Iterator[Array]:
-    """Yield way-points (k, n) of ways shortened in time: the first one, and those of further searches."""
+    """Yield way-points (k, n) of polylines shortened in time: of the first one, then of those that further
+    searches find.
+    """
     for number in range(searches):
         again = replace(effort, seed=effort.seed + number * _NEXT)
         found = _found(room, start, goal, again, looks) if number else first
@@ -232,11 +235,11 @@ def _duration(room: Room, start: Array, waypoints: Array) -> float:
 
 
 def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks) -> _Corners | Apart | None:
-    """Search for a way of straight pieces.
+    """Search for a joint-space polyline around obstacles.
 
     Returns:
-        The way; or the place at which its two ends came nearest to each other; or None if the effort doesn't
-        apply to this question.
+        The polyline; or the place at which the two search trees came nearest to each other; or None if the
+        effort doesn't apply to this question.
     """
     padding = room.padding(start, goal, effort.padding)
     reach = reaches(room.scene, room.robot)
@@ -266,8 +269,8 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks)
 
 
 def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
-    """Return the place at which a failed search came nearest to its goal, and the obstruction from there
-    on.
+    """Return the place at which a failed search came nearest to its goal, and the first obstruction between
+    this place and the goal.
     """
     way = np.linspace(0.0, 1.0, _PLACES)[1:, None] * (apart.beyond - apart.q)
     places = apart.q + way
@@ -288,7 +291,7 @@ _NEAR = 0.1
 
 
 def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:
-    """Return the obstruction in the straight way; None if the straight way is proved to be free."""
+    """Return the obstruction in the straight line in joint space; None if this line is proved to be free."""
     steps = np.abs(goal - start) * reaches(room.scene, room.robot)
     count = int(np.ceil(np.linalg.norm(steps) / _LOOK)) + 1
     places = start + np.linspace(0.0, 1.0, count + 1)[:, None] * (goal - start)

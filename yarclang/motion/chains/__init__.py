@@ -1,1 +1,1 @@
-"""Let motions flow into each other: corners, and chains of motions without a stop."""
+"""Plan motions that flow into each other: blended corners, and chains of motions without a stop."""

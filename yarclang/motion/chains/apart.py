@@ -1,6 +1,8 @@
-"""Make chains whose laws are those of the separate motions, with a part of the limits in reserve.
+"""Plan chains of motions by overlapping the motion profiles that the motions have by themselves, with part of
+the limits in reserve.
 
-A law that uses all of a limit leaves nothing for the law that it overlaps.
+Where two profiles overlap, their accelerations add up. A profile that uses a whole limit would leave nothing
+for the one that it overlaps.
 """
 
 from __future__ import annotations
@@ -35,22 +37,23 @@ def apart(
     segment: float,
     middles: Sequence[int | None],
 ) -> list[Piece] | float | None:
-    """Return the pieces of a chain whose laws use only a share of the limits of acceleration and jerk, where
-    possible.
+    """Plan a chain in which each motion's profile uses only a share of the limits of acceleration and jerk,
+    where possible.
 
     Args:
         chain: the arm.
-        links: the motions.
-        share: share of the limits of acceleration and jerk.
+        links: the motions of the chain.
+        share: share of the limits of acceleration and jerk that one profile may use.
         inside: for each corner, as returned by `find_inside`.
         at_most: the durations above which a chain without a stop at a corner, and a chain with stops, are of
             no use [s].
         segment: the segment time [s].
-        middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
+        middles: for each motion with a given duration, its number of segments from the middle of one overlap
+            to the middle of the next.
 
     Returns:
-        The pieces; or a shorter segment time to try; or None if a motion has no law for this share, or the
-        chain is of no use.
+        The planned motions; or a shorter segment time to try; or None if a motion has no profile within this
+        share, or the chain is of no use.
     """
     return _Maker(links, Overlaps(chain, links, segment), segment, middles, share, inside, *at_most).made()
 
@@ -66,7 +69,8 @@ class _Maker:
     at_most: float
     at_most_with_stops: float
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
-    """Trials of motions without a given time, by their place and the identity of their `Trials`.
+    """Trials of motions without a given duration, by the index of the motion and the identity of its
+    `Trials`.
 
     They don't depend on the overlaps.
     """
@@ -104,10 +108,10 @@ class _Maker:
         return self.corners.cut(parts, overlaps)
 
     def _least(self, trials: list[Trials], overlaps: list[int]) -> tuple[float, list[int]]:
-        """Return a lower bound of the chain's duration [s], and the largest overlap at each corner in
-        segments.
+        """Return a lower bound of the chain's duration [s], and an upper bound of the overlap at each corner
+        [segments].
 
-        With the largest overlap, both motions are in the corner's ball.
+        Within the upper bound, the overlapping parts of both motions are inside the corner's ball.
         """
         parts = [self._part(trials, overlaps, place) for place in range(len(self.links))]
         segments = [
@@ -130,11 +134,16 @@ class _Maker:
         return sum(segments) * self.segment - saved, rooms
 
     def _saved(self, place: int, overlap: int) -> float:
-        """Return the time that an overlap saves [s]; motions with a given time take as long as before."""
+        """Return the time that the chain gains by an overlap of two motions [s].
+
+        A motion with a given duration gains nothing: it takes as long as before.
+        """
         return overlap * self.segment * sum(self.middles[side] is None for side in (place, place + 1)) / 2.0
 
     def _trials(self, link: Link, share: float) -> Trials | None:
-        """Return the trials of a motion with a share of the limits; None if it has no law within them."""
+        """Return the candidates for a motion that uses a share of the limits; None if no motion profile
+        fits in it.
+        """
         bounds = link.own_bounds.reduced(1.0, share)
         law = (
             link.profile.law(link.path, bounds) if link.full is None else cruise_law(link.full / self.segment)
@@ -144,7 +153,7 @@ class _Maker:
         return Trials(link.path, law, bounds, link.tolerance)
 
     def _part(self, trials: list[Trials], overlaps: list[int], place: int) -> Part | None:
-        """Return a motion between its overlaps; None if it breaks a limit."""
+        """Return a motion planned for its present overlaps; None if it breaks a limit."""
         own, link = trials[place], self.links[place]
         middle = self.middles[place]
         trial: Trial | None
@@ -172,7 +181,7 @@ class _Maker:
         return fewest(tried, least, max(2 * least, least + 64))
 
     def _widest(self, trials: list[Trials], overlaps: list[int], place: int, room: int) -> int:
-        """Return the widest overlap that a corner allows, at most `room`; 0 if there is none."""
+        """Return the widest overlap that a corner allows, at most `room` segments; 0 if there is none."""
         first, second = (self._part(trials, overlaps, number) for number in (place, place + 1))
         assert first is not None
         assert second is not None
@@ -200,8 +209,8 @@ class _Maker:
         return widest(serves, min(first.segments - before, half))
 
     def _is_kept(self, one: Part, other: Part, place: int, overlap: int) -> bool:
-        """Return True if two motions may overlap by `overlap` segments: within limits, in the ball, and no
-        faster than requested.
+        """Return True if two motions may overlap by `overlap` segments: the curve is within limits and in the
+        corner's ball, and the frame is no faster than requested.
         """
         return (
             self.corners.serves(one, other, place, overlap)
@@ -210,9 +219,8 @@ class _Maker:
 
 
 def _segments_within(part: Part | None, share: float, *, is_end: bool) -> int:
-    """Return an upper bound of the number of segments in which a motion traverses the last share of its path.
-
-    Without `is_end`, it is the first share of the path.
+    """Return an upper bound of the number of segments in which a motion covers the last share of its path, or
+    without `is_end` the first share.
     """
     assert part is not None
     if share >= 0.5:

@@ -1,5 +1,5 @@
-"""Plan one motion of a chain between its corners at a given cruise: try the candidate laws, and take the
-first one that keeps the limits.
+"""Plan one motion of a chain between its corners at a given cruise speed: try candidate motion profiles, and
+take the first one that keeps the limits.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
 """Shares of a ramp in which its acceleration rises, and in which it falls again: the gentlest first."""
 
 _BY_ITS_WAY = 1.08
-"""Factor of the limits in the middle third of a path above which no other ramps are tried: no ramp makes the
-motion slower there.
+"""Factor by which limits are exceeded in the middle third of a path, above which no other ramps are tried: no
+ramp makes the motion slower there.
 """
 
 _AT_ONCE = 40
-"""Number of laws that are tried together if the first few break limits. Solving many laws takes hardly longer
-than solving a few.
+"""Number of motion profiles that are tried together if the first few break limits. Solving many takes hardly
+longer than solving a few.
 """
 
 
 @frozen
 class Turn:
-    """A corner: its ramps take `width` segments, within an overlap of `overlap` segments.
+    """The speed change at a corner: ramps of `width` segments, within an overlap of `overlap` segments.
 
     The acceleration of a ramp rises in `rise` segments. `asked` is the factor by which the motions must be
-    slower to keep the limits.
+    slower to keep the limits at the corner.
     """
 
     width: int
@@ -50,10 +50,10 @@ class Turn:
 
 @frozen(eq=False)
 class _Timed:
-    """A candidate law.
+    """A candidate motion profile, as control values (segments + 3,) of the share of the path.
 
-    Its control values are (segments + 3,). `into` and `out` are the lengths of the overlaps at its ends, in
-    segments. `behind` is the phase of its last ramp after a knot.
+    `into` and `out` are the lengths of the overlaps at start and end [segments]. `behind` is the time from a
+    knot to the start of the last ramp [segments].
     """
 
     control: Array
@@ -64,10 +64,11 @@ class _Timed:
 
 @frozen(eq=False)
 class Between:
-    """A motion between two corners, and the segment time [s].
+    """One motion to plan between two corners of a chain, with the segment time [s].
 
-    `before` and `behind` are the corners before and after the motion; None if it starts or ends at rest.
-    `middle` is its number of segments from middle to middle of its overlaps, if its duration is given.
+    `before` and `behind` are the corners before and after the motion; None if it starts or ends at rest. If
+    the motion has a given duration, `middle` is its number of segments from the middle of one overlap to the
+    middle of the next.
     """
 
     link: Link
@@ -81,12 +82,14 @@ class Between:
 
         Args:
             cruise: number of segments in which the whole path would be traversed at full speed.
-            phase: phase of the last ramp of the motion before. The first ramp of this motion is its mirror
-                image, so that both add up to a constant speed.
+            phase: time from a knot to the start of the last ramp of the motion before [segments]. The first
+                ramp of this motion starts at the same phase and is the mirror image of that ramp, so that
+                both add up to a constant speed.
 
         Returns:
-            The motion, or, if its own limits don't allow it, the factor (at least 1) by which it must be
-            slower, as far as known; and the phase of its last ramp after a knot, in segments.
+            Two values. The first is the planned motion; if the motion's own limits don't allow it, the first
+            is the factor (at least 1) by which it must be slower, as far as known. The second is the phase of
+            its last ramp [segments].
         """
         laws, asked = self._laws(cruise, phase), np.inf
         for count in chain([len(STEEPNESS)], repeat(_AT_ONCE)):
@@ -107,7 +110,7 @@ class Between:
         return max(1.0, asked) if np.isfinite(asked) else 1.0, 0.0
 
     def _laws(self, cruise: float, phase: float) -> Iterator[_Timed]:
-        """Yield the laws to try, the most likely first."""
+        """Yield the motion profiles to try, the most likely first."""
         into = self.before.overlap if self.before else 0
         for blend, share in self._ramps(cruise):
             rise = max(1, min(round(share * blend), blend // 2))
@@ -137,7 +140,7 @@ class Between:
         """Yield lengths and steepnesses of a ramp from rest or to rest, the shortest that might suffice
         first.
 
-        If the motion has no such ramp, the only item is a dummy.
+        If the motion neither starts nor ends at rest, the only item is a dummy.
         """
         if self.before and self.behind:
             yield 0, 0.0
@@ -156,16 +159,18 @@ class Between:
         return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
 
     def _tried(self, laws: Sequence[_Timed]) -> list[Trial]:
-        """Return the trials of several laws; their joint positions are solved together."""
+        """Compute the motion for each of several candidate profiles; their joint positions are solved
+        together.
+        """
         controls, link = [law.control for law in laws], self.link
         # Zones are checked later, and only for the law that is taken.
         trials = Trials(link.path, law_of(*controls), replace(link.own_bounds, zones=None), link.tolerance)
         return trials.trials([(len(control) - 3, (number,)) for number, control in enumerate(controls)])
 
     def _asked(self, law: _Timed, trial: Trial) -> float:
-        """Return the factor by which a trial must be slower to keep the limits outside of its overlaps.
+        """Return the factor by which a candidate must be slower to keep the limits outside of its overlaps.
 
-        The factor is at most 1 if the trial keeps the limits.
+        The factor is at most 1 if the candidate keeps the limits.
         """
         return self._asked_by(self._own(law, trial))
 
@@ -184,13 +189,15 @@ class Between:
 
 
 def _has_room(segments: int, first: Ramp, cruise: float) -> bool:
-    """Return True if a motion that ends at rest has room for both its ramps."""
+    """Return True if a motion of `segments` segments that ends at rest has room for its first and its last
+    ramp.
+    """
     width = 2.0 * (segments - first.middle - cruise)
     return FEWEST_IN_BLEND <= width <= segments and first.start + first.width + 1 <= segments
 
 
 def law_of(*controls: Array) -> Law:
-    """Return a law that has one form for each given set of control values, by its number."""
+    """Return a law of motion whose forms are the given arrays of control values, chosen by their index."""
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
         return np.full((len(forms), 3), 1.0 / segments)

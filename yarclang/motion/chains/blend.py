@@ -1,12 +1,12 @@
-"""Superpose motions that flow into each other: their laws overlap, and during the overlap both paths are
-traversed at once.
+"""Superpose motions that flow into each other: their motion profiles overlap, and during the overlap both
+paths are traversed at once.
 
-Each law starts and ends at rest. While motion 1 is ending and motion 2 begins, two displacements from the
-corner are added: back by the part of motion 1 that is left, and forward by the part of motion 2 that is done.
-The curve is therefore smooth at any corner, and leaves the programmed path only where laws overlap. Between
-two paths of one moving frame, poses are added, and the frame stays in the plane of its two lines; otherwise
-joint positions are added. If the ball has no size, the paths are tangent. Distances along both paths are then
-added, and the path isn't left at all.
+Each profile starts and ends at rest. While motion 1 is ending and motion 2 begins, two displacements from the
+corner are added: back by the part of path 1 that is left, and forward by the part of path 2 that is done.
+The curve is therefore smooth at any corner, and leaves the programmed path only where profiles overlap.
+Between two paths of one moving frame, poses are added, and the frame stays in the plane of its two lines;
+otherwise joint positions are added. If the corner's ball has radius 0, the paths are tangent. Distances along
+both paths are then added, and the path isn't left at all.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from yarclang.robot.kinematics.inverse import follow
 from yarclang.robot.model import Chain
 
 _FADE = 24
-"""Number of knots beside an overlap to which a correction of its knots extends: it falls to about a fourth
-from knot to knot.
+"""Number of knots beside an overlap up to which a correction at its knots has an effect: the effect falls to
+about a fourth from knot to knot.
 """
 
 
 @frozen(eq=False)
 class Corner:
-    """The corner at which one motion flows into the next.
+    """The corner at which one motion flows into the next, and how far the curve may stay from it.
 
-    If `flange_from_moving` (4, 4) is given, the curve stays within `radius` [m] of this frame's place at the
-    corner. If it is None, each joint stays within `reach` (n,) [rad or m] of the corner. `point` (n,) is the
-    joint position at the corner.
+    If `flange_from_moving` (4, 4) is given, the curve stays within a ball of `radius` [m] around this frame's
+    position at the corner. If it is None, each joint stays within `reach` (n,) [rad or m] of the corner.
+    `point` (n,) is the joint position at the corner.
     """
 
     point: Array
@@ -56,7 +56,7 @@ class Corner:
 
     def farthest(self, chain: Chain, q: Array) -> Array:
         """Return the distances of joint positions `q` (N, n) from the corner, as shares (N,) of the
-        allowed distance.
+        distance that is allowed.
         """
         if self.flange_from_moving is None:
             assert self.reach is not None
@@ -74,31 +74,32 @@ class Corner:
 
 @frozen(eq=False)
 class Part:
-    """One motion of a chain: its path, and the control points (n + 3, d) of the motion by itself."""
+    """One motion of a chain: its path, and the control points (n + 3, d) that the motion has by itself."""
 
     path: Path
     trial: Trial
 
     @property
     def segments(self) -> int:
-        """The number of segments of its law."""
+        """The number of segments of its motion profile."""
         return self.trial.segments
 
 
 def superpose(
     chain: Chain, parts: Sequence[Part], corners: Sequence[Corner], overlaps: Sequence[int]
 ) -> Array:
-    """Return the control points (n + 3, d) of a chain.
+    """Superpose the motions of a chain, and return the control points (n + 3, d) of the whole chain.
 
     A spline is linear in its control points, so the control points of the motions can be added, each relative
-    to its start. If poses, or distances along the paths, are to be added instead, the difference is
-    corrected.
+    to its start. Where poses, or distances along the paths, are to be added instead of joint positions, the
+    control points are corrected.
 
     Args:
         chain: the arm.
-        parts: its k motions.
+        parts: the k motions of the chain.
         corners: the k - 1 corners between them.
-        overlaps: the segments (k - 1) in which two laws overlap; even, and within both. 0 is a stop.
+        overlaps: for each corner, the number of segments in which two motions overlap; even, and at most as
+            long as both. 0 is a stop.
     """
     starts = begins(parts, overlaps)
     total = starts[-1] + parts[-1].segments
@@ -120,7 +121,7 @@ def superpose(
 
 
 def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
-    """Return the knots at which the laws begin."""
+    """Return, for each motion of a chain, the knot at which its motion profile begins."""
     starts = [0]
     for part, overlap in zip(parts, overlaps, strict=False):
         starts.append(starts[-1] + part.segments - overlap)
@@ -128,15 +129,15 @@ def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
 
 
 def shares(first: Part, second: Part, overlap: int) -> tuple[Array, Array]:
-    """Return the shares of two paths that are done at the knots strictly inside their overlap, (overlap -
-    1,) each.
+    """Return the share of the first path, and of the second path, that is done at each knot strictly inside
+    their overlap, (overlap - 1,) each.
     """
     done, begun = knot_values(first.trial.control), knot_values(second.trial.control)
     return done[len(done) - overlap : -1], begun[1:overlap]
 
 
 def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> bool:
-    """Return True if two paths both lead the given moving frame (4, 4)."""
+    """Return True if both paths are paths of the given moving frame (4, 4)."""
     return (
         flange_from_moving is not None
         and isinstance(first, CartesianPath)
@@ -146,11 +147,12 @@ def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> 
 
 
 def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return the places (N, 3) [m] of a frame that is led along two paths at once, relative to their corner.
+    """Return the positions (N, 3) [m] of a frame that traverses two paths at once, relative to their common
+    corner.
 
     Args:
-        first: the first path.
-        second: the second path.
+        first: the path to the corner.
+        second: the path from the corner on.
         done: (N,) share of the first path that is done.
         begun: (N,) share of the second path that is done.
     """
@@ -181,9 +183,10 @@ def _correct(
     begin: int,
     rests: tuple[int, int],
 ) -> None:
-    """Move control points so that the curve meets the joint positions of an overlap at its knots.
+    """Change control points so that the curve passes through the joint positions of an overlap at the knots.
 
-    `rests` are the knots of the stops before and after the overlap. Their three equal control points stay.
+    `rests` are the knots of the stops before and after the overlap. The three equal control points of each
+    stop stay as they are.
     """
     wanted = both(chain, first.path, second.path, corner, *shares(first, second, overlap))
     # The control points of a stop at knot k are k to k + 2, and the curve meets knot k with point k + 1.
@@ -205,15 +208,15 @@ def _correct(
 
 
 def both(chain: Chain, first: Path, second: Path, corner: Corner, done: Array, begun: Array) -> Array:
-    """Return joint positions (N, n) during an overlap of two motions.
+    """Return joint positions (N, n) at N instants of an overlap of two motions.
 
     Args:
         chain: the arm.
         first: path of the first motion.
         second: path of the second motion.
         corner: the corner between them.
-        done: (N,) done share of the first path.
-        begun: (N,) done share of the second path.
+        done: (N,) share of the first path that is done.
+        begun: (N,) share of the second path that is done.
     """
     if corner.is_tangent:
         return _along_both(first, second, done, begun)
@@ -238,9 +241,9 @@ def _poses_of_both(
 
 
 def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return joint positions along the first path to its end and on along the second one.
+    """Return joint positions along the first path and on along the second one, which is tangent to it.
 
-    The distances covered on both paths are added.
+    The place is the sum of the distances covered on both paths.
     """
     go_on()
     lengths = way_length(first), way_length(second)
@@ -253,8 +256,8 @@ def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
 
 
 def way_length(path: Path | FrameWay) -> float:
-    """Return the length of a path: of the moving frame [m, or rad for a pure turn], or in joint space [rad
-    and m].
+    """Return the length of a path: of the moving frame's path [m, or rad for a pure turn], or of the path in
+    joint space [rad and m].
     """
     if isinstance(path, CartesianPath | FrameWay):
         return extent_of(path.frame)[0]

@@ -1,5 +1,5 @@
-"""Carry out a chain of motions without a stop: choose the length of each law, the overlaps, and the common
-segment time.
+"""Plan a chain of motions without a stop: choose the motion profiles, their overlaps, and the common segment
+time.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ _SHORTEST = 0.004
 """Segments aren't made shorter than this to get a steady speed [s]."""
 
 _SHARES = (1.0, 0.9, 0.8, 0.65, 0.5)
-"""Shares of the limits of acceleration and jerk that a single law may use. With a half, two laws never add up
-to more than the limits.
+"""Shares of the limits of acceleration and jerk that a single motion profile may use. With a half, two
+overlapping profiles never add up to more than the limits.
 """
 
 _FOR_FLOW = 1.1
@@ -41,27 +41,29 @@ that the motion flows.
 """
 
 _ABOUT = 1.005
-"""Factor up to which slower chains count as equally fast. Of these the first one is taken, which has longer
-segments.
+"""Factor up to which slower plans of a chain count as equally fast. Of these the first one is taken, which
+has longer segments.
 """
 
 _EXACT = 1e-7
 """Times within this distance of whole segments count as exact [s]."""
 
 Way = Callable[[float, list[int | None]], list[Piece] | float | Beaten | None]
-"""A method of carrying out a chain, called with a segment time [s] and the segments of given durations.
+"""A method of planning a chain, called with a segment time [s] and the numbers of segments of given
+durations.
 
-It returns the pieces; or a segment time to try; or a lower bound of its duration, if that is too long; or
-None.
+It returns the planned motions; or a segment time to try; or a lower bound of the chain's duration, if that is
+too long; or None.
 """
 
 
 def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
-    """Carry out a chain with the fewest stops, unless it is much slower than the fastest way.
+    """Plan a chain of motions with the fewest stops at corners, unless that is much slower than the fastest
+    plan.
 
-    Each motion can be done by itself, so the chain can be done too, if necessary with stops at corners. The
-    least duration of a method is known long before its result: a method that takes longer than a finished
-    chain is given up.
+    Each motion can be executed by itself, so the chain always has a plan, if necessary with stops at corners.
+    A lower bound of the duration of each method is known long before its plan: a method that takes longer
+    than a finished plan is given up.
     """
     as_one = flowing(links, grid)
     if as_one is not None and len(links) > MANY:
@@ -98,12 +100,12 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
 
 
 def _quickest(found: Sequence[list[Piece]]) -> float:
-    """Return the shortest duration [s] of the chains that stop only at their end."""
+    """Return the shortest duration [s] among plans that stop only at the end of the chain."""
     return min((_duration(pieces) for pieces in found if _stops(pieces) == 1), default=math.inf)
 
 
 def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
-    """Return True if each motion has a given time, or reaches its requested speed: no better chain can
+    """Return True if each motion has a given duration, or reaches its requested speed: no better plan can
     then be found.
     """
     return all(
@@ -114,9 +116,9 @@ def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
 
 @dataclass(slots=True)
 class _Steady:
-    """Maker of the chain at steady speed.
+    """Planner of a chain that keeps its speed through corners.
 
-    `_least` are the known lower bounds of the chain's duration [s], by the longest segment allowed [s].
+    `_least` has lower bounds of the chain's duration [s], by the longest segment time allowed [s].
     """
 
     chain: Chain
@@ -126,10 +128,10 @@ class _Steady:
     _least: dict[float, float] = field(default_factory=dict)
 
     def made(self, at_most: float) -> list[list[Piece]]:
-        """Return chains within the limits.
+        """Return plans of the chain within the limits.
 
-        A chain that isn't as requested is included only if it takes no longer than `at_most` [s]. Shorter
-        segments are tried as well, since they leave more room for turns.
+        A plan in which a motion misses its requested speed is included only if it takes no longer than
+        `at_most` [s]. Shorter segments are tried as well, since they leave more room for turns.
         """
         found: list[list[Piece]] = []
         grid, longest = self.grid, _LONGEST
@@ -158,7 +160,7 @@ def _duration(pieces: list[Piece]) -> float:
 
 
 def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten | None:
-    """Return the result of a method for a chain, with the longest segments possible."""
+    """Plan a chain by one method, with the longest segment time that works."""
     segment = _segment(links, grid)
     while segment >= grid.smallest:
         middles = _middles(links, segment)
@@ -170,7 +172,9 @@ def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten |
 
 
 def _segment(links: Sequence[Link], grid: Grid) -> float:
-    """Return a segment time of which all given durations are integer multiples, at least approximately."""
+    """Return a segment time [s] of which all given durations are integer multiples, at least
+    approximately.
+    """
     longest = max(
         grid.smallest, min(grid.largest, _LONGEST, *(link.profile.longest_segment for link in links))
     )
@@ -191,8 +195,8 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
 
 
 def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
-    """Return the number of segments from middle to middle of the overlaps for each motion with a given
-    duration.
+    """Return, for each motion with a given duration, its number of segments from the middle of one overlap to
+    the middle of the next.
 
     The entry of any other motion is None. The whole result is None if a motion would have too few segments.
     """

@@ -1,4 +1,4 @@
-"""Decide which motions flow into each other, and how far they may stay from their corners."""
+"""Decide which motions flow into each other, and how far the blended curve may stay from each corner."""
 
 from __future__ import annotations
 
@@ -52,18 +52,18 @@ def chained(
     ways: Mapping[int, Path | FrameWay],
     found: list[list[Diagnostic]],
 ) -> Iterator[tuple[list[int], list[Link]]]:
-    """Yield the motions in chains, each motion with its corner; most chains have a single motion.
+    """Group the motions of a program into chains that flow without a stop; most chains are a single motion.
 
     Args:
         robot: the robot.
         steps: the steps of the program.
-        links: each motion that can be done by itself, by its step.
-        ways: the known paths of all motions, faulty ones included, so that faults of their blends are
-            reported at once.
+        links: each motion that can be executed by itself, by the index of its step.
+        ways: the paths of all motions as far as known, those of faulty motions included, so that faults of
+            their blends are reported at once.
         found: the findings of each step; those about blends are added.
 
     Yields:
-        The steps of a chain's motions, and the motions.
+        For each chain, the indices of the steps of its motions, and the motions with their corners.
     """
     numbers: list[int] = []
     chain: list[Link] = []
@@ -93,7 +93,9 @@ planned as one path.
 
 
 def long_chains(steps: Sequence[Step]) -> frozenset[int]:
-    """Return the steps of the motions in chains of more than `MANY` motions, judged by their BLENDs alone."""
+    """Return the step indices of motions in chains of more than `MANY` motions, judged by their BLENDs
+    alone.
+    """
     found: list[int] = []
     chain: list[int] = []
     for number, step in enumerate(steps):
@@ -108,7 +110,7 @@ def long_chains(steps: Sequence[Step]) -> frozenset[int]:
 
 
 class _Room(NamedTuple):
-    """The allowed distance from a corner; see `Corner`."""
+    """How far the blended curve may stay from a corner; see `Corner`."""
 
     radius: float
     flange_from_moving: Array | None
@@ -123,9 +125,9 @@ def _corner(
     number: int,
     findings: Collector,
 ) -> Corner | None:
-    """Return the corner between a motion and the next; None if they don't flow into each other.
+    """Return the corner between a motion and the next; None if the two don't flow into each other.
 
-    If the blend is the reason for None, a finding is added.
+    If the BLEND is at fault for this, a finding is added.
     """
     step = steps[number]
     assert isinstance(step, Motion)
@@ -165,7 +167,8 @@ _Ways = tuple[Path | FrameWay | None, Path | FrameWay | None]
 def _between_joints(
     robot: Robot, step: Motion, ways: _Ways, blend: Reading, findings: Collector
 ) -> _Room | None:
-    """Return the room of a corner between joint motions.
+    """Return how far joints may stay from a corner between joint motions; None with a finding if the BLEND
+    doesn't fit.
 
     Each revolute joint stays within an angle of the corner, each prismatic joint within a length.
     """
@@ -207,10 +210,10 @@ def _of_frame(
     *,
     is_long: bool,
 ) -> _Room | None:
-    """Return the room of a corner of a moving frame, which stays within a distance of the corner.
+    """Return how far the moving frame may stay from a corner; None with a finding if the BLEND doesn't fit.
 
-    The distance is limited to half of the shorter path in a long chain, or if the blend may be smaller
-    (`or_less`).
+    In a long chain, or if the blend may be smaller (`or_less`), the distance is limited to half of the
+    shorter path.
     """
     if blend.length is None:
         findings.add(*messages.blend_without_unit("length", "of a moving frame", step.origin))
@@ -239,7 +242,8 @@ def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
 
 
 def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector) -> _Room | None:
-    """Return the room of a corner with BLEND 0.
+    """Return the allowed distance of a corner with BLEND 0, which is 0; None with a finding if the corner is
+    sharp.
 
     Such a corner needs paths that continue in one direction, or a frame motion with a tolerance of its own.
     """
@@ -261,8 +265,8 @@ def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector
 
 
 def _direction(path: Path | FrameWay, s: float) -> tuple[Array, Array]:
-    """Return the direction of a path at one of its ends, a unit vector, and the turn of a frame per distance
-    [rad per m].
+    """Return the direction of a path at one of its ends as a unit vector, and the frame's turn per distance
+    along the path [rad per m].
     """
     if isinstance(path, CartesianPath | FrameWay):
         tangent = path.frame.tangents(np.array([s]))[0]

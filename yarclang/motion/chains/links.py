@@ -1,4 +1,4 @@
-"""Define the links of a chain, and the pieces into which it is planned."""
+"""Define the motions of a chain before they are planned together (`Link`), and after (`Piece`)."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from yarclang.robot.model import Tolerance
 
 @frozen(eq=False)
 class Link:
-    """One motion of a chain.
+    """One motion of a chain, before the chain is planned.
 
-    `duration` [s] is None if the limits or a speed determine it. `full` [s] is the duration of the path at a
-    requested speed. `corner` is the corner to the next motion, None after the last. `by_itself` is the curve
-    of the motion by itself, None until it is needed.
+    `duration` [s] is None if the limits or a speed determine the duration. `full` [s] is the duration of the
+    whole path at a requested speed. `corner` is the corner to the next motion, None after the last.
+    `by_itself` is the curve of the motion planned alone, None until it is needed.
     """
 
     path: Path
@@ -36,13 +36,13 @@ class Link:
 
     @property
     def alone(self) -> Curve:
-        """The curve of the motion by itself, which must be known."""
+        """The curve of the motion planned by itself; it must have been planned."""
         assert self.by_itself is not None
         return self.by_itself
 
     @property
     def as_alone(self) -> Piece:
-        """The piece of the motion by itself."""
+        """The motion with its own curve, from rest to rest, as a planned part of a chain."""
         kept = least = 1.0
         if self.full is not None:
             kept = self.full * float(np.diff(self.alone.law).max()) / self.alone.segment
@@ -54,25 +54,28 @@ class Link:
 
     @property
     def speed(self) -> float | None:
-        """The requested speed of the moving frame [m/s, or rad/s for a pure turn], or None."""
+        """The speed that the program requests for the moving frame [m/s, or rad/s for a pure turn], or
+        None.
+        """
         if self.full is None or not isinstance(self.path, CartesianPath):
             return None
         return self.path.extent[0] / self.full
 
     @property
     def own_bounds(self) -> Bounds:
-        """The limits that apply; without the jerk limit for a law that has none."""
+        """The limits of the motion; without the jerk limit if its motion profile has none."""
         return self.bounds if self.profile.has_jerk_limit else self.bounds.without_jerk()
 
 
 @frozen(eq=False)
 class Piece:
-    """One motion as part of a chain.
+    """One motion as a planned part of a chain.
 
     `curve` goes from the middle of one overlap to the middle of the next. `overlap` is the number of segments
-    of the overlap at its end (0: both paths are kept; None: a stop). `law` are the control values of the
-    motion's own law, from rest to rest. `kept` is the share of a requested speed that is reached and kept. If
-    the speed changes on the way, `least` is the share below which it doesn't fall after it has been reached.
+    of the overlap at the end of the motion (0: both paths are kept; None: a stop). `law` are the control
+    values of the profile that the motion has by itself, from rest to rest. `kept` is the share of a requested
+    speed that is reached and kept. If the speed changes on the way, `least` is the share below which it
+    doesn't fall after it has been reached.
     """
 
     curve: Curve

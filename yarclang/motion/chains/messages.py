@@ -25,14 +25,14 @@ from yarclang.units import DEG, MM, MS, Kind
 
 
 def blend_without_unit(kind: Kind, what: str, origin: Origin) -> MessageAbout:
-    """Return the finding about a BLEND whose amount needs a unit and has none."""
+    """Return the finding that the amount of a BLEND has no unit, although it needs one."""
     message = f"BLEND {what} needs {'an' if kind == 'angle' else 'a'} {kind} unit"
     subject = MissingUnit(kind, f"BLEND {what}")
     return "Y0304", message, origin.span, "for example (mm,deg,s)", None, subject
 
 
 def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
-    """Return the finding about a BLEND before a step that isn't a motion, or doesn't move."""
+    """Return the finding that no motion follows a BLEND, or that a motion beside it doesn't move."""
     if following is None or isinstance(following, Stop | Finish):
         what = "the program ends here"
     elif isinstance(following, TimedMove):
@@ -52,7 +52,7 @@ def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
 
 
 def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion) -> Message:
-    """Return the finding about a BLEND of more than half of a motion."""
+    """Return the finding that a BLEND takes more than half of a motion."""
     origin = step.origin
     amount = length_text(largest) if kind == "length" else f"{largest / DEG:.4g} deg"
     whose = "the next motion" if by_the_next else "this motion"
@@ -67,7 +67,7 @@ def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion)
 
 
 def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
-    """Return the finding about a BLEND 0 at a corner."""
+    """Return the finding that the two paths at a BLEND 0 aren't tangent."""
     if off is None:
         why = "one is a path of joints, the other one of a frame"
     elif off[0] > off[1]:
@@ -88,13 +88,15 @@ def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
 
 
 def stops_at_corner(origin: Origin) -> Message:
-    """Return the finding about a blend for which the limits leave no room."""
+    """Return the finding that the robot stops at a corner, because the limits leave no room for its blend."""
     message = "the robot stops at this corner: in these times the limits leave no room to flow through it"
     return "Y0608", message, origin.span, "more time, a larger blend or a gentler corner make room", None
 
 
 def time_off_the_grid(duration: float, curve: Curve, origin: Origin) -> Message:
-    """Return the finding about a time in a chain that isn't a whole number of segments."""
+    """Return the finding that a motion in a chain takes another time than given, because its time isn't a
+    whole number of the chain's segments.
+    """
     message = (
         f"the motion takes {curve.duration:.6g} s instead of {duration:.6g} s: motions without a stop "
         f"between have one segment time, {curve.segment / MS:.6g} ms, and theirs have none in common"

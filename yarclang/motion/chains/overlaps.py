@@ -1,4 +1,4 @@
-"""Decide how far two motions may overlap."""
+"""Decide for how long two consecutive motions may overlap at a corner."""
 
 from __future__ import annotations
 
@@ -52,7 +52,9 @@ Inside = tuple[float, float]
 
 
 def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
-    """Return, for each corner of a chain, the shares of the two paths that are in its ball."""
+    """Return, for each corner of a chain, which share of the path before and of the path after it is in the
+    corner's ball; a half at most.
+    """
     found: list[Inside] = []
     back = np.linspace(0.0, 0.5, 65)
     for one, other in pairwise(links):
@@ -67,10 +69,10 @@ def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
 
 
 def _first_out(back: Array, far: Array) -> float:
-    """Return the share of a path up to which the path is in the ball.
+    """Return which share of a path, counted from the corner, is in the corner's ball; a half at most.
 
     Args:
-        back: (N,) shares of the path, counted from the corner.
+        back: (N,) places along the path, as shares of the path counted from the corner.
         far: (N,) distances of these places from the corner, as shares of the allowed distance.
     """
     out = np.flatnonzero(far > _INSIDE)
@@ -85,7 +87,7 @@ def _first_out(back: Array, far: Array) -> float:
 def changes_speed(one: Link, other: Link) -> bool:
     """Return True if the requested speed changes at a corner at which the path must be kept.
 
-    Two overlapping laws would be too fast on one side of such a corner, or too slow on the other.
+    Two overlapping motion profiles would be too fast on one side of such a corner, or too slow on the other.
     """
     if one.corner is None or not one.corner.is_tangent or one.speed is None or other.speed is None:
         return False
@@ -94,7 +96,7 @@ def changes_speed(one: Link, other: Link) -> bool:
 
 @frozen(eq=False)
 class Overlaps:
-    """The corners of a chain with segments of `segment` [s]."""
+    """Checker of the overlaps at the corners of a chain, with segments of `segment` [s]."""
 
     chain: Chain
     links: Sequence[Link]
@@ -103,8 +105,8 @@ class Overlaps:
     """The last superposition, since most superpositions are needed twice."""
 
     def serves(self, first: Part, second: Part, place: int, overlap: int) -> bool:
-        """Return True if motion number `place` and the next may overlap by `overlap` segments: in the ball,
-        within limits, on the paths.
+        """Return True if motion number `place` and the next may overlap by `overlap` segments: the curve
+        stays in the corner's ball, or on tangent paths, and within limits.
         """
         corner = self.links[place].corner
         if corner is None or overlap > min(first.segments, second.segments):
@@ -127,8 +129,8 @@ class Overlaps:
         return not is_framed or self._in_ball(first, second, corner, overlap)
 
     def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
-        """Return the ratio of the moving frame's speed in an overlap to the requested one; 0 if none was
-        requested.
+        """Return the moving frame's largest speed in an overlap as a ratio to the requested one; 0 if none
+        was requested.
 
         The speed is sampled at the knots and between them. The larger of two requested speeds counts.
         """
@@ -149,7 +151,7 @@ class Overlaps:
         return most / max(asked)
 
     def _superposed(self, first: Part, second: Part, corner: Corner, overlap: int) -> Array:
-        """Return the control points of two motions that overlap."""
+        """Return the control points of two motions, superposed with an overlap."""
         key = first.trial, second.trial, overlap
         if key not in self._last:
             self._last.clear()
@@ -157,14 +159,18 @@ class Overlaps:
         return self._last[key]
 
     def _is_near(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
-        """Return False if the poses show that the frame leaves the ball around its corner in an overlap."""
+        """Return False if the summed poses show that the frame leaves the ball around its corner in an
+        overlap.
+
+        This quick check needs no inverse kinematics.
+        """
         done = knot_values(first.trial.control)[-1 - overlap :]
         begun = knot_values(second.trial.control)[: overlap + 1]
         places = places_of_both(first.path, second.path, done, begun)
         return bool(np.linalg.norm(places, axis=1).max() <= (_WITHIN + _ROUNDING) * corner.radius)
 
     def _in_ball(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
-        """Return True if an overlap stays in the ball around its corner."""
+        """Return True if the curve stays in the ball around the corner during an overlap."""
         done, begun = shares(first, second, overlap)
         ends = knot_values(first.trial.control)[[-1 - overlap]], knot_values(second.trial.control)[[overlap]]
         outer = np.concatenate((first.path.joints(ends[0]), second.path.joints(ends[1])))
@@ -174,8 +180,8 @@ class Overlaps:
         return bool(corner.farthest(self.chain, inner).max(initial=0.0) <= _WITHIN)
 
     def _on_both(self, first: Part, second: Part, points: Array, overlap: int, tolerance: Tolerance) -> bool:
-        """Return True if the curve follows one of two tangent paths in the middle of each segment of their
-        overlap.
+        """Return True if the curve follows one of two tangent paths, checked in the middle of each segment of
+        their overlap.
         """
         begin = first.segments - overlap
         q = middle_values(points[begin : begin + overlap + 3])
@@ -197,7 +203,9 @@ class Overlaps:
         return True
 
     def _loosest(self, place: int) -> Bounds:
-        """Return the limits in the overlap of two motions: of each limit, the larger one of both motions."""
+        """Return the limits that apply in the overlap of two motions: the larger limit of the two in each
+        quantity.
+        """
         one, other = (link.own_bounds for link in self.links[place : place + 2])
         return replace(
             one,
@@ -211,7 +219,7 @@ class Overlaps:
     def cut(
         self, parts: Sequence[Part], overlaps: Sequence[int], kept: Sequence[float] | None = None
     ) -> list[Piece]:
-        """Return the chain's curve, cut in the middle of its overlaps.
+        """Return the planned motions of a chain: its curve, cut in the middle of each overlap.
 
         `kept` are the shares of the requested speeds that are reached.
         """
@@ -233,11 +241,11 @@ class Overlaps:
 
 
 def widest(serves: Callable[[int], bool], most: int) -> int:
-    """Return approximately the largest even number up to `most` for which `serves` is True; 0 if none is
+    """Return approximately the largest even overlap up to `most` for which `serves` is True; 0 if none is
     found.
 
-    The sum of two laws doesn't change monotonically with their overlap. Sizes in geometric progression are
-    tried first, then the interval above the best one.
+    The sum of two profiles doesn't change monotonically with their overlap. Sizes in geometric progression
+    are tried first, then the interval above the best one.
     """
     if most < 2:
         return 0

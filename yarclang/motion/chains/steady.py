@@ -3,7 +3,7 @@ overlap.
 
 The speed that the first motion loses in its last ramp is gained by the second one in its first ramp. Two
 lines in one direction are therefore traversed at one speed, and at a corner one velocity changes into the
-other over the whole overlap. This is possible only for laws with a cruise.
+other over the whole overlap. This is possible only for motion profiles with a constant cruise speed.
 """
 
 from __future__ import annotations
@@ -67,19 +67,20 @@ def steady(
     segment: float,
     middles: Sequence[int | None],
 ) -> list[Piece] | float | Beaten | None:
-    """Return the pieces of a chain that keeps its speed through its corners.
+    """Plan a chain that keeps its speed through its corners.
 
     Args:
         chain: the arm.
-        links: the motions, with laws that have a cruise.
+        links: the motions of the chain, with profiles that have a cruise.
         inside: for each corner, as returned by `find_inside`.
-        at_most: duration above which a chain that isn't as requested is of no use [s].
+        at_most: duration [s] above which a chain that misses a requested speed is of no use.
         segment: the segment time [s].
-        middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
+        middles: for each motion with a given duration, its number of segments from the middle of one overlap
+            to the middle of the next.
 
     Returns:
-        The pieces; or a shorter segment time to try; or a lower bound of the duration, if the chain is of no
-        use; or None if the limits don't allow it.
+        The planned motions; or a shorter segment time to try; or a lower bound of the duration, if the chain
+        is of no use; or None if the limits don't allow it.
     """
     if not all(link.profile.has_cruise for link in links):
         return None
@@ -100,7 +101,7 @@ def steady(
 
 
 class _Maker:
-    """Planner of one chain."""
+    """Planner of one chain that keeps its speed through corners."""
 
     def __init__(
         self,
@@ -117,8 +118,9 @@ class _Maker:
         self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
 
     def made(self, outer: float) -> list[Piece] | float | Beaten | None:
-        """Return the pieces; motions with given times begin and end with ramps that take the share
-        `outer`.
+        """Plan the chain.
+
+        In motions with given durations, a ramp from rest or to rest takes the share `outer` of the duration.
         """
         count = len(self.links)
         cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
@@ -160,9 +162,8 @@ class _Maker:
         return None
 
     def _keep_together(self, cruises: list[float]) -> None:
-        """Give both motions at each corner where the path must be kept the same share of their speeds.
-
-        The corner is then passed without a change of this share.
+        """Slow down motions so that both motions at a corner where the path must be kept have the same share
+        of their requested speeds.
         """
         # One pass forwards and one backwards carry the slowest share through a run of tangent corners.
         for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
@@ -175,8 +176,9 @@ class _Maker:
                 cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
-        """Estimate the fastest speeds at which the corners can be passed, from the directions at the
-        corners alone.
+        """Return the cruises, slowed down to the estimated fastest speeds at which the corners can be passed.
+
+        The estimate uses only the directions of the paths at the corners.
         """
         for _ in range(_MOST_ROUNDS):
             asked = [1.0] * len(cruises)
@@ -194,7 +196,7 @@ class _Maker:
         return cruises
 
     def _slow_corners(self, parts: list[Part], turns: list[Turn]) -> dict[int, float]:
-        """Return the motions beside the corners that demand too much, with the factors by which they
+        """Return the motions beside corners that break a limit or a speed, each with the factor by which it
         should be slower.
         """
         slow: dict[int, float] = {}
@@ -231,9 +233,10 @@ class _Maker:
         return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
 
     def _least(self, cruises: list[float]) -> float | None:
-        """Return a lower bound of the chain's duration [s]; None as long as all motions are as requested.
+        """Return a lower bound of the chain's duration [s]; None as long as all motions are as fast as
+        requested.
 
-        From middle to middle of its corners, a motion covers its path at its cruise.
+        From the middle of one corner to the middle of the next, a motion covers its path at its cruise speed.
         """
         taken, is_as_asked = 0.0, True
         for link, middle, cruise in zip(self.links, self.middles, cruises, strict=True):
@@ -248,13 +251,13 @@ class _Maker:
         return self.middles[place] is None
 
     def _is_outer(self, place: int) -> tuple[bool, bool]:
-        """Return True if a motion starts from rest, and True if it ends at rest."""
+        """Return two values: whether a motion starts from rest, and whether it ends at rest."""
         return place == 0, place == len(self.links) - 1
 
     def _first_cruise(self, place: int, outer: float) -> float:
-        """Return the number of segments in which the whole path is traversed at full speed.
+        """Return the number of segments in which the whole path of a motion is traversed at full speed.
 
-        The number follows from a given time or speed; otherwise it is approximately the smallest possible
+        The number follows from a given duration or speed; otherwise it is approximately the smallest possible
         one.
         """
         link, middle = self.links[place], self.middles[place]
@@ -273,8 +276,8 @@ class _Maker:
         return max(limits, _BESIDE_ZONES * zones) / self.segment
 
     def _turn(self, place: int, cruises: list[float]) -> Turn | None:
-        """Return the widest overlap that has room at these speeds, with the ramps that suit the limits best;
-        None if there is no room.
+        """Return the widest overlap that fits into a corner's ball at these speeds, with the ramps that suit
+        the limits best; None if there is no room.
         """
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
@@ -303,7 +306,7 @@ class _Maker:
         return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
     def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | float]:
-        """Return the motions, planned one after the other.
+        """Return the planned motions; each one is planned after the motion before it.
 
         For a motion that breaks its own limits, the item is the factor by which it must be slower.
         """
@@ -319,7 +322,9 @@ class _Maker:
 
 
 def _slope(path: Path, s: float) -> Array:
-    """Return the derivative of the joints with respect to s (n,) at one end of a path [rad or m]."""
+    """Return the derivative of the joint position with respect to s, (n,) [rad or m], at one end of a
+    path.
+    """
     step = 1e-4
     pair = path.joints(np.array([0.0, step]) if s == 0.0 else np.array([1.0 - step, 1.0]))
     slope: Array = (pair[1] - pair[0]) / step

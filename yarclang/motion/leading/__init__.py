@@ -1,1 +1,1 @@
-"""Route single motions from the robot's position, with a module for each kind of motion."""
+"""Find the paths of single motions from the robot's position, with a module for each kind of motion."""

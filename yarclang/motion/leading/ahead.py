@@ -1,9 +1,10 @@
-"""Follow many straight lines and arcs together, before the robot's position at their begins is known.
+"""Compute the paths of many straight lines and arcs together, before the robot's position at the start of
+each is known.
 
-The end of a line or an arc to a given pose depends only on the configuration, not on the way there. The
+The end of a line or an arc to a given pose depends only on the arm configuration, not on the path there. The
 robot's present configuration is therefore assumed for the whole run, and all samples of all paths are solved
 at once. Only paths that stay in this configuration without any decision are kept: for these, `track` returns
-the same bits. All others are followed by `track`.
+the same bits. All others are computed one by one by `track`.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ MOST_IN_CHAINS = 512
 
 @dataclass(slots=True)
 class WaysAhead:
-    """The paths of straight lines and arcs to given poses, if they can be followed together.
+    """Maker of the paths of consecutive straight lines and arcs to given poses, many at once if possible.
 
     `chained` are the steps in long chains, whose short paths keep fewer places.
     """
@@ -54,8 +55,8 @@ class WaysAhead:
     _growing: Growing = field(default_factory=Growing)
 
     def path(self, number: int, stands: Array) -> CartesianPath | None:
-        """Return the path of step `number` from `stands` (n,) [rad]; None if the step has to be followed
-        by itself.
+        """Return the path of step `number` from the joint position `stands` (n,) [rad]; None if the path has
+        to be computed by itself.
         """
         found = self._ready.pop(number, None)
         if found is not None and np.array_equal(found.start, stands):
@@ -78,8 +79,8 @@ class WaysAhead:
         return self._ready.pop(number, None)
 
     def _run(self, number: int, size: int) -> tuple[list[int], list[LineMove | ArcMove]]:
-        """Return up to `size` consecutive lines and arcs to given poses of one frame, from step `number`
-        on.
+        """Return up to `size` consecutive lines and arcs to given poses of one frame, from step `number` on,
+        as the indices of the steps and the steps.
         """
         numbers, steps = list[int](), list[LineMove | ArcMove]()
         for here in range(number, len(self.steps)):
@@ -99,8 +100,11 @@ class WaysAhead:
     def _followed(
         self, arm: Form, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
     ) -> list[CartesianPath]:
-        """Return the paths of motions to given poses from `stands` (n,) on, up to the first motion that needs
-        a decision.
+        """Return the arm's paths for consecutive motions to given poses, the first one from the joint
+        position `stands` (n,).
+
+        The result ends before the first motion that jumps between configurations, meets a singularity or
+        leaves joint limits.
         """
         goals = [step.goal for step in steps if isinstance(step.goal, PoseGoal)]
         chain, tool = self.robot.chain, goals[0].flange_from_moving
@@ -140,7 +144,8 @@ def _same(one: Array, other: Array) -> bool:
 
 
 def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> list[Line | Arc]:
-    """Return the paths of the moving frame from `poses` (m, 4, 4) to the goals (4, 4).
+    """Return the paths of the moving frame for consecutive motions, from `poses` (m, 4, 4) to the goals (4,
+    4).
 
     The result ends before the first motion that has no path, or doesn't move.
     """
@@ -156,7 +161,7 @@ def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> 
 
 
 def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
-    """Return base_from_moving (m * M, 4, 4) of m paths at `s` (M,)."""
+    """Return the poses base_from_moving (m * M, 4, 4) along each of m paths, at the places `s` (M,)."""
     lines = [way for way in ways if isinstance(way, Line)]
     if len(lines) == len(ways):
         return poses_along(lines, s).reshape(-1, 4, 4)
@@ -164,7 +169,8 @@ def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
 
 
 def _standing(branches: Array, stands: Array) -> int | None:
-    """Return the index of the branch of `branches` (8, n) that equals the robot's position `stands` (n,).
+    """Return the index of the inverse-kinematics branch in `branches` (8, n) that equals the robot's position
+    `stands` (n,).
 
     The result is None if there isn't exactly one such branch.
     """
@@ -174,9 +180,10 @@ def _standing(branches: Array, stands: Array) -> int | None:
 
 
 def _unwound(ends: Array, stands: Array) -> Array:
-    """Return the begins (m + 1, n) of lines: `stands` (n,), and the ends (m, n) of the lines before.
+    """Return the joint positions (m + 1, n) at which consecutive lines begin: `stands` (n,), and the ends (m,
+    n) of the lines before.
 
-    Each is on the full turns nearest to its predecessor.
+    Full turns are added to each joint position so that it is nearest to the one before.
     """
     starts = np.concatenate((stands[None], ends))
     # Remove full turns between consecutive ends, all at once, then check the result end by end.

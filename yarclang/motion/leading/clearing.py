@@ -1,5 +1,5 @@
-"""Lead arms with redundant joints past bodies and zones on their lines, by motions that don't move the moving
-frame.
+"""Lead arms with redundant joints past obstacles on a Cartesian path, by joint motions that leave the moving
+frame on its path (self-motion).
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ _SINGULAR = 0.5
 
 
 def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPath:
-    """Return another motion of the joints along the same path if something is in the way; the path itself if
-    nothing is in the way, or no other motion is found.
+    """Return another joint motion along the same frame path that is free of obstructions.
 
-    A motion that isn't slowed by a singularity is preferred. A free path is kept: avoiding a singularity may
-    demand more of the joints than passing it.
+    The given path is returned if it is free already, or if no other joint motion is found. A joint motion
+    that isn't slowed by a singularity is preferred. A path that is free is never changed: avoiding a
+    singularity may demand more of the joints than passing it.
     """
     robot = solver.robot
     room = solver.room(step) if robot.size > 6 else None
@@ -65,7 +65,7 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
 
 
 def _is_free(room: Room, path: CartesianPath) -> bool:
-    """Return True if nothing is in the way at places of a path.
+    """Return True if a path is free of obstructions at sampled places.
 
     The first place isn't checked, since the robot is there anyway.
     """

@@ -1,4 +1,4 @@
-"""Route motions along paths of the moving frame: lines, arcs and splines of poses."""
+"""Find the arm's paths for motions of the moving frame: lines, arcs and splines of poses."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ CartesianMove = LineMove | ArcMove | PoseSplineMove
 
 
 def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: Collector) -> Led:
-    """Route a motion of the moving frame from `stands` (n,) [rad or m]."""
+    """Find the arm's path for a motion of the moving frame, from the joint position `stands` (n,) [rad or
+    m].
+    """
     robot = solver.robot
     tool = moving_frame(step)
     start = tool_poses(robot.chain, stands[None], tool)[0]
@@ -56,7 +58,9 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
 
 
 def avoiding_line(solver: Solver, step: LineMove, stands: Array, findings: Collector) -> Led:
-    """Route a line from `stands` (n,) [rad or m] that may be left to get round what is in the way."""
+    """Find a line from the joint position `stands` (n,) [rad or m], or a polyline if obstacles are on the
+    line.
+    """
     robot, tool = solver.robot, moving_frame(step)
     start = tool_poses(robot.chain, stands[None], tool)[0]
     goal = _goal(step, start)
@@ -90,9 +94,9 @@ def avoiding_line(solver: Solver, step: LineMove, stands: Array, findings: Colle
 
 
 def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[FrameWay | None, PoseGoal]:
-    """Return the way of the moving frame and its goal, without joint positions.
+    """Return the path of the moving frame and its goal, without joint positions.
 
-    The way is None if there is no path; a finding is then added.
+    The path is None if there is none; a finding is then added.
 
     Args:
         step: the motion.
@@ -112,13 +116,15 @@ def moving_frame(step: CartesianMove) -> Array:
 
 
 def _goal(step: CartesianMove, start: Array) -> PoseGoal:
-    """Return the goal of a motion of the moving frame from its pose at the start (4, 4)."""
+    """Return the goal pose of a motion; `start` (4, 4) is the moving frame's pose at the start, to which
+    increments are added.
+    """
     goal = step.goals[-1]
     return _absolute(goal, start) if isinstance(goal, PoseDelta) else goal
 
 
 def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector) -> FramePath | None:
-    """Return the path of the moving frame from its pose at the start (4, 4); None, with a finding, if
+    """Return the path of the moving frame from its pose `start` (4, 4); None, with a finding, if
     there is none.
     """
     match step:
@@ -148,7 +154,7 @@ def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Col
 
 
 def _note_swing(spline: PoseSpline, step: PoseSplineMove, findings: Collector) -> None:
-    """Add a note if a curve of the moving frame leaves the box around its way-points by much."""
+    """Add a note if a spline of the moving frame swings far out of the box around its way-points."""
     low, low_at, high, high_at = spline.positions.extremes()
     points = spline.positions.values
     swing = np.maximum(points.min(axis=0) - low, high - points.max(axis=0))
@@ -162,9 +168,7 @@ def _note_swing(spline: PoseSpline, step: PoseSplineMove, findings: Collector) -
 
 
 def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:
-    """Return the pose (4, 4) to which an increment leads from `start` (4, 4), both of the moving frame in
-    {B}.
-    """
+    """Return the pose (4, 4) of the moving frame in {B} after an increment from its pose `start` (4, 4)."""
     axes = delta.axes
     if delta.axes_on_flange:
         axes = start[:3, :3] @ delta.flange_from_moving[:3, :3].T @ delta.axes

@@ -1,4 +1,6 @@
-"""Route motions in joint space: straight ones, splines, and ways around obstacles."""
+"""Find the paths of motions in joint space: straight ones, splines, timetables, and paths around
+obstacles.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +31,9 @@ _CONFIGURATIONS = 3
 def joint_motion(
     solver: Solver, step: JointMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Route a straight motion from `stands` (n,) [rad or m].
+    """Find the path of a straight motion in joint space from `stands` (n,) [rad or m].
 
-    `choice` (n,) is the solution to take for its pose; None for the nearest one.
+    `choice` (n,) is the inverse-kinematics solution to take for the goal pose; None for the nearest one.
     """
     if isinstance(step.goal, JointDelta):
         end: Array | None = stands + step.goal.dq
@@ -47,8 +49,9 @@ def joint_motion(
 def avoiding_motion(
     solver: Solver, step: AvoidMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Route a motion around obstacles. Of the solutions of its pose, the nearest one that has a way is
-    taken.
+    """Find the path of a joint motion around obstacles.
+
+    Of the inverse-kinematics solutions for its goal pose, the nearest one to which there is a path is taken.
     """
     end = _end(solver, step, step.goal, stands, findings, choice)
     if end is None or any(one.is_error for one in findings.found):
@@ -91,7 +94,9 @@ def _end(
 def spline_motion(
     solver: Solver, step: SplineMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Route a spline. `choice` (n,) is the solution to take for its last pose; None for the nearest one."""
+    """Find the path of a spline in joint space. `choice` (n,) is the inverse-kinematics solution to take for
+    its last pose; None for the nearest one.
+    """
     waypoints: list[Array] = []
     near, together = stands, _FEWEST_TOGETHER
     while (place := len(waypoints) + 1) <= len(step.waypoints):
@@ -127,7 +132,9 @@ def spline_motion(
 
 
 def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Collector) -> Led:
-    """Route a timetable from `stands` (n,) [rad or m]. A first row at time 0 must equal this position."""
+    """Find the path of a timetable from `stands` (n,) [rad or m]. A first row at time 0 must equal this
+    position.
+    """
     robot, table = solver.robot, step.table
     last = table.positions[-1]
     if table.begins:
@@ -149,7 +156,8 @@ def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Colle
 
 
 def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
-    """Return up to `most` consecutive way-points from number `begin` (from 0) on that are solved together.
+    """Return up to `most` consecutive way-points whose inverse kinematics is solved together, from number
+    `begin` (counted from 0) on.
 
     They are poses of one frame, and never include the last way-point.
     """
@@ -164,7 +172,7 @@ def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
 
 
 def _swings_within_limits(robot: Robot, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
-    """Return True if a spline keeps the joint limits everywhere.
+    """Return True if a spline stays within joint limits everywhere.
 
     A note is added if it swings far beyond its way-points.
     """

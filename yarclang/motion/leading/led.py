@@ -1,4 +1,4 @@
-"""Define the result of routing a motion, before the motion has a time."""
+"""Define the path that is found for a motion, before the motion has a time."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from yarclang.motion.path import Path
 
 @frozen(eq=False)
 class LineLeg:
-    """A leg of a line around obstacles: its end `pose` (4, 4) of the moving frame, the `path` that leads
-    there, and its `share` in the duration of all legs.
+    """One leg of a polyline around obstacles: `pose` (4, 4) of the moving frame at its end, the arm's `path`
+    to this pose, and its `share` in the duration of all legs.
     """
 
     pose: Array
@@ -21,11 +21,12 @@ class LineLeg:
 
 @frozen(eq=False)
 class Led:
-    """The routing of a motion.
+    """The result of finding the path of a motion.
 
-    `path` is None if the motion can't be done. `end` is its end, if known. `waypoints` (k, n) [rad or m] are
-    the joint positions chosen for its way-points. `broken` is True if it can't be done from the robot's
-    position, though perhaps from another one. `legs` are those of a line around obstacles.
+    `path` is None if the motion can't be done. `end` is the joint position at its end, if known. `waypoints`
+    (k, n) [rad or m] are the joint positions chosen for its way-points. `broken` is True if the motion can't
+    be done from the robot's position, though perhaps from another one. `legs` are the legs of a polyline
+    around obstacles; the `path` is then that of the last leg.
     """
 
     path: Path | None
@@ -40,9 +41,9 @@ NOWHERE = Led(None, None, None)
 
 @frozen(eq=False)
 class FrameWay:
-    """The way of a moving frame with known ends but without joint positions.
+    """The path of a moving frame with known ends but without joint positions.
 
-    Nothing more is known of a motion after one that can't be done.
+    After a motion that can't be done, no more than this is known of the motions that follow.
     """
 
     frame: FramePath

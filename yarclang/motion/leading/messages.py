@@ -1,4 +1,4 @@
-"""Word findings about the goals of motions and their configurations; see `yarclang.motion.messages`."""
+"""Word findings about the goals of motions and their arm configurations; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a v
 
 
 def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
-    """Return the finding about a pose without a joint position."""
+    """Return the finding that no joint position takes the frame to a pose."""
     if solved.kind == "reach":
         by = f" by {miss_text(solved.miss, solved.miss_angle)}" if solved.is_measured else ""
         message = f"{which}out of reach{by}"
@@ -62,7 +62,7 @@ def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = 
 
 
 def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Message:
-    """Return the finding about a DMOVEJ to a joint position beyond the limits."""
+    """Return the finding that a DMOVEJ leads to a joint position beyond the limits."""
     limits = robot.limits
     excess = np.maximum(end - limits.upper, limits.lower - end) / robot.axis_units
     joint = int(np.argmax(excess))
@@ -73,13 +73,15 @@ def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Messag
 
 
 def half_turn(origin: Origin, where: str = "") -> Message:
-    """Return the finding about a motion that turns by half a revolution; `where` names its way-point."""
+    """Return the finding that a frame would turn by half a revolution, which has no short way; `where` names
+    the way-point.
+    """
     message = f"{where}the orientation turns by half a revolution: there is no short way"
     return "Y0409", message, origin.span, "give a via pose that says which way round", None
 
 
 def no_arc(arc: NoArc, origin: Origin) -> Message:
-    """Return the finding about three points that determine no circle."""
+    """Return the finding that the three points of an arc determine no circle."""
     if arc.kind == "half turn":
         return half_turn(origin)
     if arc.kind == "coincident":
@@ -94,7 +96,7 @@ def no_arc(arc: NoArc, origin: Origin) -> Message:
 
 
 def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianMove) -> Message:
-    """Return the finding about a motion of the moving frame that can't be followed to its end."""
+    """Return the finding that the arm can't follow a path of the moving frame to its end."""
     origin = step.origin
     what = {LineMove: "straight line", ArcMove: "arc", PoseSplineMove: "curve"}[type(step)]
     point = np.round(frame.poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
@@ -127,7 +129,7 @@ def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianM
 
 
 def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, origin: Origin) -> Message:
-    """Return the finding about a spline that takes a joint beyond its limits."""
+    """Return the finding that a spline takes a joint beyond its limits."""
     name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
     message = f"the curve takes {name} out of its limits by {excess:.4g} {unit} at {s * 100:.3g} % of the way"
     return (
@@ -140,7 +142,7 @@ def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, orig
 
 
 def table_begins_elsewhere(robot: Robot, begins: Array, stands: Array, step: TimedMove) -> Message:
-    """Return the finding about a timetable whose first row isn't at the robot's position."""
+    """Return the finding that the first row of a timetable isn't the robot's position."""
     off = np.abs(begins - stands)
     joint = int(np.argmax(off / step.within))
     name, unit, factor = robot.joint_names[joint], robot.axis_unit_names[joint], robot.axis_units[joint]
@@ -157,7 +159,7 @@ def table_begins_elsewhere(robot: Robot, begins: Array, stands: Array, step: Tim
 
 
 def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: Origin) -> Message:
-    """Return the finding about a spline that leaves the range of its way-points by much."""
+    """Return the finding that a joint spline swings far beyond the range of its way-points."""
     name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
     message = (
         f"the curve swings {swing:.3g} {unit} beyond its way-points in {name}, at {s * 100:.3g} % of the way"
@@ -166,8 +168,8 @@ def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: 
 
 
 def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Message:
-    """Return the finding about a curve of the moving frame that leaves the box around its way-points by
-    much.
+    """Return the finding that a spline of the moving frame swings far out of the box around its
+    way-points.
     """
     message = (
         f"the curve swings {length_text(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} "
@@ -177,7 +179,7 @@ def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Messa
 
 
 def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
-    """Return the finding about branches that meet, but end at different joint positions.
+    """Return the finding that branches of the program meet, but end at different joint positions.
 
     In a loop these are the EXITs, or the end and the beginning of a pass.
     """
@@ -200,7 +202,7 @@ def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
 
 
 def grips_on_the_way(origin: Origin, closes: bool) -> Message:
-    """Return the finding about a gripper that would close or open while the robot moves."""
+    """Return the finding that a gripper would close or open while the robot moves."""
     does = "closes" if closes else "opens"
     return (
         "Y0944",
@@ -219,7 +221,9 @@ def another_configuration(
     later: Step,
     reasons: tuple[Diagnostic, ...],
 ) -> Message:
-    """Return the finding about a target whose nearest solution would break a later motion."""
+    """Return the finding that another inverse-kinematics solution was taken for a target, because from the
+    nearest one a later motion can't be done.
+    """
     origin = step.origin
     why = next((reason for reason in reasons if reason.is_error), None)
     blamed = ""
@@ -233,7 +237,7 @@ def another_configuration(
 
 
 def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
-    """Return the joints in which a solution differs from the nearest one, in brackets."""
+    """Return the names of the joints in which a solution differs from the nearest one, in brackets."""
     if nearest is None:
         return ""
     # Avoid negative zeros.
@@ -249,8 +253,8 @@ def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
 
 
 def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
-    """Return a fix that names the joint position and uses it by NEAR; None if the command's line is executed
-    in several places.
+    """Return a fix that declares the joint position and refers to it by NEAR; None if the command's line is
+    executed in several places of the program.
     """
     if not origin.index or ">" in origin.place or "(" in origin.place or origin.end_span is None:
         return None

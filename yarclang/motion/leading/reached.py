@@ -1,4 +1,4 @@
-"""Check many given poses together for being in reach.
+"""Check together if many given poses are in reach of the arm.
 
 After a fault the robot's position isn't known, so each pose is checked by itself.
 """
@@ -22,7 +22,7 @@ MOST_POSES = 512
 
 @dataclass(slots=True)
 class ReachedAhead:
-    """The lines and arcs whose goals are certainly in reach."""
+    """Checker of consecutive lines and arcs for goals that are certainly in reach."""
 
     robot: Robot
     steps: Sequence[Step]
@@ -30,15 +30,15 @@ class ReachedAhead:
     _growing: Growing = field(default_factory=lambda: Growing(MOST_POSES))
 
     def is_sure(self, number: int) -> bool:
-        """Return True if the goal of step `number` can certainly be reached; False if a closer look is
-        needed.
+        """Return True if the goal of step `number` can certainly be reached; False if it needs a check by
+        itself.
         """
         if number not in self._known:
             self._known = self._looked_at(number)
         return self._known.pop(number, False)
 
     def _looked_at(self, number: int) -> dict[int, bool]:
-        """Return the results for lines and arcs from step `number` on.
+        """Return the results of the reach check for lines and arcs from step `number` on.
 
         The result is empty if the step is neither, or if only a single step is requested.
         """

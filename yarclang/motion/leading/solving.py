@@ -1,4 +1,4 @@
-"""Solve the pose of a frame for the nearest joint position at which nothing is in the way."""
+"""Solve inverse kinematics of a frame's pose for the nearest joint position without obstruction."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from yarclang.robot.model import Robot
 
 @frozen
 class Solver:
-    """Solves poses for a robot in its cell.
+    """Solver of inverse kinematics for a robot in its cell, which avoids obstructions.
 
     With `measures`, the distance of a pose out of reach is computed, and nearby poses are searched for if a
     pose can't be taken. `is_again` is True if a search for this command found nothing in an earlier pass of a
-    loop; the next search is then short. `searches` is the number of ways around obstacles that are searched
+    loop; the next search is then short. `searches` is the number of paths around obstacles that are searched
     for; the fastest is taken.
     """
 
@@ -40,7 +40,7 @@ class Solver:
     searches: int = 1
 
     def room(self, step: Motion) -> Room | None:
-        """Return the surroundings during a motion; None if nothing can be in the way."""
+        """Return the surroundings during a motion; None if there are no obstacles."""
         return room_of(self.robot, self.cell, moving_of(self.robot, step))
 
     def nearest(
@@ -51,11 +51,11 @@ class Solver:
         Obstructions are ignored. The result is None, with a finding, if there is no such joint position.
 
         Args:
-            goal: the pose; its own NEAR takes precedence.
-            near: (n,) [rad or m].
+            goal: the goal pose; if it has a joint position NEAR of its own, that is used instead of `near`.
+            near: (n,) joint position [rad or m].
             step: the motion.
             findings: receives the finding.
-            which: names the way-point in messages.
+            which: words that name the way-point in messages.
         """
         near = near if goal.near is None else goal.near
         chain, limits = self.robot.chain, self.robot.limits
@@ -69,9 +69,11 @@ class Solver:
     def chosen(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """Return the nearest joint position at which nothing is in the way.
+        """Return the joint position for a goal that is nearest to `near` among those without obstruction.
 
-        A finding is added if it isn't the nearest of all. A position given by NEAR is taken as it is.
+        A finding is added if a nearer solution is obstructed. If all solutions are obstructed, the nearest
+        one is returned, with an error as finding. If the goal has a NEAR of its own, the solution nearest to
+        that is taken without this check. The result is None if the goal is out of reach.
         """
         q = self.nearest(goal, near, step, findings, which)
         if q is None or goal.near is not None:
@@ -95,7 +97,7 @@ class Solver:
     def _along_self_motion(
         self, goal: PoseGoal, near: Array, blocked: list[Array], room: Room
     ) -> Array | None:
-        """Return the joint position of a redundant arm nearest to `near` at which nothing is in the way.
+        """Return the joint position of a redundant arm nearest to `near` at which nothing obstructs the arm.
 
         The positions examined are those that the arm can take while its flange is at rest.
         """
@@ -117,7 +119,8 @@ class Solver:
         """Return the joint positions (k, n) that `chosen` returns for the first k of several goals of one
         moving frame.
 
-        Each is near the one before. The result ends before the first goal that needs a decision or a finding.
+        Each joint position is the one nearest to that before. The result ends before the first goal that
+        needs a decision or a finding.
         """
         chain, limits = self.robot.chain, self.robot.limits
         moving = np.array([goal.base_from_moving for goal in goals])
@@ -130,8 +133,8 @@ class Solver:
         return q[: next(blocked, len(q))]
 
     def _with_changes(self, told: Message, goal: PoseGoal, near: Array, step: Motion, which: str) -> Message:
-        """Add changes that would help to a message about a pose that can't be taken; they are searched for
-        only with `measures`.
+        """Add helpful changes of the goal to a message about a pose that can't be taken; they are searched
+        for only with `measures`.
         """
         if not self.measures:
             return told
@@ -139,7 +142,9 @@ class Solver:
         return with_changes(told, goal, changes, step.origin, is_alone=not which)
 
     def solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
-        """Return all solutions within limits with all their full turns, the nearest to `near` first."""
+        """Return all inverse-kinematics solutions within limits, each with all its full turns, the nearest to
+        `near` first.
+        """
         chain, limits = self.robot.chain, self.robot.limits
         solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=False)
         if isinstance(solved, Unreachable):
@@ -149,8 +154,8 @@ class Solver:
         return list(turns[np.argsort(np.round(distance, 9), kind="stable")])
 
     def others(self, goal: PoseGoal, near: Array, step: Motion) -> Iterator[Array]:
-        """Yield the solutions after the nearest one at which nothing is in the way, the nearest to `near`
-        first.
+        """Yield the inverse-kinematics solutions other than the nearest one at which nothing obstructs the
+        arm, the nearest to `near` first.
 
         Each is checked only when it is requested.
         """
@@ -164,7 +169,7 @@ class Solver:
         yield from others if room is None else room.free_among(others)
 
     def _after(self, goal: PoseGoal, near: Array, q: Array) -> list[Array]:
-        """Return all solutions except `q` (n,), the nearest to `near` first."""
+        """Return all inverse-kinematics solutions except `q` (n,), the nearest to `near` first."""
         return [one for one in self.solutions(goal, near) if np.abs(one - q).max() > SAME]
 
 

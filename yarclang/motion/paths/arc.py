@@ -1,4 +1,6 @@
-"""Define a circular arc of the moving frame, which turns about a fixed axis in proportion to its travel."""
+"""Define a circular arc of the moving frame; along the arc the frame turns about a fixed axis, in proportion
+to the distance travelled.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,12 @@ circle.
 
 @frozen(eq=False)
 class Arc:
-    """Poses of the moving frame over s, in {B}.
+    """A circular arc of the moving frame, as poses over s in {B}.
 
-    The origin goes by the angle `sweep` [rad] about `normal` (3,) through `centre` (3,) [m], and the frame
-    turns by `angle` [rad] about `axis` (3,). The arc begins at `base_from_start` (4, 4) and ends exactly at
-    `base_from_end` (4, 4), to the last bit, so that later motions don't depend on the digits of the start.
+    The frame's origin goes by the angle `sweep` [rad] about the axis `normal` (3,) through `centre` (3,) [m],
+    and the frame turns by `angle` [rad] about `axis` (3,). The arc begins at `base_from_start` (4, 4) and
+    ends exactly at `base_from_end` (4, 4), to the last bit, so that later motions don't depend on the digits
+    of the start.
     """
 
     base_from_start: Array
@@ -53,12 +56,12 @@ class Arc:
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Return the derivatives with respect to s (N, 6); see `FramePath.tangents`."""
+        """Return the derivatives of the frame's pose with respect to s (N, 6); see `FramePath.tangents`."""
         along = self.sweep * np.cross(self.normal, self._spokes(s))
         return np.concatenate((along, np.tile(self.axis * self.angle, (len(s), 1))), axis=1)
 
     def _spokes(self, s: Array) -> Array:
-        """Return the vectors from the centre to the frame's origin (N, 3)."""
+        """Return the vectors from the centre of the arc to the frame's origin at N places (N, 3)."""
         first = self.base_from_start[:3, 3] - self.centre
         side = np.cross(self.normal, first)
         angle = (s * self.sweep)[:, None]
@@ -68,7 +71,7 @@ class Arc:
 
 @frozen
 class NoArc:
-    """The reason why there is no arc.
+    """The reason why three given points determine no arc.
 
     Two of the points coincide (`apart` [m]), all three are on a line (`bend` [rad]), or the orientation turns
     by half a revolution.
@@ -81,7 +84,7 @@ class NoArc:
 
 
 def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc | NoArc:
-    """Return the arc from one pose (4, 4) through a point `via` (3,) [m] to another pose, in {B}."""
+    """Return the arc from one pose (4, 4) through a position `via` (3,) [m] to another pose, all in {B}."""
     start, end = base_from_start[:3, 3], base_from_end[:3, 3]
     a, b = via - start, end - start
     pairs = (("start and via", a), ("via and end", end - via), ("start and end", b))

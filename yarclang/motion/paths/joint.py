@@ -10,7 +10,9 @@ from yarclang.hir import Array
 
 @frozen(eq=False)
 class JointPath:
-    """A path from `start` to `end` (n,) [rad or m] with all joints in a constant ratio."""
+    """A path in joint space from `start` to `end` (n,) [rad or m], along which all joints move in a
+    constant ratio.
+    """
 
     start: Array
     end: Array
@@ -37,5 +39,5 @@ class JointPath:
         return q
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:  # noqa: ARG002
-        """Return zeros: control points on the line execute it exactly."""
+        """Return zeros: control points on a straight line in joint space execute the line exactly."""
         return 0.0, 0.0

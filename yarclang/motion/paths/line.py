@@ -1,4 +1,6 @@
-"""Define a straight line of the moving frame, which turns about a fixed axis in proportion to its travel."""
+"""Define a straight line of the moving frame; along the line the frame turns about a fixed axis, in
+proportion to the distance travelled.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ from yarclang.motion.rotation import NO_TURN, turn_between, turned, turns_betwee
 
 @frozen(eq=False)
 class Line:
-    """Poses of the moving frame over s, from `base_from_start` (4, 4) to `base_from_end` (4, 4).
+    """A straight line of the moving frame, as poses over s from `base_from_start` (4, 4) to `base_from_end`
+    (4, 4).
 
     The frame moves by `shift` (3,) [m], of length `length` [m], and turns by `angle` [rad] about the unit
     vector `axis` (3,), both in the axes of {B}. It ends exactly at `base_from_end`, to the last bit, so that
@@ -43,13 +46,15 @@ class Line:
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Return the derivatives with respect to s (N, 6), which are constant; see `FramePath.tangents`."""
+        """Return the derivatives of the frame's pose with respect to s (N, 6), which are constant along the
+        line; see `FramePath.tangents`.
+        """
         return np.tile(np.concatenate((self.shift, self.axis * self.angle)), (len(s), 1))
 
 
 def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
-    """Return the line between two poses (4, 4), turning the short way; None for half a turn, which has no
-    short way.
+    """Return the straight line between two poses (4, 4), with the short turn; None if the frame turns by half
+    a revolution, for which there is no short turn.
     """
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
@@ -59,7 +64,9 @@ def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
 
 
 def lines_between(base_from_start: Array, goals: Sequence[Array]) -> list[Line | None]:
-    """Return the lines from poses (M, 4, 4) to as many goals (4, 4), with the same bits as `line_between`."""
+    """Return the straight lines from poses (M, 4, 4) to as many goals (4, 4), with the same bits as
+    `line_between`.
+    """
     ends = np.array(goals)
     axes, angles = turns_between(base_from_start[:, :3, :3], ends[:, :3, :3])
     shifts = ends[:, :3, 3] - base_from_start[:, :3, 3]
@@ -70,7 +77,7 @@ def lines_between(base_from_start: Array, goals: Sequence[Array]) -> list[Line |
 
 
 def poses_along(lines: Sequence[Line], s: Array) -> Array:
-    """Return base_from_moving (M, N, 4, 4) of each line at `s` (N,)."""
+    """Return the poses base_from_moving (M, N, 4, 4) along each of M lines, at the places `s` (N,)."""
     starts = np.array([line.base_from_start for line in lines])
     axes = np.array([line.axis for line in lines])
     angles = s * np.array([line.angle for line in lines])[:, None]

@@ -1,4 +1,4 @@
-"""Define one smooth curve of the moving frame through poses, in position and orientation."""
+"""Define a smooth curve of the moving frame through way-points, in position and orientation."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ in the processor's cache.
 
 @dataclass(frozen=True)
 class PoseSpline:
-    """A curve of poses: two natural cubic splines over the chord parameter, from 0 to 1.
+    """A smooth curve of the moving frame: natural cubic splines of position and of orientation over the chord
+    parameter, from 0 to 1.
 
     `positions` (d = 3) are in m, `turns` (d = 4) are quaternions (x y z w). Interpolated quaternions still
     have to be normalised.
@@ -62,7 +63,7 @@ class PoseSpline:
 
     @cached_property
     def angle(self) -> float:
-        """The angle by which the frame turns on the way [rad]."""
+        """The angle by which the frame turns along the whole curve [rad]."""
         u = self._fine
         middles = (u[1:] + u[:-1]) / 2.0
         rates = np.empty(len(middles))
@@ -85,7 +86,7 @@ class PoseSpline:
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Return the derivatives with respect to s (N, 6); see `FramePath.tangents`."""
+        """Return the derivatives of the frame's pose with respect to s (N, 6); see `FramePath.tangents`."""
         q, rate = self.turns.at(s), self.turns.slope_at(s)
         vector, real = q[:, :3], q[:, 3:]
         # omega = 2 q' conj(q) / |q|². Its real part is the change of the norm, which causes no rotation.
@@ -94,7 +95,9 @@ class PoseSpline:
         return np.concatenate((self.positions.slope_at(s), omega), axis=1)
 
     def at_length(self, share: Array) -> Array:
-        """Return the s (N,) at which given shares (N,) of the origin's path are covered."""
+        """Return the places s (N,) at which the frame's origin has covered given shares (N,) of its path
+        length.
+        """
         u, lengths = self._fine, self._lengths
         wanted = np.clip(share, 0.0, 1.0) * lengths[-1]
         piece = np.clip(np.searchsorted(lengths, wanted, side="right") - 1, 0, len(u) - 2)
@@ -113,12 +116,14 @@ class PoseSpline:
 
     @cached_property
     def slowest(self) -> float:
-        """The least speed of the frame's origin over s [m], at the places where lengths are measured."""
+        """The least speed of the frame's origin per unit of s [m], at the places where lengths are
+        measured.
+        """
         return float(self._edge_speeds.min())
 
     @cached_property
     def _pieces(self) -> NDArray[np.int64]:
-        """The number of pieces of each leg (w - 1,), a power of two.
+        """The number of pieces into which each leg is divided to measure its length (w - 1,), a power of two.
 
         It is larger for a leg on which the velocity changes more.
         """
@@ -138,19 +143,19 @@ class PoseSpline:
 
     @cached_property
     def _legs(self) -> NDArray[np.intp]:
-        """The leg of each piece (P,)."""
+        """The leg to which each piece of the length measurement belongs (P,)."""
         return np.repeat(np.arange(self.legs), self._pieces)
 
     @cached_property
     def _fine(self) -> Array:
-        """The places (P + 1,) at the ends of the pieces."""
+        """The places s (P + 1,) at the ends of the pieces with which lengths are measured."""
         knots, pieces, leg = self.positions.knots, self._pieces, self._legs
         number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         return np.append(knots[:-1][leg] + np.diff(knots)[leg] * (number / pieces[leg]), 1.0)
 
     @cached_property
     def _edge_speeds(self) -> Array:
-        """The speed of the frame's origin over s at `_fine` (P + 1,) [m]."""
+        """The speed of the frame's origin per unit of s, at the ends `_fine` of all pieces (P + 1,) [m]."""
         leg = np.append(self._legs, self.legs - 1)
         speeds = np.empty(len(leg))
         for part in _parts(len(leg), _AT_ONCE):
@@ -159,8 +164,8 @@ class PoseSpline:
 
     @cached_property
     def _lengths(self) -> Array:
-        """The distance travelled by the frame's origin up to `_fine` (P + 1,) [m], by Gauss-Legendre
-        quadrature.
+        """The distance that the frame's origin has covered up to the ends `_fine` of all pieces (P + 1,) [m],
+        by Gauss-Legendre quadrature.
         """
         u, leg = self._fine, self._legs
         pieces = np.empty(len(leg))
@@ -173,7 +178,9 @@ class PoseSpline:
         return np.concatenate(([0.0], np.cumsum(pieces)))
 
     def _speeds(self, leg: NDArray[np.intp], s: Array) -> Array:
-        """Return the speed of the frame's origin over s, at `s` (N, k) on legs `leg` (N,) [m]."""
+        """Return the speed of the frame's origin per unit of s [m], at places `s` (N, k) on legs `leg`
+        (N,).
+        """
         speeds: Array = np.linalg.norm(self.positions.slope_on(leg, s), axis=2)
         return speeds
 
@@ -187,7 +194,9 @@ def _parts(count: int, size: int) -> Iterator[slice]:
 
 @frozen(eq=False)
 class AtConstantSpeed:
-    """A spline of poses over the share of its length: the frame's origin has constant speed."""
+    """A spline of poses, with the share of its length as its parameter: the frame's origin has constant
+    speed.
+    """
 
     spline: PoseSpline
 
@@ -207,11 +216,13 @@ class AtConstantSpeed:
         return self.spline.legs
 
     def poses(self, s: Array) -> Array:
-        """Return base_from_moving (N, 4, 4) at the shares `s` (N,) of the length."""
+        """Return the poses base_from_moving (N, 4, 4) at the shares `s` (N,) of the spline's length."""
         return self.spline.poses(self.spline.at_length(s))
 
     def tangents(self, s: Array) -> Array:
-        """Return the derivatives with respect to the share of the length (N, 6)."""
+        """Return the derivatives of the frame's pose with respect to the share of the spline's length (N,
+        6).
+        """
         slopes = self.spline.tangents(self.spline.at_length(s))
         # Chain rule: ds / dshare = length / |p'(s)|.
         along: Array = slopes * (self.length / np.linalg.norm(slopes[:, :3], axis=1))[:, None]
@@ -219,9 +230,9 @@ class AtConstantSpeed:
 
 
 def through_poses(poses: Array) -> PoseSpline | int | None:
-    """Return the curve through `poses` (w, 4, 4); None if all are equal.
+    """Return the smooth curve through `poses` (w, 4, 4); None if all are equal.
 
-    Equal neighbours count as one pose. If two neighbours differ by half a revolution, there is no short way
+    Equal neighbours count as one pose. If two neighbours differ by half a revolution, there is no short turn
     between them, and the number of the later one is returned.
     """
     quaternions = unit_quaternions(poses[:, :3, :3])
@@ -245,7 +256,8 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
 
 
 def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
-    """Return the turns [rad] between neighbouring poses, and their chords [m], (N - 1,) each.
+    """Return the turns [rad] between neighbouring poses, and the chords [m] between their positions, (N - 1,)
+    each.
 
     Args:
         positions: (N, 3) positions [m].
@@ -259,7 +271,7 @@ def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
 
 
 def unit_quaternions(rotations: Array) -> Array:
-    """Return unit quaternions x y z w (N, 4) of `rotations` (N, 3, 3), with either sign."""
+    """Return rotations (N, 3, 3) as unit quaternions x y z w (N, 4); their signs are arbitrary."""
     r = rotations
     trace = np.trace(r, axis1=1, axis2=2)
     # The rows are four times the products of one component with all components: normalise the row with the
@@ -278,7 +290,7 @@ def unit_quaternions(rotations: Array) -> Array:
 
 
 def rotations(quaternions: Array) -> Array:
-    """Return rotations (N, 3, 3) of unit quaternions x y z w (N, 4)."""
+    """Return rotation matrices (N, 3, 3) for unit quaternions x y z w (N, 4)."""
     x, y, z, w = quaternions.T
     matrix = np.empty((len(quaternions), 3, 3))
     matrix[:, 0] = np.stack((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)), axis=1)

@@ -18,7 +18,9 @@ SAME_PLACE = 1e-12
 
 @frozen(eq=False)
 class SplinePath:
-    """The natural spline through way-points; `prismatic` (n,) is True for joints that slide."""
+    """A path in joint space: the natural spline through way-points; `prismatic` (n,) is True for prismatic
+    joints.
+    """
 
     spline: NaturalSpline
     prismatic: NDArray[np.bool_]
@@ -47,14 +49,14 @@ class SplinePath:
 
     @property
     def slope(self) -> Array:
-        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
+        """The largest absolute derivative of each joint with respect to s, approximately (n,) [rad or m]."""
         s = np.linspace(0.0, 1.0, 33)
         slope: Array = np.abs(np.diff(self.joints(s), axis=0)).max(axis=0) * (len(s) - 1)
         return slope
 
     @property
     def places(self) -> Array:
-        """The way-points, and equally spaced places on each leg (k,)."""
+        """The places s of the way-points except the last, and equally spaced places s on each leg (k,)."""
         knots = self.spline.knots
         between = max(1, _PLACES // (len(knots) - 1))
         inner: Array = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(between) / between
@@ -65,27 +67,29 @@ class SplinePath:
         return self.spline.at(s)
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance from the places `s` on the path: of prismatic joints [m], of revolute
-        ones [rad].
+        """Return the largest distance of joints from the path at the places `s`: of prismatic joints [m], of
+        revolute ones [rad].
 
-        A position that is early or late along the path counts as a miss too: where a spline turns back on
-        itself, no direction is across it.
+        A position that is early or late along the path counts as off the path too: where a spline turns back
+        on itself, no direction is perpendicular to it.
         """
         miss = np.abs(q - self.joints(s))
         sliding = self.prismatic
         return float(miss[:, sliding].max(initial=0.0)), float(miss[:, ~sliding].max(initial=0.0))
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Return the extremes of each joint (n,): the least value, its s, the largest value, its s."""
+        """Return the extremes of each joint along the path, (n,) each: the least value, its s, the largest
+        value, its s.
+        """
         return self.spline.extremes()
 
 
 def through(waypoints: Array, prismatic: NDArray[np.bool_]) -> SplinePath:
-    """Return the natural spline through way-points.
+    """Return the natural spline through way-points in joint space.
 
     Args:
         waypoints: (w, n) [rad or m], no two neighbours equal, w at least 2.
-        prismatic: (n,) True for joints that slide.
+        prismatic: (n,) True for prismatic joints.
     """
     chords = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
     knots = np.concatenate(([0.0], np.cumsum(chords)))

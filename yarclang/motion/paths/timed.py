@@ -1,4 +1,4 @@
-"""Define the path of a timetable: polynomials in time between its rows."""
+"""Define the path of a timetable: each joint is a polynomial in time between two rows of the table."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _LOOKED_AT = 8
 
 @frozen(eq=False)
 class TimedPath:
-    """All joints over time, each a polynomial between two rows.
+    """The joint positions over time that a timetable prescribes, each a polynomial between two rows.
 
     Attributes:
-        times: (m + 1,) the beginnings of the pieces, and the end; the first is 0 [s].
-        pieces: (m, d, n) coefficients of each piece in powers of the time since its beginning, the constant
-            first [rad or m, per s, ...].
+        times: (m + 1,) the times at which the m polynomials begin, and the end; the first is 0 [s].
+        pieces: (m, d, n) the coefficients of each polynomial in powers of the time since its beginning, the
+            constant first [rad or m, per s, ...].
         end: (n,) the last position [rad or m].
     """
 
@@ -46,13 +46,13 @@ class TimedPath:
 
     @property
     def slope(self) -> Array:
-        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
+        """The largest absolute derivative of each joint with respect to s, approximately (n,) [rad or m]."""
         slope: Array = np.abs(self.at(self.looked_at, 1)).max(axis=0) * self.duration
         return slope
 
     @property
     def places(self) -> Array:
-        """The beginnings of the pieces, and the end, as shares of the duration (m + 1,)."""
+        """The times at which the polynomials begin, and the end, as shares of the duration (m + 1,)."""
         places: Array = self.times / self.duration
         return places
 
@@ -68,7 +68,7 @@ class TimedPath:
         return self.at(s * self.duration)
 
     def at(self, times: Array, order: int = 0) -> Array:
-        """Return positions (N, n) at `times` (N,) [s], or derivatives of the given order.
+        """Return joint positions (N, n) at `times` (N,) [s], or their derivatives of the given order.
 
         After the end the joints are at rest.
         """
@@ -83,7 +83,7 @@ class TimedPath:
         return value
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance of joints from their places at the same time.
+        """Return the largest distance of the joints from where they should be at the same time.
 
         It is returned both as a length [m] and as an angle [rad], since the kind of each joint isn't known
         here.
@@ -92,8 +92,8 @@ class TimedPath:
         return off, off
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """Return the approximate extremes of each joint (n,): the least value, its s, the largest value,
-        its s.
+        """Return the approximate extremes of each joint over time, (n,) each: the least value, its s, the
+        largest value, its s.
         """
         times = self.looked_at
         q = self.at(times)
@@ -102,10 +102,10 @@ class TimedPath:
 
 
 def along(table: Timetable, stands: Array) -> TimedPath:
-    """Return the path of a timetable from the robot's position.
+    """Return the path of a timetable from the robot's position, where the robot is at rest.
 
     Args:
-        table: the rows; `stands` replaces a first row at time 0, except for its acceleration.
+        table: the rows of the timetable; of a first row at time 0, only the acceleration is used.
         stands: (n,) the robot's position [rad or m].
     """
     begins = int(table.begins)
@@ -125,8 +125,10 @@ def along(table: Timetable, stands: Array) -> TimedPath:
 
 
 def _clamped(times: Array, q: Array) -> Array:
-    """Return the velocities (k, n) of the cubic spline through positions (k, n) at times (k,) that begins and
-    ends at rest with continuous acceleration.
+    """Return the velocities (k, n) at the knots of the cubic spline through positions (k, n) at times (k,)
+    that begins and ends at rest.
+
+    The acceleration of this spline is continuous.
     """
     velocities = np.zeros_like(q)
     if len(q) > 2:
@@ -141,8 +143,8 @@ def _clamped(times: Array, q: Array) -> Array:
 
 
 def _hermite(width: Array, q: Array, v: Array, a: Array | None) -> Array:
-    """Return the coefficients (m, d, n) of the pieces between rows (m + 1, n) with durations `width` (m, 1)
-    [s].
+    """Return the coefficients (m, d, n) of the polynomials between the rows (m + 1, n) of a timetable, which
+    are `width` (m, 1) [s] apart.
     """
     rise = (q[1:] - q[:-1]) / width
     if a is None:

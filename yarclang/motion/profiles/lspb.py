@@ -1,9 +1,9 @@
-"""LSPB: a linear segment with parabolic blends, each a third of the time.
+"""LSPB: the motion profile of a linear segment with parabolic blends, each a third of the time.
 
-The law cruises at 1.5 times distance over time, so that a blend takes a third of the time and the
-acceleration is 4.5 times distance over time squared. Its acceleration jumps, which a curve with bounded jerk
+The cruise speed is 1.5 times distance over time, so that a blend takes a third of the time and the
+acceleration is 4.5 times distance over time squared. The acceleration jumps, which a curve with bounded jerk
 can't follow: on the grid each jump becomes a ramp of whole segments. Duration and cruise speed stay those of
-the law with its blend rounded to segments.
+the profile with its blends rounded to segments.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ def _pure(u: Array) -> Array:
 
 
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return a blend of a third of the segments, with each length of its ramps that fits, the steepest
-    first.
+    """Return the forms for a number of segments: a blend of a third of the segments, with each length of its
+    acceleration ramps that fits, the steepest first.
     """
     blend = max(FEWEST_IN_BLEND, round(segments / 3))
     ramps = np.arange(1, blend // 2 + 1)

@@ -1,7 +1,7 @@
-"""SCURVE: the jerk-limited law.
+"""SCURVE: the jerk-limited motion profile.
 
 Acceleration rises and falls in ramps. Ramps, blends and cruise are as long as the limits require, which gives
-the shortest time within them. For a given time, the shape of the shortest one is stretched.
+the shortest time within the limits. For a given time, the shape of the shortest profile is stretched.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ progression.
 
 
 def _pure(u: Array) -> Array:
-    """Return the law with ramps and blends as long as possible: full jerk throughout and no cruise."""
+    """Return the profile with ramps and blends as long as possible: full jerk throughout and no cruise."""
     u = np.clip(u, 0.0, 1.0)
     # Full jerk up and down in quarters of the time: 32 jerk units, s = 32 u^3 / 6 in the first quarter. The
     # second half is point-symmetric to the first.
@@ -38,7 +38,7 @@ def _second_quarter(w: Array) -> Array:
 
 
 def _lengths(most: int, least: int) -> NDArray[np.int64]:
-    """Return the integers from `least` to `most`: all, or a selection of `_MOST`."""
+    """Return the integers from `least` to `most`; if these are too many, a selection of `_MOST`."""
     if most - least < _MOST:
         return np.arange(least, most + 1)
     return np.unique(np.round(np.geomspace(least, most, _MOST)).astype(np.int64))
@@ -46,8 +46,8 @@ def _lengths(most: int, least: int) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=512)
 def _forms(segments: int) -> NDArray[np.int64]:
-    """Return all combinations of blend and ramp, the longest first, since these are nearest to the pure
-    law.
+    """Return all combinations of the lengths of blend and ramp, the longest first, since these are nearest to
+    the pure profile.
     """
     blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
     forms = [

@@ -1,15 +1,16 @@
-"""TOPP: the time-optimal law along the path under the limits of velocity, acceleration and motor speed, by
-TOPP-RA.
+"""TOPP: the time-optimal motion profile along a path under the limits of velocity, acceleration and motor
+speed, by TOPP-RA.
 
-The law's acceleration jumps from limit to limit; there is no limit of jerk. On the grid, raw samples of the
-law are the control values. Divided differences of samples are averages of derivatives, so that the samples
-keep every limit that the law keeps, at the cost of only two segments (Pham and Pham, A New Approach to
+The acceleration jumps from limit to limit; there is no limit on jerk. On the grid, raw samples of the profile
+are the control values. Divided differences of samples are averages of derivatives, so that the samples keep
+every limit that the profile keeps, at the cost of only two segments (Pham and Pham, A New Approach to
 Time-Optimal Path Parameterization based on Reachability Analysis, IEEE T-RO 34, 2018).
 
 The solver of TOPP-RA has absolute tolerances (1e-10) and bounds (1e8). It therefore gets a path with numbers
-near 1, however short or bent the path is. Joints are in units of the acceleration limit times the square of
-`time`, which is about the duration. Places are measured by the motion of the joints. Near a singularity a
-joint turns half round in a billionth of the path; measured by joint motion, that turn is half of the path.
+near 1, however short or bent the path is. Joint positions are in units of the acceleration limit times the
+square of `time`, which is about the duration. Places on the path are measured by the motion of the joints:
+near a singularity, where a joint turns half round in a billionth of the path, that turn is then half of the
+path.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ more.
 
 _MOST_PLACES = 1000
 _AROUND = 12
-"""Number of places for each place that shows the path's bends, up to `_MOST_PLACES` in total.
+"""Number of places for each of the path's own places, which show its bends; up to `_MOST_PLACES` in total.
 
-Near a singularity, and on splines, there are more such places.
+Near a singularity, and on splines, a path has more places of its own.
 """
 
 _FINE = 400
@@ -45,8 +46,8 @@ _APART = 1e-9
 """Least distance of two places, with 1 for the whole path; nearer ones count as one."""
 
 _NO_TIME = 1e-3
-"""Shortest duration for which a law is searched for [s]: in a shorter time, every law needs the fewest
-segments and uses far less than the limits.
+"""Shortest duration for which a motion profile is searched for [s]: in a shorter time, every profile needs
+the fewest segments and uses far less than the limits.
 """
 
 _NO_BOUND = 1e5
@@ -61,16 +62,16 @@ _NO_FACTOR = 1e-12
 """Factor of a joint below which the joint is at rest."""
 
 _SHARE = 0.9998
-"""Share of the limits that the law uses: between the places it may use slightly more."""
+"""Share of the limits that the motion profile uses: between the places it may use slightly more."""
 
 
 @frozen(eq=False)
 class _Scaled:
-    """A path in the form for TOPP-RA.
+    """A path scaled to numbers near 1, in the form for TOPP-RA.
 
-    `gone` (N,) are the places, from 0 to 1, at the shares `s` (N,) of the path. `y` (N, n) are the joints
-    there, in `units` (n,) [rad or m], relative to the start. `time` [s] is the unit of time, chosen so that
-    all limits of acceleration are 1.
+    `gone` (N,) are scaled places, from 0 to 1, at the shares `s` (N,) of the path. `y` (N, n) are the joint
+    positions there, in `units` (n,) [rad or m], relative to the start. `time` [s] is the unit of time, chosen
+    so that all limits of acceleration are 1.
     """
 
     gone: Array
@@ -82,10 +83,10 @@ class _Scaled:
 
 @frozen(eq=False)
 class _Passed:
-    """A law, as values at places.
+    """A time-optimal motion profile, as values at places.
 
-    `times` (N,) [s] and `speed` (N,) [1/s] belong to the places `gone` (N,), at the shares `s` (N,) of the
-    path. Between two places the acceleration of `gone` is constant.
+    At `times` (N,) [s] the motion passes the scaled places `gone` (N,), at the shares `s` (N,) of the path,
+    with `speed` (N,) [1/s]. Between two places the acceleration of `gone` is constant.
     """
 
     times: Array
@@ -135,7 +136,7 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
 
 
 def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
-    """Return the time-optimal law of a path by TOPP-RA, or the place where TOPP-RA gives up."""
+    """Return the time-optimal motion profile of a path by TOPP-RA, or the place where TOPP-RA gives up."""
     import toppra
     from toppra import constraint
 
@@ -149,8 +150,8 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     class Limits(constraint.LinearConstraint):  # type: ignore[misc]
         """Limits of acceleration and velocity for TOPP-RA.
 
-        Limits of acceleration are rows a u + b x + c <= 0 of the place's acceleration u and squared speed x;
-        limits of velocity are bounds of x.
+        Limits of acceleration are rows a u + b x + c <= 0, where u is the acceleration along the path and x
+        the squared speed; limits of velocity are bounds of x.
         """
 
         def __init__(self) -> None:
@@ -204,7 +205,7 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
 
 
 def _leave_one(a: Array, b: Array, c: Array) -> None:
-    """Drop all but one of those limits of a place (N, k) that are equal up to rounding or sign.
+    """Drop all but one of the limits at a place (N, k) that are equal up to rounding or sign.
 
     The solver mistakes equal limits for contradictory ones. If the wrist is straight, joints 4 and 6 turn
     against each other, and their limits are equal.
@@ -219,7 +220,7 @@ def _leave_one(a: Array, b: Array, c: Array) -> None:
 
 
 def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
-    """Scale a path to numbers near 1; None if it is so short that its law doesn't matter."""
+    """Scale a path to numbers near 1; None if the path is so short that its motion profile doesn't matter."""
     s = np.unique(np.concatenate((np.linspace(0.0, 1.0, _FINE + 1), path.places)))
     q = path.joints(s)
     way = np.abs(np.diff(q, axis=0)).sum(axis=0)
@@ -241,9 +242,9 @@ def _places(s: Array, y: Array, count: int) -> Array:
     """Return `count` + 1 shares of the path, denser where the path bends more or the joints move farther.
 
     Args:
-        s: shares of the path (M,) at which it is known.
-        y: the joints there (M, n), in units.
-        count: number of pieces.
+        s: shares of the path (M,) at which the joint positions are known.
+        y: the joint positions there (M, n), in the units of `_Scaled`.
+        count: number of intervals between the shares.
     """
     gone = _gone(s, y)
     apart = _apart(gone)
@@ -262,9 +263,10 @@ def _places(s: Array, y: Array, count: int) -> Array:
 
 
 def _gone(s: Array, y: Array) -> Array:
-    """Return the distance moved by the joints up to shares `s` (N,) of the path, from 0 to 1.
+    """Return the scaled places, from 0 to 1, at shares `s` (N,) of the path.
 
-    The share itself has half of the weight, since all joints are at rest where a spline turns back.
+    A scaled place is half the distance moved by the joints and half the share itself, since all joints are at
+    rest where a spline turns back.
     """
     steps = np.linalg.norm(np.diff(y, axis=0), axis=1)
     gone = np.concatenate(([0.0], np.cumsum(0.5 * steps / steps.sum() + 0.5 * np.diff(s))))
@@ -273,7 +275,7 @@ def _gone(s: Array, y: Array) -> Array:
 
 
 def _apart(gone: Array) -> NDArray[np.intp]:
-    """Return the indices of the places (N,) that are apart, including the first and the last."""
+    """Return the indices of places (N,) that are far enough apart, including the first and the last."""
     numbers = np.floor(gone / _APART)
     kept = np.flatnonzero(np.diff(numbers, prepend=-1.0))
     kept[-1] = len(gone) - 1

@@ -1,3 +1,3 @@
-"""Plan a chain of motions of one moving frame as one path with one law: the path is sampled, smoothed in
-time, and checked as a whole.
+"""Plan a chain of motions of one moving frame as one path with one motion profile: poses along the path are
+sampled, smoothed in time, and checked as a whole.
 """

@@ -1,5 +1,5 @@
-"""Compute the demands of limits, speeds and corners on a law along a path, before anything is sampled in
-time.
+"""Compute the speeds and accelerations along a path that limits, requested speeds and corners allow, before
+anything is sampled in time.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ the result.
 """
 _FEWEST = 3
 _LONGEST = 4e-3
-"""Least number of nodes of the law on each motion, and their largest distance [m]."""
+"""Least number of nodes of the motion profile on each motion, and the largest distance between nodes [m]."""
 _CLOSE, _CLOSER = 1e-3, (0.0625, 0.0625, 0.125, 0.25, 0.5)
 """Proportions in which a step longer than `_CLOSE` [m] beside a change of speed is divided.
 
@@ -41,27 +41,32 @@ WITHIN = 0.97
 SHARE_OF_TOLERANCE = 0.8
 """Share of the tolerance that is used; the proof comes later."""
 _CUT = 0.4
-"""Factor of the distance by which a corner is rounded, over the standard deviation of the mean in time times
-the change of velocity.
+"""Factor for the distance by which a corner is rounded: the distance is this factor, times the standard
+deviation of the moving averages in time, times the change of velocity.
 """
 _FOR_CORNER = 0.6
-"""Share of the limits that is left to the corner itself if the law turns there from slowing down to speeding
-up; the rest is for the turn of the law.
+"""Share of the limits that is left to the change of direction at a corner, if the motion profile changes
+there from slowing down to speeding up; the rest is for this change.
 """
 _NEARLY = 0.9
-"""Ratio of a corner's speed to the speed around it, below which the law turns at the corner."""
+"""Ratio of a corner's speed to the speed around it, below which the motion profile changes at the corner from
+slowing down to speeding up.
+"""
 _LOSS = 0.5
 """Factor of the part of a corner's rounding that is half the acceleration along the path times the
 variance.
 """
 _REACH = 0.35
-"""Approximate share of a mean's width over which the curve still leaves its path outside of a ball."""
+"""Approximate share of the duration of both moving averages for which the curve is off its path, before and
+after a corner that is rounded within a ball.
+"""
 
 
 @frozen(eq=False)
 class Smoothing:
-    """Parameters of the smoothing in time: segments of `segment` [s], and two successive means over
-    `widths` segments.
+    """Parameters of the smoothing of poses in time.
+
+    Poses are taken every `segment` [s]; two successive moving averages over `widths` segments smooth them.
     """
 
     segment: float
@@ -69,45 +74,51 @@ class Smoothing:
 
     @property
     def times(self) -> tuple[float, float]:
-        """The durations of the means [s], the longer one first; none is shorter than a segment."""
+        """The durations of the two moving averages [s], the longer one first; none is shorter than a
+        segment.
+        """
         long, short = sorted((max(width, 1) * self.segment for width in self.widths), reverse=True)
         return long, short
 
     @property
     def deviation(self) -> float:
-        """The standard deviation of both means together [s]."""
+        """The standard deviation of both moving averages together [s]."""
         return float(np.sqrt(sum(width**2 for width in self.widths) / 12.0)) * self.segment
 
     @property
     def reach(self) -> int:
-        """The approximate number of segments before and after an instant that affect its smoothed pose."""
+        """The approximate number of segments before and after an instant whose poses affect the smoothed pose
+        at this instant.
+        """
         return (sum(self.widths) + 5) // 2
 
     @property
     def around(self) -> int:
-        """The segments on either side of a seam that are examined from both sides.
+        """The number of segments on either side of a seam that the windows before and after the seam both
+        examine.
 
-        They contain everything that depends on the seam.
+        Everything that depends on the seam is within these segments.
         """
         return 2 * (self.reach + 2)
 
     @property
     def kept(self) -> int:
-        """The segments on either side of a seam in which the speed is kept.
+        """The number of segments on either side of a seam in which the speed stays that of the seam.
 
-        Everything that is examined from the other side is then known.
+        Each window can therefore compute all that it examines beyond the seam without the result of its
+        neighbour.
         """
         return self.around + self.reach
 
 
 @frozen(eq=False)
 class Limits:
-    """The limits of k motions.
+    """The limits of the k motions of a chain.
 
-    The limits of joints and motors are (k, n), `counts` is (n, n). `speed` (k,) [m/s] are the requested
-    speeds, infinite if none is requested. `position` (k,) [m] and `angle` (k,) [rad] are tolerances. `radius`
-    (k - 1,) [m] are the radii of the balls, 0 if the path must be kept at the corner. `zones` are the slow
-    zones of all motions.
+    The limits of joints and motors are (k, n), the motors' `counts` per rad (m) are (n, n). `speed` (k,)
+    [m/s] are the requested speeds, infinite if none is requested. `position` (k,) [m] and `angle` (k,) [rad]
+    are tolerances. `radius` (k - 1,) [m] are the radii of the balls around the corners, 0 if the path must be
+    kept at the corner. `zones` are the slow zones of all motions.
     """
 
     velocity: Array
@@ -155,19 +166,19 @@ class Limits:
 
 @frozen(eq=False)
 class Demands:
-    """The demands of a path on a law, at N nodes.
+    """What a path allows a motion profile along it, at N nodes and between them.
 
-    `s` (N,) [m] are the nodes; those at corners are `corners` (k - 1,). `own` (N - 1,) is the motion after
-    each node, `step` (N - 1,) [m] the distance to the next one.
+    `s` (N,) [m] are the places of the nodes; `corners` (k - 1,) are the indices of the nodes at corners.
+    `own` (N - 1,) is the motion after each node, `step` (N - 1,) [m] the distance to the next node.
 
     Between nodes, joints and motors allow the speeds `fastest` (N - 1,) [m/s], and joints allow the
     accelerations `push` [m/s^2] and the jerks `jolt` [m/s^3] along the path. At inner nodes, where the
-    joints' slopes bend, `bent` (N - 2,) [m/s] is the largest speed.
+    joints' derivatives with respect to the path change, `bent` (N - 2,) [m/s] is the largest speed.
 
-    At a corner the slopes jump. Means over the times T and t [s] turn this jump into accelerations, which
-    allow the speed `kinks[:, 0]` T [m/s], and into jerks, which allow `kinks[:, 1]` T t; `kinks` is (k - 1,
-    2) [m/s^2 and m/s^3]. The direction of the frame jumps by `turn` (N - 2,), its rate of turning by `spin`
-    (N - 2,) [rad/m].
+    At a corner these derivatives jump. Moving averages over the times T and t [s] turn this jump into
+    accelerations, which allow the speed `kinks[:, 0]` T [m/s], and into jerks, which allow `kinks[:, 1]` T t;
+    `kinks` is (k - 1, 2) [m/s^2 and m/s^3]. The direction of the frame jumps by `turn` (N - 2,), its turn per
+    distance by `spin` (N - 2,) [rad/m].
     """
 
     limits: Limits
@@ -185,7 +196,7 @@ class Demands:
 
     @staticmethod
     def of(way: Way, limits: Limits) -> Demands:
-        """Compute the demands along a path."""
+        """Compute what a path allows a motion profile along it."""
         lengths = way.lengths
         number = np.maximum(_FEWEST, np.ceil(lengths / _LONGEST)).astype(np.int64)
         first, units = _nodes_of(number, *_closer(lengths / number, limits))
@@ -219,7 +230,7 @@ class Demands:
         )
 
     def part(self, first: int, last: int) -> Demands:
-        """Return the demands of the motions from `first` up to `last`."""
+        """Return the part of these demands for the motions from `first` up to `last`."""
         edges = np.concatenate(([0], self.corners, [len(self.step)]))
         begin, end = int(edges[first]), int(edges[last])
         between, inner = slice(begin, end), slice(begin, end - 1)
@@ -232,9 +243,10 @@ class Demands:
         )  # fmt: skip
 
     def room(self) -> Array:
-        """Return the length of path that may be cut off at the inner nodes (N - 2,) [m].
+        """Return, for each inner node, the length of path over which the path may be rounded off there (N -
+        2,) [m].
 
-        The stricter tolerance of the two adjacent motions applies.
+        The stricter tolerance of the two motions beside the node applies.
         """
         limits, own = self.limits, self.own
         position = np.minimum(limits.position[own[1:]], limits.position[own[:-1]])
@@ -245,11 +257,12 @@ class Demands:
         return found
 
     def ceilings(self, smoothing: Smoothing) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Compute the ceilings that a law must keep.
+        """Compute the largest speeds and accelerations that a motion profile may have.
 
         Returns:
-            The ceilings of speed at the nodes (N,) [m/s], the largest accelerations between them (N - 1,)
-            [m/s^2], and a mask of the corners that use their balls (k - 1,).
+            The largest speeds at the nodes (N,) [m/s], the largest accelerations between them (N - 1,)
+            [m/s^2], and a mask of the corners that are rounded within their balls, not within the tolerance
+            (k - 1,).
         """
         limits, own, corners = self.limits, self.own, self.corners - 1
         # Each motion must have a segment of its own.
@@ -293,8 +306,8 @@ class Demands:
         return nodes, slope, rounds
 
     def _beside_slower(self, nodes: Array, smoothing: Smoothing) -> None:
-        """Lower the speeds of nodes (N,) near a slower motion, so that the mean on the slower motion contains
-        no higher speed.
+        """Lower the largest speeds at nodes (N,) near a slower motion, so that the moving average on the
+        slower motion includes no higher speed.
         """
         speed, s = self.limits.speed, self.s
         for place in np.flatnonzero(~np.isclose(speed[1:], speed[:-1], 1e-9, 0.0)).tolist():
@@ -308,13 +321,14 @@ class Demands:
 
 
 def _slow_enough(room: Array, time: float, square: float, acceleration: Array) -> tuple[Array, Array]:
-    """Return the ceilings of speed at corners (K,) [m/s], and of acceleration beside them (K,) [m/s^2].
+    """Return the largest speeds at corners (K,) [m/s], and the largest accelerations beside them (K,)
+    [m/s^2].
 
-    The effect of a mean on a corner grows with the distance covered in the mean's time. If the speed changes
-    much in that time, half of the room is reserved for the change.
+    The distance by which a moving average leaves a corner grows with the distance covered in its duration. If
+    the speed changes much in that time, half of the allowed distance is reserved for the change.
 
     Args:
-        room: the largest allowed distance (K,) [m].
+        room: the largest allowed distance from the corner (K,) [m].
         time: factor of the speed in this distance [s].
         square: factor of the acceleration in this distance [s^2].
         acceleration: (K,) the largest acceleration [m/s^2].
@@ -326,10 +340,11 @@ def _slow_enough(room: Array, time: float, square: float, acceleration: Array) -
 
 
 def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
-    """Return masks of the motions at whose beginnings, and at whose ends, nodes are closer together.
+    """Return two masks: the motions at whose beginnings nodes are closer together, and those at whose ends
+    they are.
 
-    This is done where the requested speed changes while the path goes straight on, and at an end of the chain
-    beside such a place.
+    Nodes are closer together where the requested speed changes while the path goes straight on, and at an end
+    of the chain beside such a place.
 
     Args:
         step: (k,) distance between nodes on each motion [m].
@@ -344,10 +359,10 @@ def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
 
 
 def _nodes_of(number: Numbers, begins: Marks, ends: Marks) -> tuple[Numbers, Array]:
-    """Divide the motions into steps.
+    """Divide the paths of motions into steps between nodes.
 
-    A motion has `number` (k,) steps of length 1. If nodes are closer together at one of its ends, the step
-    there is divided into shorter ones.
+    A motion has `number` (k,) steps of length 1. If `begins` or `ends` asks for closer nodes at its beginning
+    or end, the step there is divided into shorter ones.
 
     Returns:
         The first node of each motion and the last node of all (k + 1,), and the steps between nodes (N - 1,).
@@ -361,18 +376,18 @@ def _nodes_of(number: Numbers, begins: Marks, ends: Marks) -> tuple[Numbers, Arr
 
 
 def _places(step: Array) -> Array:
-    """Return the places (N,) [m] of nodes with the given steps (N - 1,) in between."""
+    """Return the distances of nodes from the first one (N,) [m], given the steps between them (N - 1,)."""
     return np.concatenate(([0.0], np.cumsum(step)))
 
 
 def _between(limits: Limits, own: Numbers, slope: Array) -> tuple[Array, Array, Array]:
-    """Return the speeds [m/s], accelerations [m/s^2] and jerks [m/s^3] along the path, (M,) each, that joints
-    and motors allow.
+    """Return the largest speeds [m/s], accelerations [m/s^2] and jerks [m/s^3] along the path that joints
+    and motors allow, (M,) each.
 
     Args:
         limits: the limits of all motions.
-        own: (M,) the motion of each row.
-        slope: (M, n) derivatives of the joints with respect to the path [rad/m or 1].
+        own: (M,) the motion that each row belongs to.
+        slope: (M, n) derivatives of the joint positions with respect to the path [rad/m or 1].
     """
     parts = []
     for begin in range(0, len(own), _AT_ONCE):
@@ -392,7 +407,9 @@ def _between(limits: Limits, own: Numbers, slope: Array) -> tuple[Array, Array, 
 
 
 def _looked_at(way: Way, own: Numbers, share: Array) -> tuple[Array, Array]:
-    """Return positions (N, 3) [m] and joints (N, n) at shares (N,) of the paths of motions (N,)."""
+    """Return frame positions (N, 3) [m] and joint positions (N, n) at shares (N,) of the paths of motions
+    (N,).
+    """
     p, q = np.empty((len(own), 3)), np.empty((len(own), way.ends.shape[1]))
     for begin in range(0, len(own), _AT_ONCE):
         rows = slice(begin, begin + _AT_ONCE)
@@ -401,15 +418,17 @@ def _looked_at(way: Way, own: Numbers, share: Array) -> tuple[Array, Array]:
 
 
 def _poses_and_joints(way: Way, own: Numbers, share: Array) -> tuple[Array, Array, Array]:
-    """Return positions (N, 3) [m], rotations (N, 3, 3) and joints (N, n), computed in one step."""
+    """Return frame positions (N, 3) [m], rotations (N, 3, 3) and joint positions (N, n), solved all at
+    once.
+    """
     p, turns = way.poses(own, share)
     rotations = matrices(turns)
     return p, rotations, joints(way, p, rotations, way.seeds(own, share), way.paths[0])[0]
 
 
 def _jumps(way: Way, first: int, last: int) -> tuple[Array, Array, Array]:
-    """Return the jumps at corners: of the joints' slopes (K, n), of the frame's direction (K,), and of its
-    rate of turning (K,) [rad/m].
+    """Return the sizes of three jumps at corners: of the joints' derivatives with respect to the path (K, n),
+    of the frame's direction (K,), and of its turn per distance (K,) [rad/m].
 
     Args:
         way: the paths of all motions.
@@ -428,8 +447,8 @@ def _jumps(way: Way, first: int, last: int) -> tuple[Array, Array, Array]:
 
 
 def joints(way: Way, p: Array, rotations: Array, seeds: Array, path: CartesianPath) -> tuple[Array, Array]:
-    """Return joint positions (N, n) that lead the moving frame to poses, and their misses (N,) [m and rad
-    together].
+    """Return joint positions (N, n) that lead the moving frame to given poses, and the errors that remain
+    (N,) [m and rad added].
     """
     poses = np.zeros((len(p), 4, 4))
     poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = rotations, p, 1.0
@@ -438,7 +457,9 @@ def joints(way: Way, p: Array, rotations: Array, seeds: Array, path: CartesianPa
 
 
 def _rates(rotations: Array, others: Array, steps: Array) -> Array:
-    """Return the rates (N, 3) in {B} at which rotations (N, 3, 3) turn to others, over steps (N, 1)."""
+    """Return the turn per distance (N, 3) in {B} from rotations (N, 3, 3) to other ones, over steps (N, 1)
+    along the path.
+    """
     turn = others @ rotations.transpose(0, 2, 1)
     vector = (turn - turn.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2.0
     size = np.linalg.norm(vector, axis=1)

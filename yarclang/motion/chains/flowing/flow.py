@@ -1,5 +1,5 @@
-"""Plan a chain as one path: compute a law and its control points, and slow the law down where they demand too
-much.
+"""Plan a chain as one path: try several smoothings, cut the chain into windows, and plan each window by
+itself.
 """
 
 from __future__ import annotations
@@ -27,9 +27,11 @@ from yarclang.parallel import mapped
 _SEGMENTS = (0.02, 0.01, 0.005, 0.0025)
 """Segment times that are tried [s]."""
 _WIDTHS = ((4, 1), (6, 3), (3, 2), (8, 4), (2, 1))
-"""Widths of both means that are tried [segments]."""
+"""Durations of both moving averages that are tried [segments]."""
 _ENOUGH = 1.02
-"""Factor up to which slower laws count as equally fast; longer segments and shorter means then win."""
+"""Factor up to which slower motion profiles count as equally fast; longer segments and shorter moving
+averages then win.
+"""
 _TOO_SLOW = 2e-4
 """Speed of passing a corner below which a stop is better [m/s]."""
 
@@ -38,19 +40,19 @@ _TOO_SLOW = 2e-4
 class Known:
     """Results of windows of chains from earlier plans.
 
-    `keys` has a key for each motion, which contains everything that the motion asks for.
+    `keys` has a key for each motion, which contains everything that the motion requests.
     """
 
     memory: Memory
     keys: Sequence[Hashable]
 
     def get(self, way: Way, window: Window, smoothing: Smoothing) -> Made | Failed | None:
-        """Return the earlier result of a window, or None."""
+        """Return the result of a window from an earlier plan, or None."""
         found: Made | Failed | None = self.memory.get(self._key(way, window, smoothing))
         return found
 
     def keep(self, way: Way, window: Window, smoothing: Smoothing, result: Made | Failed) -> None:
-        """Keep the result of a window."""
+        """Store the result of a window for later plans."""
         self.memory.keep(self._key(way, window, smoothing), result)
 
     def _key(self, way: Way, window: Window, smoothing: Smoothing) -> Hashable:
@@ -60,12 +62,15 @@ class Known:
 
 
 def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> list[Piece] | None:
-    """Return the pieces of a chain as one path; None if the chain can't be planned as one path.
+    """Plan a chain of motions of one moving frame as one path; None if that isn't possible.
 
     Args:
-        links: the motions.
+        links: the motions of the chain.
         grid: the segment times that the controller accepts.
         known: earlier results of windows of such chains, or None.
+
+    Returns:
+        The planned motions, each as a part of the chain's curve.
     """
     if not is_one_path(links):
         return None
@@ -84,13 +89,15 @@ def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> li
 
 
 def _flowing(links: Sequence[Link], grid: Grid, known: Known | None) -> list[Piece] | None:
-    """Return the pieces of motions that are passed without a stop."""
+    """Plan motions that are passed without a stop; None if they can't be planned as one path."""
     way = Way.of([link.path for link in links if isinstance(link.path, CartesianPath)])
     return _of_demands(Demands.of(way, Limits.of(links, way)), way, grid, known)
 
 
 def _fastest_corners(demands: Demands, grid: Grid) -> Array:
-    """Return the speeds (k - 1,) [m/s] at which the corners can be passed with the shortest segments."""
+    """Return the largest speeds (k - 1,) [m/s] at which the corners can be passed with the shortest
+    segments.
+    """
     shortest = min(_segments(grid))
     ceilings = [demands.ceilings(Smoothing(shortest, widths))[0][demands.corners] for widths in _WIDTHS]
     fastest: Array = np.max(ceilings, axis=0)
@@ -98,7 +105,7 @@ def _fastest_corners(demands: Demands, grid: Grid) -> Array:
 
 
 def _segments(grid: Grid) -> list[float]:
-    """Return the segment times that are tried [s]."""
+    """Return the segment times to try [s]."""
     times = [grid.nearest(time) for time in _SEGMENTS]
     return [time for time in times if grid.smallest <= time <= grid.largest] or [grid.smallest]
 
@@ -112,7 +119,10 @@ def _of_demands(demands: Demands, way: Way, grid: Grid, known: Known | None) -> 
 
 
 def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None) -> list[Made] | None:
-    """Return the results of all windows of a chain; None if a window can't be planned even without seams."""
+    """Return the results of all windows of a chain; None if a window fails although it has no seams.
+
+    A window with a seam that fails is merged with its neighbours and planned again.
+    """
     cut, found, reach = windows(way, demands, smoothing), dict[Window, Made | Failed](), 1
     while True:
         _make(way, demands, smoothing, [window for window in cut if window not in found], found, known)
@@ -138,7 +148,7 @@ def _make(
     found: dict[Window, Made | Failed],
     known: Known | None,
 ) -> None:
-    """Plan windows, on all cores, except those with earlier results."""
+    """Plan windows on all cores of the machine; windows with earlier results aren't planned again."""
     if known is not None:
         for window in missing:
             before = known.get(way, window, smoothing)
@@ -153,7 +163,7 @@ def _make(
 
 
 def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
-    """Return the chain's curve, cut where its corners are passed."""
+    """Return the planned motions of a chain: its curve, cut where its corners are passed."""
     control = np.concatenate([*(part.points[:-3] for part in parts[:-1]), parts[-1].points])
     control.setflags(write=False)
     pieces, begin = list[Piece](), 0
@@ -172,9 +182,10 @@ def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
 
 
 def is_one_path(links: Sequence[Link]) -> bool:
-    """Return True if all motions of a chain are along paths of one moving frame.
+    """Return True if a chain can be planned as one path: all its motions move one frame along Cartesian
+    paths.
 
-    None of them may have a given duration, or a law without a cruise.
+    None of the motions may have a given duration, or a motion profile without a cruise.
     """
     first = links[0].path
     return all(
@@ -189,7 +200,9 @@ def is_one_path(links: Sequence[Link]) -> bool:
 
 
 def _likeliest(demands: Demands, grid: Grid) -> Iterator[Smoothing]:
-    """Yield smoothings of a chain, the fastest first; longer segments win a tie."""
+    """Yield the smoothings to try for a chain, the one with the shortest estimated duration first; longer
+    segments win a tie.
+    """
     found = []
     for order, segment in enumerate(_segments(grid)):
         for widths in _WIDTHS:

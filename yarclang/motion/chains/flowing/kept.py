@@ -1,4 +1,7 @@
-"""Find the speeds that the motions of a chain keep; the judge checks them."""
+"""Find the speeds that the motions of a chain keep.
+
+The judge (`yarclang.certify`, which checks the compiled controller text independently) proves these speeds.
+"""
 
 from __future__ import annotations
 
@@ -30,18 +33,18 @@ _ASIDE = 4
 def least_speeds(
     way: Way, limits: Limits, points: Sampled, trial: Trial, segment: float, seams: tuple[bool, bool]
 ) -> Array:
-    """Return the shares of the requested speeds (k,) that each motion keeps between its blends.
+    """Return the shares of the requested speeds (k,) below which the motions don't fall between their blends.
 
-    For a motion that begins or ends at rest, or beside a slower motion, the share holds after the speed has
+    For a motion that begins or ends at rest, or beside a slower motion, the share applies after the speed has
     been reached.
 
     Args:
         way: the paths of k motions.
         limits: the limits of these motions.
-        points: their control points.
+        points: the control points of the motions.
         trial: the result of checking these points.
         segment: the segment time [s].
-        seams: True if the first motion begins, and if the last ends, at a seam.
+        seams: two values: whether the first motion begins at a seam, and whether the last ends at one.
     """
     times = np.arange(2 * (len(points.points) - 3) + 1, dtype=np.float64) * (0.5 * segment)
     q, rate, _ = Curve(points.points, segment, points.places).sample(times)
@@ -73,15 +76,17 @@ def least_speeds(
 
 
 def _least_between(values: Array, begin: Numbers, end: Numbers) -> Array:
-    """Return the least values from places `begin` (K,) up to `end` (K,); infinite for empty ranges."""
+    """Return the least value in each of K ranges of `values`, from index `begin` (K,) up to `end` (K,);
+    infinite for empty ranges.
+    """
     pairs = np.stack((begin, end), axis=1).ravel()
     least = np.minimum.reduceat(np.append(values, np.inf), pairs)[::2]
     return np.where(end > begin, least, np.inf)
 
 
 def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Return masks (2, K) of the motions that begin, and of those that end, at rest or beside a slower
-    motion.
+    """Return two masks (2, K): the motions that begin at rest or after a slower motion, and those that end at
+    rest or before a slower motion.
 
     A slower motion counts only if there is no blend between the two.
     """
@@ -92,7 +97,7 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
 
 
 def _without_dips(speed: Array) -> Array:
-    """Return the speeds (N,), limited to a level that is kept.
+    """Return the speeds (N,), limited to a level below which they don't fall once it is reached.
 
     Between two places that reach the level, no speed is below it.
     """
@@ -106,9 +111,9 @@ def _without_dips(speed: Array) -> Array:
 
 
 def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed: Array) -> Array:
-    """Return the least speed (N,) between each time and the next.
+    """Return the least speed between each of N times and the next, (N,).
 
-    If the speed changes, it may be lower between two times than at both of them.
+    If the speed changes, it may be lower between two times than at both of them, so it is sampled in between.
     """
     found = speed.copy()
     found[:-1] = np.minimum(speed[:-1], speed[1:])

@@ -1,4 +1,4 @@
-"""Define a law: the speed along a path, and the time at which each place is passed."""
+"""Define a motion profile: the speed along a path, and the time at which each place is passed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _STILL = 1e-12
 
 @frozen(eq=False)
 class Law:
-    """A law of motion along a path.
+    """A motion profile along a path.
 
     At nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear in between; `t` (N,) [s] are
     the times of the nodes.
@@ -24,16 +24,16 @@ class Law:
 
     @staticmethod
     def fastest(s: Array, ceiling: Array, acceleration: Array, ends: tuple[float, float] = (0.0, 0.0)) -> Law:
-        """Return the fastest law under a ceiling.
+        """Return the fastest motion profile that is nowhere faster than a ceiling.
 
         The square of the speed changes by at most twice the acceleration times the distance. The speeds
         reachable from one end, and those from which the other end can be reached, are therefore running
         minima.
 
         Args:
-            s: nodes (N,) [m].
-            ceiling: (N,) [m/s].
-            acceleration: the largest acceleration between the nodes (N - 1,) [m/s^2].
+            s: the places of the nodes (N,) [m].
+            ceiling: the largest speeds at the nodes (N,) [m/s].
+            acceleration: the largest accelerations between the nodes (N - 1,) [m/s^2].
             ends: the speeds at both ends, or less if these aren't possible [m/s].
         """
         # v^2 grows by at most 2 a ds, summed up in `gained`. The largest v^2 that can be reached from the
@@ -56,7 +56,9 @@ class Law:
         return float(self.t[-1])
 
     def places(self, times: Array) -> Array:
-        """Return the places (N,) [m] at times [s]; at times outside of the law, its first or last place."""
+        """Return the places (N,) [m] at times [s]; before the start, the first place, and after the end,
+        the last one.
+        """
         k = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         passed = np.clip(times - self.t[k], 0.0, self.t[k + 1] - self.t[k])
         width = self.s[k + 1] - self.s[k]
@@ -71,11 +73,12 @@ class Law:
 
 @frozen(eq=False)
 class Pace:
-    """A law between seams whose duration is an integer number of segments.
+    """A motion profile between seams, stretched to an integer number of segments.
 
-    If it ends at a seam, the law is stretched by less than a segment, outside of the surroundings of the
-    seams. `seams` is True for ends that are seams, at which the speed continues. At `times` (M,) [s] this law
-    is where `law` by itself is at `passed` (M,) [s].
+    Only a profile that ends at a seam is stretched, by less than a segment, and not near the seams. `seams`
+    has two values: whether the profile begins at a seam, and whether it ends at one; there the speed
+    continues. At `times` (M,) [s] the stretched profile is where the unstretched `law` is at `passed` (M,)
+    [s].
     """
 
     law: Law
@@ -85,12 +88,12 @@ class Pace:
 
     @staticmethod
     def of(law: Law, seams: tuple[bool, bool], around: tuple[float, float], segment: float) -> Pace:
-        """Stretch a law.
+        """Stretch a motion profile to an integer number of segments if it ends at a seam.
 
         Args:
-            law: a law that ends at rest, or at a seam.
-            seams: True for ends that are seams.
-            around: durations at both ends in which the law stays unchanged [s].
+            law: the motion profile, which ends at rest or at a seam.
+            seams: two values: whether the profile begins at a seam, and whether it ends at one.
+            around: durations at both ends in which the profile stays unchanged [s].
             segment: the segment time [s].
         """
         duration = law.duration
@@ -107,15 +110,18 @@ class Pace:
         return float(self.times[-1])
 
     def by_law(self, times: Array) -> Array:
-        """Return the law's own times [s] at times (N,) [s]; outside of the law, time continues at the same
-        rate.
+        """Return the times of the unstretched profile [s] that correspond to stretched times (N,) [s].
+
+        Before the start and after the end, time continues at the same rate.
         """
         found: Array = np.interp(times, self.times, self.passed)
         found += np.minimum(times, 0.0) + np.maximum(times - self.duration, 0.0)
         return found
 
     def places(self, times: Array) -> Array:
-        """Return the places (N,) [m] at times [s]; beyond a seam the speed is kept."""
+        """Return the places (N,) [m] at times [s]; beyond a seam the motion continues with the speed at
+        the seam.
+        """
         passed, law = self.by_law(times), self.law
         found = law.places(passed)
         if self.seams[0]:

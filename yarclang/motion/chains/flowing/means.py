@@ -1,4 +1,6 @@
-"""Turn a law along a path into control points: take poses at equal times, and compute their means."""
+"""Turn a motion profile along a path into control points: take poses at equal times, and compute their moving
+averages.
+"""
 
 from __future__ import annotations
 
@@ -18,10 +20,10 @@ _REACHED = 1e-8
 
 @frozen(eq=False)
 class Sampled:
-    """The control points (n + 3, d) of a chain.
+    """The control points (n + 3, d) of a chain, with their places along the path.
 
-    `places` (n + 3,) [m] are the corresponding means of places on the path, `begin` is the law's time of knot
-    0 [s].
+    `places` (n + 3,) [m] are moving averages of places on the path, as `points` are of poses. `begin` is the
+    time of the motion profile at knot 0 [s].
     """
 
     points: Array
@@ -29,9 +31,9 @@ class Sampled:
     begin: float
 
     def passing(self, places: Array, segment: float) -> Array:
-        """Return the times from knot 0 on at which places (K,) [m] are passed [s].
+        """Return the times from knot 0 on at which the smoothed motion passes places (K,) on the path [s].
 
-        The mean is late where the law speeds up, and early where it slows down.
+        The smoothed motion is late where the motion profile speeds up, and early where it slows down.
         """
         passed = knot_values(self.places)
         found: Array = segment * np.interp(places, passed, np.arange(len(passed), dtype=np.float64))
@@ -39,9 +41,10 @@ class Sampled:
 
 
 def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
-    """Return the control points of a law along a path; None if the arm can't reach a mean of its poses.
+    """Compute the control points for a motion profile along a path; None if the arm can't reach a moving
+    average of the poses.
 
-    Beyond a seam they continue for `smoothing.around` segments.
+    Beyond a seam the control points continue for `smoothing.around` segments.
     """
     h, (one, other) = smoothing.segment, smoothing.widths
     # Two successive means over `one` and `other` samples involve one + other - 1 samples.
@@ -87,15 +90,16 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
 
 
 def _sharpened(values: Array) -> Array:
-    """Return control values (N - 2, d) of a spline that nearly passes through values (N, d), by subtracting a
-    sixth of the second differences.
+    """Return control values (N - 2, d) of a spline that nearly passes through values (N, d).
+
+    They are the values less a sixth of their second differences.
     """
     found: Array = values[1:-1] - (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 6.0
     return found
 
 
 def _mean(values: Array, width: int) -> Array:
-    """Return means (N - width + 1, d) over `width` neighbours."""
+    """Return moving averages (N - width + 1, d) over `width` neighbouring values."""
     if width <= 1:
         return values
     count = len(values) - width + 1

@@ -1,6 +1,6 @@
 """Cut a long chain into windows that can be planned independently.
 
-The cuts are at corners that the windows on both sides pass at the same speed.
+The cuts ("seams") are at corners that the windows on both sides pass at the same speed.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dt
 
 @frozen(eq=False)
 class _Corners:
-    """The corners (k - 1,) of a chain, rated as seams.
+    """The corners (k - 1,) of a chain, rated as seams between windows.
 
-    `good` is larger for better ones and 0 for impossible ones; `speed` [m/s] and `time` [s] are those of
-    passing the corner.
+    `good` is larger for better corners and 0 for impossible ones. `speed` [m/s] and `time` [s] say how fast
+    and when a corner is passed.
     """
 
     good: Array
@@ -42,9 +42,9 @@ class _Corners:
 
 
 def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
-    """Cut a chain into windows.
+    """Cut a chain into windows, at good seams.
 
-    The choice of seams depends only on their surroundings, so that a change of a motion moves only the
+    The choice of a seam depends only on its surroundings, so that a change of one motion moves only the
     nearest seams.
     """
     count = len(way.paths)
@@ -78,7 +78,10 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
 
 
 def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
-    """Return the windows, with each failed window merged with `reach` neighbours on either side."""
+    """Merge each failed window with `reach` neighbours on either side, and return all windows.
+
+    An item of `failed` is also True if the window doesn't match the next one at their common seam.
+    """
     together = np.zeros(len(cut) - 1, dtype=np.bool_)
     for place in np.flatnonzero(failed).tolist():
         together[max(0, place - reach) : place + reach] = True
@@ -110,7 +113,9 @@ def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, round
 
 
 def _extremes(values: Array, begin: Numbers, end: Numbers) -> tuple[Array, Array]:
-    """Return the least and the largest values from places `begin` (K,) up to `end` (K,)."""
+    """Return the least and the largest value in each of K ranges of `values`, from index `begin` (K,) up to
+    `end` (K,).
+    """
     pairs = np.stack((begin, end), axis=1).ravel()
     return np.minimum.reduceat(values, pairs)[::2], np.maximum.reduceat(values, pairs)[::2]
 

@@ -1,5 +1,5 @@
-"""Check control points of a chain: the share of each limit that they use, and their distance from the paths
-as a share of the allowed distance, over time.
+"""Check the control points of a chain: compute which share of each limit, and of the allowed distance from
+the paths, they use over time.
 """
 
 from __future__ import annotations
@@ -29,10 +29,8 @@ The path is followed up to its end at one instant, which can't be proved as shar
 _FASTER = 1.0004
 """Factor up to which a requested speed may be exceeded; the rest of the allowance is left to the proof."""
 _STEEP, _BETWEEN = 2e-4, 2.0
-"""Conditions for sampling a speed more densely.
-
-The speed changes by at least the first share from one half segment to the next, and the second factor times
-the change would make it too fast.
+"""Conditions under which a speed is sampled more densely: it changes by more than the first share from one
+half segment to the next, and the second factor times the change would make it too fast.
 """
 _PARTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Places in a half segment that are sampled in addition.
@@ -45,14 +43,14 @@ _NEARBY = 1.5
 
 @frozen(eq=False)
 class Excess:
-    """Values (N,) above 1, as shares of allowed amounts, at times (N,) [s]."""
+    """The shares (N,) of allowed amounts that are above 1, and the times (N,) [s] at which they occur."""
 
     times: Array
     shares: Array
 
     @staticmethod
     def of(times: Array, shares: Array) -> Excess:
-        """Return the shares above 1."""
+        """Return the shares (N,) that are above 1, with their times."""
         over = shares > 1.0
         return Excess(times[over], shares[over])
 
@@ -61,17 +59,17 @@ class Excess:
         return Excess(np.concatenate((self.times, other.times)), np.concatenate((self.shares, other.shares)))
 
     def between(self, begin: float, end: float) -> Excess:
-        """Return the excesses from one time up to another [s]."""
+        """Return the excesses that occur from one time up to another [s]."""
         own = (self.times >= begin) & (self.times <= end)
         return Excess(self.times[own], self.shares[own])
 
 
 @frozen(eq=False)
 class Trial:
-    """The result of checking control points.
+    """The result of checking the control points of a chain.
 
-    It has the knots at which motions end (k + 1,), half the width of the overlap at each corner (k - 1,), and
-    the excesses.
+    It has the knots at which motions end (k + 1,), half the width of the overlap at each corner (k - 1,)
+    [segments], and what exceeds limits, distances from the path, and zones.
     """
 
     ends: Numbers
@@ -95,16 +93,16 @@ def tried(
     own: slice,
     time: tuple[float, float],
 ) -> Trial | None:
-    """Check control points; return None if a motion would have no segment.
+    """Check the control points of a chain; return None if a motion would have no segment.
 
     Args:
         way: the paths of the chain.
-        demands: its limits and corners.
+        demands: the limits and corners of the chain.
         sampled: the control points.
         segment: the segment time [s].
-        rounds: mask of the corners that use their balls (k - 1,).
-        own: range of the motions that count, of k.
-        time: the interval in which excesses count [s].
+        rounds: mask of the corners that are rounded within their balls (k - 1,).
+        own: range of the motions that belong to the window; a motion without a segment matters only in it.
+        time: the interval in which excesses are reported [s].
     """
     passed = sampled.begin + sampled.passing(way.begins[1:-1], segment)
     # A motion ends at the knot nearest to the time at which its corner is passed.
@@ -132,7 +130,7 @@ class _Look:
     sharper: Array
 
     def limits_broken(self) -> Excess:
-        """Return the excesses of differences of control points over the limits.
+        """Return where differences of control points exceed the limits of velocity, acceleration and jerk.
 
         The differences bound the derivatives (convex hull property).
         """
@@ -150,18 +148,18 @@ class _Look:
         return Excess.of(np.concatenate(times), np.concatenate(shares))
 
     def zones_broken(self) -> Excess:
-        """Return the excesses of speeds in zones."""
+        """Return where an item is faster than its slow zone allows."""
         if self.limits.zones is None:
             return Excess(np.zeros(0), np.zeros(0))
         segments, factors = self.limits.zones.too_fast(self.sampled.points, self.segment)
         return Excess(self.sampled.begin + self.segment * (segments + 0.5), factors)
 
     def _own(self, times: Array) -> Numbers:
-        """Return the motions (N,) at times."""
+        """Return the motions (N,) that are under way at given times."""
         return np.searchsorted(self.passed, times, side="right")
 
     def poses(self) -> Array:
-        """Return the poses of the frame (N, 4, 4), two in each segment: at knots and in between."""
+        """Return the poses of the moving frame (N, 4, 4) at all knots and in the middle of all segments."""
         points, way = self.sampled.points, self.way
         curve = np.empty((2 * len(points) - 5, points.shape[1]))
         curve[0::2], curve[1::2] = knot_values(points), middle_values(points)
@@ -169,9 +167,9 @@ class _Look:
         return found
 
     def too_fast(self, poses: Array, halves: Numbers) -> Excess:
-        """Return the excesses of the frame's speed.
+        """Return where the moving frame is faster than requested.
 
-        Sharpened control points overshoot slightly.
+        This may happen since sharpened control points overshoot slightly.
 
         Args:
             poses: (N, 4, 4) poses of the frame, two in each segment.
@@ -198,10 +196,14 @@ class _Look:
         return Excess.of(self.sampled.begin + at + 0.25 * h, speeds / allowed)
 
     def way_left(self, poses: Array) -> tuple[Numbers, Excess]:
-        """Return half the widths of the overlaps at the corners, and the excesses of distance from the paths.
+        """Compute how far the curve leaves the programmed paths.
 
         Args:
             poses: (N, 4, 4) poses of the frame, two in each segment.
+
+        Returns:
+            Half the widths of the overlaps at the corners [segments], and where the distance from the paths,
+            or from the corners in their overlaps, is too large.
         """
         way, limits, h = self.way, self.limits, self.segment
         at = np.arange(len(poses)) / 2.0
@@ -239,20 +241,23 @@ class _Look:
         return halves, Excess.of(np.concatenate((times, self.passed)), np.concatenate((share, missed)))
 
     def _nearest(self, at: Array) -> tuple[Numbers, Array]:
-        """Return the corner (N,) nearest to knots `at` (N,), and its distance in segments."""
+        """Return, for each of N times `at` [segments], the nearest corner and the distance to it
+        [segments], (N,) each.
+        """
         own = np.clip(np.searchsorted(self.ends, at, side="right") - 1, 0, len(self.ends) - 2)
         before = at - self.ends[own] <= self.ends[own + 1] - at
         corner = np.clip(np.where(before, own - 1, own), 0, max(len(self.passed) - 1, 0))
         return corner, np.abs(at - self.ends[corner + 1])
 
     def _off(self, poses: Array, gone: Array) -> Array:
-        """Return the distances of poses from the path of their motion, as shares (N,) of the tolerance.
+        """Return how far poses are from the path of their motion, as shares (N,) of the tolerance.
 
-        Next to a corner, the path of the adjacent motion counts as well: the smaller distance is returned.
+        Next to a corner, the path of the motion beyond the corner counts as well: the smaller distance is
+        returned.
 
         Args:
-            poses: (N, 4, 4), two in each segment.
-            gone: (N,) their places on the chain [m].
+            poses: (N, 4, 4) poses of the frame, two in each segment.
+            gone: (N,) places of these poses along the chain [m].
         """
         way = self.way
         own, share = way.located(gone)
@@ -268,8 +273,8 @@ class _Look:
         return off
 
     def _off_by_knots(self, poses: Array, gone: Array, at: Array) -> Array:
-        """Return the distances of poses (N, 4, 4) at knots `at` (N,) from the path of the motion of each
-        knot.
+        """Return how far poses (N, 4, 4) are from the path of the motion that each pose's knot `at` (N,)
+        belongs to, as shares (N,) of the tolerance.
 
         At the border of two motions, the larger distance is returned.
         """
@@ -282,10 +287,10 @@ class _Look:
         return off
 
     def _beside(self, poses: Array, own: Numbers, share: Array) -> Array:
-        """Return the distances of poses (N, 4, 4) from the paths of motions `own` (N,), as shares of the
+        """Return how far poses (N, 4, 4) are from the paths of motions `own` (N,), as shares (N,) of the
         tolerance.
 
-        `share` (N,) is the approximate place on the path.
+        `share` (N,) is the approximate place of each pose on its path.
         """
         way, p = self.way, poses[:, :3, 3]
         # Newton's method finds the nearest place; on a line one step suffices.
@@ -303,8 +308,8 @@ class _Look:
         return found
 
     def _ahead(self, own: Numbers, share: Array) -> Array:
-        """Return the derivatives (N, 3) [m] of the positions of motions `own` (N,) with respect to the share
-        of their paths, at shares (N,).
+        """Return the derivatives (N, 3) [m] of the frame's position with respect to the share of the path, at
+        shares (N,) of the paths of motions `own` (N,).
         """
         if self.way.is_straight:
             return self.way.shift[own]
@@ -315,7 +320,7 @@ class _Look:
         return ahead
 
     def _missed(self) -> Array:
-        """Return the misses of corners, as shares (k - 1,) of the tolerance.
+        """Return by how much the curve misses each corner, as shares (k - 1,) of the tolerance.
 
         A corner that is passed early or late along the path isn't missed.
         """

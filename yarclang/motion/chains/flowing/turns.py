@@ -61,7 +61,7 @@ def matrices(turns: Array) -> Array:
 
 
 def steadied(turns: Array) -> Array:
-    """Return the quaternions (N, 4) with signs such that neighbours are near each other."""
+    """Return the quaternions (N, 4) with signs such that consecutive ones are near each other."""
     flips = np.where(np.einsum("ni,ni->n", turns[1:], turns[:-1]) < 0.0, -1.0, 1.0)
     return turns * np.concatenate(([1.0], np.cumprod(flips)))[:, None]
 

@@ -1,4 +1,4 @@
-"""Join the paths of many motions of one moving frame to one path."""
+"""Join the Cartesian paths of many motions of one moving frame to one path."""
 
 from __future__ import annotations
 
@@ -27,12 +27,13 @@ _SHORT = 0.05
 
 @frozen(eq=False)
 class Way:
-    """The paths of k motions.
+    """The Cartesian paths of k motions, joined to one path.
 
-    `lengths` (k,) [m] are their lengths, `begins` (k + 1,) [m] the places at which they begin, and the end.
-    Lines and arcs are stored as arrays. A line goes from `start` (k, 3) by `shift` (k, 3). An arc goes about
-    `centre` (k, 3) by `sweep` (k,), in the plane of the axes `along` and `side` (k, 3) [m]. Both turn by
-    `angle` (k,) about `axis` (k, 3), from the orientation `turn` (k, 4).
+    `lengths` (k,) [m] are the lengths of the paths; `begins` (k + 1,) [m] are the places at which the paths
+    begin, and the end of the last one. Lines and arcs are stored as arrays. A line goes from `start` (k, 3)
+    by `shift` (k, 3). An arc goes about `centre` (k, 3) by `sweep` (k,), in the plane of the axes `along` and
+    `side` (k, 3) [m]. Along both, the frame turns by `angle` (k,) about `axis` (k, 3), from the orientation
+    `turn` (k, 4).
     """
 
     paths: tuple[CartesianPath, ...]
@@ -52,7 +53,7 @@ class Way:
 
     @staticmethod
     def of(paths: Sequence[CartesianPath]) -> Way:
-        """Join paths, each of which begins at the end of the one before."""
+        """Join the paths of motions, each of which begins at the end of the one before."""
         count = len(paths)
         extents = [extent_of(path.frame) for path in paths]
         lengths = [size * RADIAN if turns else size for size, turns in extents]
@@ -83,9 +84,9 @@ class Way:
         )  # fmt: skip
 
     def part(self, first: int, last: int) -> Way:
-        """Return the paths of the motions from `first` up to `last`.
+        """Return the joined path of the motions from `first` up to `last`.
 
-        The results don't depend on the place of these motions in a chain.
+        The results of its methods don't depend on where these motions are in a chain.
         """
         own = slice(first, last)
         return Way(
@@ -97,18 +98,22 @@ class Way:
 
     @property
     def flange_from_moving(self) -> Array:
-        """The place of the moving frame on the flange (4, 4)."""
+        """The pose of the moving frame on the flange (4, 4)."""
         return self.paths[0].flange_from_moving
 
     def located(self, places: Array) -> tuple[Numbers, Array]:
-        """Return the motions (N,) at places (N,) [m], and the shares (N,) of their paths."""
+        """Return, for places (N,) [m] along the joined path, the motions (N,) and the shares (N,) of the
+        motions' paths.
+        """
         own = np.clip(np.searchsorted(self.begins, places, side="right") - 1, 0, len(self.paths) - 1)
         begin = self.begins[own]
         return own, np.clip((places - begin) / (self.begins[own + 1] - begin), 0.0, 1.0)
 
     def poses(self, own: Numbers, share: Array) -> tuple[Array, Array]:
-        """Return positions (N, 3) [m] and quaternions (N, 4), with either sign, of the moving frame on
-        motions `own` (N,) at shares (N,) of their paths.
+        """Return positions (N, 3) [m] and quaternions (N, 4) of the moving frame at shares (N,) of the paths
+        of motions `own` (N,).
+
+        The signs of the quaternions are arbitrary.
         """
         p = self._plain_positions(own, share)
         half = (share * self.angle[own] / 2.0)[:, None]
@@ -135,7 +140,7 @@ class Way:
         return bool(self.is_plain.all()) and not self.sweep.any()
 
     def _plain_positions(self, own: Numbers, share: Array) -> Array:
-        """Return positions (N, 3) [m] on lines and arcs. The results for other motions are meaningless."""
+        """Return positions (N, 3) [m] on lines and arcs. The rows of other motions are meaningless."""
         p: Array = self.start[own] + share[:, None] * self.shift[own]
         if self.sweep.any():
             turned = (share * self.sweep[own])[:, None]
@@ -143,7 +148,9 @@ class Way:
         return p
 
     def seeds(self, own: Numbers, share: Array) -> Array:
-        """Return joint positions (N, n) [rad or m] near those along the path."""
+        """Return approximate joint positions (N, n) [rad or m] along the path, as initial guesses for inverse
+        kinematics.
+        """
         # Interpolate linearly between the ends; on motions with much joint motion, use the followed joints.
         q = self.ends[own] + share[:, None] * (self.ends[own + 1] - self.ends[own])
         for rows in self._rows(own, self.is_bent):
@@ -152,7 +159,7 @@ class Way:
 
     @staticmethod
     def _rows(own: Numbers, wanted: NDArray[np.bool_]) -> Iterator[Numbers]:
-        """Yield the rows of each wanted motion together."""
+        """Yield, for each of the wanted motions, the indices of the rows that belong to it."""
         (rows,) = np.nonzero(wanted[own])
         if len(rows):
             order = np.argsort(own[rows], kind="stable")
@@ -160,6 +167,8 @@ class Way:
 
 
 def _begun(lengths: Sequence[float] | Array) -> tuple[Array, Array]:
-    """Return lengths (k,), and the beginnings and the end (k + 1,), from 0 on."""
+    """Return the lengths of paths as an array (k,), and the places where they begin and where the last one
+    ends (k + 1,), counted from 0.
+    """
     own = np.array(lengths, dtype=np.float64)
     return own, np.concatenate(([0.0], np.cumsum(own)))

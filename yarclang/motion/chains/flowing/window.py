@@ -1,5 +1,5 @@
-"""Plan the motions between two seams: compute a law and its control points, and slow the law down where they
-demand too much.
+"""Plan the motions between two seams of a chain: compute a motion profile and the control points, and slow
+the profile down where the control points exceed a limit.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ _MORE = 0.3
 _LEAST = 0.5
 """Least factor of a single slow-down."""
 _BEYOND = 0.99
-"""Additional factor by which a law is slowed down, so that it is slightly slower than demanded."""
+"""Additional factor by which a motion profile is slowed down, so that it is slightly slower than required."""
 _SLOWEST = 2e-5
-"""Speed within a window below which a law is given up [m/s]."""
+"""Speed within a window below which planning is given up [m/s]."""
 _MOST = 0.5
 """Share of all changes of direction near a place that a corner must have to be blamed for an excess there."""
 _SAME = 1e-9
@@ -37,10 +37,11 @@ _LITTLE = 1e-7
 
 @frozen
 class Window:
-    """The motions from `first` up to `last` of a chain, and the speeds at both ends [m/s].
+    """The motions from `first` up to `last` of a chain, which are planned together, and the speeds at both
+    ends [m/s].
 
-    A speed is 0 at rest, and otherwise that of a seam. The result of a window depends only on these motions
-    and a few around them.
+    A speed is 0 for an end at rest, otherwise the speed at a seam. The result of a window depends only on its
+    motions and a few around them.
     """
 
     first: int
@@ -49,13 +50,15 @@ class Window:
 
     @property
     def seams(self) -> tuple[bool, bool]:
-        """True for the ends that are seams."""
+        """Two values, for the first and the last end of the window: whether it is a seam."""
         return self.speeds[0] > 0.0, self.speeds[1] > 0.0
 
     def around(self, way: Way, smoothing: Smoothing) -> tuple[int, int]:
-        """Return the range of motions that must be known, from the first up to the last.
+        """Return the range of motions on which the result of the window depends, from the first up to the
+        last.
 
-        They contain everything that is examined from both sides of a seam.
+        Beside the window's own motions, these are the motions near its seams that are examined from both
+        sides.
         """
         begins, time = way.begins, (smoothing.around + smoothing.reach) * smoothing.segment
         back, ahead = (speed * time * (1.0 + _SAME) + _LITTLE for speed in self.speeds)
@@ -70,12 +73,12 @@ class Window:
 
 @frozen(eq=False)
 class Made:
-    """The result of a window of k motions.
+    """The result of planning a window of k motions.
 
-    `points` (n + 3, d) are the control points. `shares` has, for each motion, the shares of its path over
-    the motion and its blends. `ends` (k + 1,) are the knots at which motions end, `halves` (k + 1,) half the
-    widths of the overlaps at all corners and seams. `least` (k,) are the shares of the requested speeds that
-    are kept.
+    `points` (n + 3, d) are the control points. `shares` has, for each motion, the control values of the share
+    of its path that is done, over the motion and its blends. `ends` (k + 1,) are the knots at which motions
+    end, `halves` (k + 1,) half the widths of the overlaps at all corners and seams. `least` (k,) are the
+    shares of the requested speeds below which the motions don't fall.
     """
 
     points: Array
@@ -87,22 +90,23 @@ class Made:
 
 @frozen(eq=False)
 class Failed:
-    """A window without a result.
+    """A window that couldn't be planned.
 
-    `seams` is True for ends without whose seam there might be a result.
+    `seams` has two values, for the first and the last end: True if planning might succeed without the seam
+    there.
     """
 
     seams: tuple[bool, bool]
 
 
 def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Made | Failed:
-    """Compute the control points of a window of a chain.
+    """Plan a window (some consecutive motions) of a chain, and compute its control points.
 
     Args:
         way: the paths of the whole chain.
-        demands: the demands of the whole chain.
-        window: the motions.
-        smoothing: the segment time, and the means.
+        demands: the limits and corners of the whole chain.
+        window: the motions to plan.
+        smoothing: the segment time, and the moving averages.
     """
     first, last = window.around(way, smoothing)
     begin, end = window.first - first, window.last - first
@@ -113,7 +117,11 @@ def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Ma
 
 @frozen(eq=False)
 class _Maker:
-    """Maker of one window: `own` are its motions among those of the way, `speeds` those at its ends."""
+    """Planner of one window.
+
+    `way` and `demands` include a few motions beyond the seams; `own` is the range of the window's own motions
+    among them. `speeds` are the speeds at both ends of the window.
+    """
 
     way: Way
     demands: Demands
@@ -130,7 +138,7 @@ class _Maker:
         return Failed(self.seams)
 
     def made(self) -> Made | Failed:
-        """Return the result."""
+        """Plan the window: slow its motion profile down until the control points keep all limits."""
         demands, smoothing = self.demands, self.smoothing
         ceiling, slope, rounds = demands.ceilings(smoothing)
         edges = np.concatenate(([0], demands.corners, [len(demands.step)]))
@@ -172,9 +180,10 @@ class _Maker:
         return self.failed
 
     def _kept(self, s: Array, ceiling: Array) -> Marks | None:
-        """Return a mask of the nodes (N,) at which the speed is that of a seam, and set `ceiling` there.
+        """Set `ceiling` to the speed of a seam at all nodes near the seam, and return a mask of these nodes
+        (N,).
 
-        The result is None if that isn't possible.
+        The result is None if the ceiling there is lower, or if the surroundings of both seams overlap.
         """
         kept = np.zeros(len(s), dtype=np.bool_)
         for speed, away in zip(self.speeds, (s - s[0], s[-1] - s), strict=True):
@@ -191,12 +200,14 @@ class _Maker:
         return kept
 
     def _time(self, pace: Pace) -> tuple[float, float]:
-        """Return the interval in which excesses count [s]."""
+        """Return the interval of time in which excesses must be avoided [s]: the window, and a segment
+        beyond a seam.
+        """
         h = self.smoothing.segment
         return -h if self.seams[0] else -np.inf, pace.duration + h if self.seams[1] else np.inf
 
     def _whole(self, points: Sampled, trial: Trial) -> Made | Failed:
-        """Return the result without the surroundings, which were only examined."""
+        """Return the result for the window's own motions, without those beyond its seams."""
         own, h, beyond = self.own, self.smoothing.segment, self.smoothing.around
         begin, end = (beyond if seam else 0 for seam in self.seams)
         ends = trial.ends[own.start : own.stop + 1] - begin
@@ -214,7 +225,9 @@ class _Maker:
         return Made(points.points[begin : begin + count + 3], tuple(shares), ends, halves, least)
 
     def _allowed(self, pace: Pace, excess: Excess) -> Array:
-        """Return ceilings of speed (N,) for nodes beside places that are too fast, by the known factors."""
+        """Return the largest speeds (N,) at nodes near places at which the frame is too fast; infinite
+        elsewhere.
+        """
         law, times = pace.law, pace.by_law(excess.times)
         allowed = np.full(len(law.s), np.inf)
         begin, end = _nodes(law, times, self.smoothing.segment)
@@ -225,10 +238,11 @@ class _Maker:
         return allowed
 
     def _blamed(self, pace: Pace, excess: Excess, nodes: slice, steeper: float) -> tuple[Array, Excess]:
-        """Assign excesses to the corners that cause most of them.
+        """Find, for each excess, the corner that causes most of it.
 
         Returns:
-            Factors (N,) for the ceilings of these corners, and the excesses with other causes.
+            Factors (N,) by which the speed limits at these corners are reduced, and the excesses without such
+            a corner.
         """
         law, demands = pace.law, self.demands
         factors = np.ones(len(law.s))
@@ -251,9 +265,9 @@ class _Maker:
         return factors, Excess(excess.times[~blamed], excess.shares[~blamed])
 
     def _slower(self, pace: Pace, excess: Excess, steeper: float) -> Array:
-        """Return factors (N,) for the ceilings of nodes.
+        """Return factors (N,) by which the speed limits at nodes are reduced.
 
-        A factor is less than 1 for a node that affected a time with an excess.
+        A factor is less than 1 if the node affects the pose at a time at which something exceeds its limit.
         """
         factors = np.ones(len(pace.law.s))
         if not len(excess.times):
@@ -268,8 +282,8 @@ class _Maker:
 
 
 def _nodes(law: Law, times: Array, reach: float) -> tuple[Numbers, Numbers]:
-    """Return the first nodes (N,) and the ends (N,) of the ranges that a law passes within `reach` [s] of its
-    own times (N,).
+    """Return, for each of N times of a motion profile, the range of nodes that are passed within `reach` [s]
+    of it: the first nodes (N,), and the ends of the ranges (N,).
     """
     begin = np.maximum(np.searchsorted(law.t, times - reach) - 1, 0)
     return begin, np.minimum(np.searchsorted(law.t, times + reach, side="right") + 1, len(law.s))

@@ -1,4 +1,6 @@
-"""A job for streaming: the lines of a program, their times, and the command to which each line belongs."""
+"""A job for streaming: the lines of a program, the time of each line, and the command to which each line
+belongs.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,10 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True)
 class JobCommand:
-    """A motion command and its time of execution, from `begins` to `ends` [s of the program].
+    """A motion command and its time of execution, from `begins` to `ends` [s of program time].
 
-    `clock` is the latest known time at which the command begins [s]. It differs from `begins`, which counts
-    both branches of a WHEN in sequence although only one is taken.
+    `clock` is the latest time at which the command begins, apart from waits of unknown length [s]. It differs
+    from `begins`, which counts both branches of a WHEN in sequence although only one is taken.
     """
 
     index: str
@@ -35,7 +37,7 @@ class JobCommand:
 
 
 def clock_at(commands: Sequence[JobCommand], time: float) -> float:
-    """Return the latest known time at which a program reaches one of its times [s].
+    """Return the latest time [s] at which a run reaches a program time, apart from waits of unknown length.
 
     Args:
         commands: the motions of the program.
@@ -47,8 +49,8 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """The barrier between two legs of a program. There the robot waits for an input or the operator, or
-    branches divide or join.
+    """The barrier between two legs of a program. At a barrier the robot waits for an input or the operator,
+    or branches of the program divide or join.
 
     `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
     `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
@@ -76,8 +78,8 @@ class Barrier:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The position of a leg in the program: `begun` is True if earlier legs were started; `leads_to`
-    is the title of the barrier at its end (empty if the leg ends the program).
+    """The position of a leg in its program. `begun` is True if earlier legs of the program were started;
+    `leads_to` is the title of the barrier at the leg's end (empty if the leg ends the program).
     """
 
     begun: bool
@@ -88,8 +90,9 @@ class Part:
 class Leg:
     """The lines that are streamed up to a barrier, and the barrier at their end (None: the program's end).
 
-    `job` is None if the leg has no lines. `ends` is when the leg ends [s of the job], and `clock` the latest
-    known time at which it ends.
+    `job` is None if the leg has no lines. `ends` is the time at which the leg ends [s of the job], with the
+    branches of a WHEN in sequence; `clock` is the latest such time, with the branches in parallel. Waits of
+    unknown length don't count.
     """
 
     job: Job | None

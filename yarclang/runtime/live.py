@@ -23,11 +23,11 @@ class Source(Protocol):
         """Return where the lines so far end (n,) [rad or m]."""
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
-        """Return further lines.
+        """Return the next lines of the motion.
 
         Args:
             now: the host's clock [s].
-            count: number of lines wanted. A few more may be returned; fewer are returned only if the text
+            count: number of lines wanted. A few more may be returned; fewer are returned only if the motion
                 ends.
         """
 
@@ -42,8 +42,9 @@ class Source(Protocol):
 class Live:
     """A live motion, ready to be streamed.
 
-    `job` has the robot, the setup and the start, but no lines. `opening` has the lines before the first move,
-    `lead` is the number of lines to keep ahead, and `source` generates the lines.
+    `job` has the robot, the setup of the controller and the start position, but no lines. `opening` has the
+    lines before the first move, `lead` is the number of lines to keep ahead of the execution, and `source`
+    generates the lines.
     """
 
     job: Job

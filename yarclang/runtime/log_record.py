@@ -1,7 +1,7 @@
 """Content of a run's log: its attachments, its channels, and the conversion of notices to messages. No I/O.
 
-The name of each number ends in its unit. Times `time_s` count from the log's start, in the clock of the
-notices.
+The name of each number in a message ends in its unit. Times `time_s` count from the log's start, in the clock
+of the notices.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ PROGRAM, TEXT, CERTIFICATE, JOB = "program.yarc", "program.pmc", "certificate.js
 """Names of the attachments."""
 
 _DIGITS = 7
-"""Decimals of joint positions [deg or mm] and of times [s]. They are far finer than an encoder count and the
-duration of an exchange.
+"""Decimals of joint positions [deg or mm] and of times [s] in the log: far finer than an encoder count and
+the duration of one exchange with the controller.
 """
 
 
@@ -86,8 +86,8 @@ class Record:
         self._shown = -math.inf
 
     def begin(self, facts: dict[str, str]) -> None:
-        """Write the header, the attachments, the channels, and the metadata: facts about the run, and known
-        facts about the job.
+        """Write the start of the log: the header, the metadata (facts about the run and its job), the
+        attachments, and the channels.
         """
         writer, job, wall = self._writer, self._job, self._anchor.wall
         writer.start()

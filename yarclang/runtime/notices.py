@@ -1,5 +1,5 @@
-"""Notices that a run sends to its listeners, and orders that it accepts. They are plain values; times are
-those of the host's clock [s].
+"""Notices that a run sends to its listeners, and orders that the run accepts. Both are plain values; times
+are those of the host's clock [s].
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class Question:
 class Wanted:
     """Values that the program accepts from outside while it waits.
 
-    `number` counts the requests; `place` is the place of the command. `registers` may be filled, each within
-    `low` and `high`; a message must contain all of `needed`.
+    `number` counts the requests for values; `place` is the command at which the program waits. `registers`
+    may be filled, each within `low` and `high`; a message must contain all registers in `needed`.
     """
 
     number: int
@@ -46,10 +46,10 @@ class ValuesWanted:
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """The state has changed, and why.
+    """Notice that the state of the run has changed, with the reason.
 
-    If something went wrong, `code` is the finding and `remedy` what to do. If `asks` is set, the run
-    continues only after an answer to this question.
+    If something went wrong, `code` is the code of the finding and `remedy` what to do. If `asks` is set, the
+    run continues only after an answer to this question.
     """
 
     time: float
@@ -62,10 +62,11 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of the program: the known seconds done, the known seconds left at the present override, and
-    the current command.
+    """Progress of the program: `done` is the time of the motions and dwells so far [s], `left` the time of
+    those to come at the present override [s], and `command` the present command.
 
-    Motions and dwells count. If the program has branches, `done` and `left` follow the longer one.
+    If the program has branches, `done` and `left` follow the longer branch. Waits of unknown length don't
+    count.
     """
 
     time: float
@@ -87,8 +88,8 @@ class Remark:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """The robot stands at a command that waits for an input or the operator. The place in the program is
-    written as P0020(I=2)>P0010.
+    """Notice that the robot stands at a command that waits for an input or the operator. The command is
+    written as P0020, inside a loop or call as P0020(I=2)>P0010.
     """
 
     time: float
@@ -97,8 +98,10 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The rest of the program after a search, or the lines of an OFFSET, was planned and proved (`kind` names
-    which of the two). Holds its controller text, and its certificate as JSON.
+    """Notice that a part of the program was planned and proved at run time: what follows a search, or the
+    lines of an OFFSET (`kind`).
+
+    `text` is the controller text of this part, and `certificate` its certificate as JSON.
     """
 
     time: float
@@ -152,8 +155,8 @@ class Fill:
 
 @dataclass(frozen=True, slots=True)
 class Fail:
-    """Come to rest on the path and report a fault, because something outside has failed (for example, the log
-    can't be written).
+    """Order to come to rest on the path and to report a fault, because something outside the controller has
+    failed (for example, the log can't be written).
     """
 
     what: str

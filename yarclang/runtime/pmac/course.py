@@ -1,4 +1,5 @@
-"""The path of the controller's lines, and the distance of the motors' commanded positions from it. No I/O.
+"""The path of the lines that were sent to the controller, and the distance of the motors' commanded positions
+from this path. No I/O.
 
 Lines can't be read back from a rotary buffer. The positions that the controller computes from its lines are
 therefore compared with the points that were sent: the commanded positions are the actual positions plus the
@@ -21,7 +22,9 @@ from yarclang.runtime.pmac.feedback import groups_of
 from yarclang.runtime.sample import Sample
 
 _AROUND = 4
-"""Number of additional points that are compared, before and after the points that may be executed now."""
+"""Number of points that are compared in addition, before and after the points that the controller may be
+executing now.
+"""
 _KEPT = 512
 """Minimum number of points that are kept after the robot has passed them."""
 _ALLOWED = 8.0
@@ -30,12 +33,12 @@ _NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
 class Course:
-    """The points that a controller was sent.
+    """The path points that were sent to the controller.
 
     Args:
         robot: the robot with its axes, gears and couplings.
-        start: (n,) where the motion begins [rad or m].
-        slack: (n,) allowed deviation from the start [rad or m].
+        start: (n,) joint position where the motion begins [rad or m].
+        slack: (n,) allowed deviation of each joint from the start [rad or m].
         segment: shortest time between two points [s].
     """
 

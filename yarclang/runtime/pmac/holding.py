@@ -23,11 +23,11 @@ _STILL = 0.5
 
 
 class Holding:
-    """The holds of one job.
+    """All holds of the motion during one job: they stop the motion on its path, and resume it.
 
     Attributes:
-        refilling: True if the job is held only until its rotary is full again.
-        way_out: name of the way out by which the robot leaves when a person resumes; empty if the motion
+        refilling: True if the motion is held only until the rotary buffer is full again.
+        way_out: name of the SUB by which the robot retreats when a person resumes; empty if the motion
             continues.
     """
 
@@ -70,7 +70,8 @@ class Holding:
             yield from self.hold("a hold was asked for")
 
     def for_low_water(self) -> Script[None]:
-        """Hold because few lines are ahead; the next step refills the buffer and resumes.
+        """Hold the motion because few lines are left in the buffer. The next step refills the buffer and
+        resumes.
 
         If the guard PLC was faster and has held the motion, its hold is handled in the same way.
         """
@@ -81,14 +82,14 @@ class Holding:
         self.refilling = True
 
     def look_at(self, rests: bool) -> Script[None]:
-        """Check, some time after a hold, that no other client moves the robot. The first motion is answered
-        by another hold.
+        """Check, some time after a hold, that no other client moves the robot. If the robot moves, hold
+        again; if it moves after that, too, abort.
 
         Args:
             rests: True if no motor has a desired velocity.
 
         Raises:
-            Trouble: the robot still moves after the second hold, for example because of a jog. It was
+            Trouble: the robot still moved after the second hold, for example because of a jog, and was
                 aborted.
         """
         operation = self.operation
@@ -113,8 +114,8 @@ class Holding:
         )
 
     def for_others(self, changes: str) -> Script[None]:
-        """Hold because another client has changed a value that the proof depends on. The hold lasts until the
-        change is undone and a person resumes.
+        """Hold the motion because another client has changed a value that the proof depends on. The hold
+        lasts until the change is undone and a person resumes.
 
         Raises:
             Trouble: the run is unattended, so nobody can resume it.
@@ -157,12 +158,12 @@ class Holding:
         self.refilling = True
 
     def for_input(self, input_state: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
-        """Hold the motion for a watched input, or don't begin it. The hold lasts until the input allows
-        motion and a person resumes.
+        """Hold the motion because of a watched input, or don't begin the motion. The hold lasts until the
+        input allows motion again and a person resumes.
 
         Args:
             input_state: the input and its state, in words.
-            way_out: name of the way out by which the robot leaves instead of continuing; empty if there is
+            way_out: name of the SUB by which the robot retreats instead of continuing; empty if there is
                 none.
             moves: True if the program has begun.
 
@@ -188,10 +189,11 @@ class Holding:
         )
 
     def by_nobody(self) -> None:
-        """Report that nothing moves although lines are ahead, so that a person has to resume.
+        """Report that the motion was held, but not by this run: nothing moves although lines are in the
+        buffer. A person has to resume.
 
         Raises:
-            Trouble: nobody is there.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         operation = self.operation
         operation.go(Event.HOLD, "the motion is held, and not by this run")
@@ -208,10 +210,11 @@ class Holding:
             raise Trouble(reason, "nobody is here to resume it: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
-        """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R.
+        """Resume the motion from rest: compare the settings, refill the buffer, restore guard and outputs,
+        and send R.
 
         Raises:
-            Left: an input has held the motion, and the robot leaves instead.
+            Left: an input has held the motion, and the robot retreats instead of continuing.
         """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
         # A resume that came while an input holds the motion stays refused, even if the input changes

@@ -43,8 +43,8 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Answers of the controller at inspection. All questions of `often` are repeated every second, and one
-    question of `seldom`.
+    """Answers of the controller at inspection, with which later answers are compared. While the robot moves,
+    all questions of `often` are repeated every second, together with one question of `seldom`.
     """
 
     often: tuple[Remembered, ...] = ()

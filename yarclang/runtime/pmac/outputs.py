@@ -1,5 +1,5 @@
-"""Outputs of a program: their safe values at any stop, hold or fault, and their values before the program.
-No I/O.
+"""Outputs of a program: their safe values at any stop, hold or fault, and the values that they get back when
+the motion continues. No I/O.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from yarclang.runtime.pmac.operation import Operation
 
 
 class Outputs:
-    """The outputs that a job has declared with a safe value.
+    """The outputs for which a job has declared a safe value.
 
-    The value of an output is derived from the executed lines. Asking the controller wouldn't help: its guard
-    may already have set the output to its safe value.
+    The value of an output in the program is derived from the executed lines. Asking the controller wouldn't
+    help: its guard may already have set the output to its safe value.
     """
 
     def __init__(self, job: Job) -> None:
@@ -35,7 +35,9 @@ class Outputs:
             yield from operation.ask(f"{variable}={value:g}")
 
     def restore(self, operation: Operation, executed: int) -> Script[None]:
-        """Set all outputs to the values that the first `executed` lines of the program have given them."""
+        """After `secure`, set all outputs to the values that they have after the first `executed` lines of
+        the program.
+        """
         if not self._secured:
             return
         values = dict(self._before)

@@ -15,15 +15,16 @@ TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pos
 
 
 def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:
-    """Store the robot's place for later runs. The robot stands still until the place is on the disk.
+    """Store the robot's present position for later runs. The robot stands still until the position is on the
+    disk.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         barrier: the JPOS or LPOS that is carried out.
         stands: (n,) the robot's joint positions [rad or m].
 
     Raises:
-        Trouble: the place can't be stored.
+        Trouble: the position can't be stored.
     """
     told = yield Teach(TEACHING[barrier.word], barrier.name, stands)
     if not isinstance(told, Told):

@@ -10,8 +10,8 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """The position of a robot: `actual` and `following` (n,) [counts] of its motors, at `time` [s] of the
-    host's clock.
+    """The position of a robot at one time: `actual` positions and `following` errors (n,) of its motors
+    [counts], at `time` on the host's clock [s].
 
     `program_time` [s] is the progress of the program. It is computed from the lines in the buffer, and so
     accurate to a segment or two. It counts the branches of a WHEN in sequence; `clock` [s] counts them in

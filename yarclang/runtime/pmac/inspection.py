@@ -290,7 +290,7 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
-    """Let the guard PLC watch this computer, don't restart its timer, and check that the PLC holds.
+    """Let the guard PLC watch this computer, restart its timer only once, and check that the PLC then holds.
 
     It must hold when the timer has run down, and not before, and PLC 0 must see the guard's heartbeat. Then
     the longest silence of this computer is chosen from the slowest reply of the inspection, unless a person

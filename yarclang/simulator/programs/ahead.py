@@ -28,7 +28,7 @@ class Clock(Protocol):
 
 
 class Ahead:
-    """The steps that are calculated but not begun.
+    """The steps of a motion program that are calculated but not begun.
 
     Attributes:
         steps: the steps, in the order of the program.
@@ -65,7 +65,9 @@ class Ahead:
         self.retry_at = math.inf
 
     def fill(self) -> None:
-        """Calculate until enough steps are ahead, or until no further step can be calculated for now."""
+        """Calculate steps until enough of them are ahead, or until no further step can be calculated for
+        now.
+        """
         steps = self.steps
         while self.calculating and len(steps) < _AHEAD and not (steps and steps[-1].breaks):
             if not self._left:

@@ -1,4 +1,4 @@
-"""Registers and variables that show the state of the machine (facts 5.4, 5.5, 7), and timers."""
+"""Registers and variables that show the controller's state (facts 5.4, 5.5, 7), and timers."""
 
 from __future__ import annotations
 

@@ -21,13 +21,14 @@ def purposes(
 ) -> Iterator[Stretch]:
     """Yield the purpose of every line after the header; see `yarclang.emitted.purposes.moves_alone`.
 
-    An assignment between moves belongs to a SET, and a dwell to a WAIT, by form and order.
+    An assignment between moves belongs to a SET and a dwell to a WAIT: they are recognized by their form, and
+    assigned in order.
 
     Args:
         lines: lines of the text.
         begin: number of lines in the header.
         commands: commands of the text's map.
-        barriers: the command's step of each line with a barrier.
+        barriers: for each line with a barrier, the step of the barrier's command.
     """
     by_step = {one.step: one for one in commands}
     moving = [one for one in commands if one.first is not None]

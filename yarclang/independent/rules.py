@@ -13,8 +13,11 @@ from yarclang.independent.arm import Arm, Array
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule of a KEEP: `upright`, the z axis of a frame that is turned by `turn` from {TCP} is within
-    `limit` [deg] of the z axis of {B}; or `above`, the origin of {TCP} is at least `limit` [mm] above {B}.
+    """A rule of a KEEP, by `kind`.
+
+    `upright`: the z axis of a frame that is turned by `turn` from {TCP} is within `limit` [deg] of the z axis
+    of {B}.
+    `above`: the origin of {TCP} is at least `limit` [mm] above the origin of {B}.
     """
 
     kind: str

@@ -14,8 +14,8 @@ from yarclang.independent.arm import Array
 
 @dataclass
 class Timetable:
-    """Timetable of a program, in deg (mm) and s: the position `start` (n,) before it, `times` (k,), `rows`
-    (k, n) of positions, and their derivatives.
+    """Timetable of a program, in deg (mm) and s: the position `start` (n,) before the first row, the `times`
+    (k,) of the rows, the positions `rows` (k, n), and their derivatives, if the program states them.
     """
 
     start: Array

@@ -90,7 +90,7 @@ class Emitted:
 
 
 def _told(barrier: Barrier) -> str:
-    """Return a barrier's entry in the map: kind, step, condition, timeout, and name or text."""
+    """Return a barrier's entry in the map of the header: kind, step, condition, timeout, and name or text."""
     waited = f"{barrier.variable}={_number(barrier.value)}" if barrier.variable else "-"
     condition = barrier.condition or waited
     timeout = "-" if barrier.timeout is None else f"{barrier.timeout:.9g}"

@@ -276,7 +276,7 @@ def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | Assign | Tu
 
 
 def _printed(values: Array, decimals: int) -> Array:
-    """Round values as printed, and turn a negative zero into a positive one."""
+    """Round control points to the printed decimals, and turn a negative zero into a positive one."""
     printed: Array = np.round(values, decimals) + 0.0
     return printed
 

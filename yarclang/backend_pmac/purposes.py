@@ -13,7 +13,7 @@ _SPLINE = "SPLINE1"
 _TIME = "the segment time of the moves that follow"
 _GUARDS = ("it disarms the guard: fewer lines than it wants are left", "it arms the guard")
 _AT_REST = "DWELL0"
-"""The line that precedes an output or a barrier; a dwell of the program has a time."""
+"""The line before an output or a barrier; a dwell of the program has another time."""
 
 
 def purposes(

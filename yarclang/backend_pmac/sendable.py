@@ -1,4 +1,4 @@
-"""The part of a text for a Turbo PMAC that can be streamed."""
+"""The lines of a text for a Turbo PMAC that can be streamed."""
 
 from __future__ import annotations
 

@@ -58,7 +58,9 @@ def _different(source: SourceFile, robot: Robot) -> tuple[Diagnostic, ...]:
 def _differences(
     source: SourceFile, found: SettingsText, wanted: SettingsText, robot: Robot
 ) -> Iterator[Diagnostic]:
-    """Yield a warning for each item that is printed differently, in the order of the lines."""
+    """Yield a warning for each setting that is printed differently from the robot's own, in the order of
+    the lines.
+    """
     told = dict(_printed(wanted))
     for name, (line, text) in _printed(found):
         if text != told[name][1]:
@@ -73,7 +75,9 @@ def _differences(
 
 
 def _printed(content: SettingsText) -> Iterator[tuple[str, tuple[int, str]]]:
-    """Yield the items that a controller can be asked about: name, line and text."""
+    """Yield the settings in a text that a controller can be asked for: their names, line numbers and
+    printed values.
+    """
     for definition in content.definitions:
         yield f"#{definition.motor}->", (definition.line, definition.terms)
     for setting in content.settings.values():

@@ -1,4 +1,4 @@
-"""Random chains of short pieces. They are the longest random programs."""
+"""Random programs with a chain of short motions. They are the longest random programs."""
 
 from __future__ import annotations
 

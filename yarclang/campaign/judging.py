@@ -33,10 +33,10 @@ MOST = 6
 """Largest number of motions that are drawn for a program that isn't a chain."""
 
 CHAINS = 20
-"""One of `CHAINS` programs is a chain of short pieces."""
+"""One of `CHAINS` programs is a chain of short motions."""
 
 RULED = 10
-"""One of so many programs keeps to rules, and may leave straight ways."""
+"""One of `RULED` programs has motions that must keep to rules (KEEP) and may avoid obstacles."""
 
 CERTIFICATE = "11"
 """Prefix of the codes of findings of the certificate. A text that the compiler has written must never get

@@ -25,7 +25,7 @@ class Find(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The largest share of what is allowed, and the seed of the first program that reached it."""
+    """The largest used share of a tolerance or a limit, and the seed of the first program that reached it."""
 
     share: float
     seed: int
@@ -96,7 +96,7 @@ class Piece:
             self.worst[name] = one
 
     def merge(self, other: Piece) -> None:
-        """Add another piece. The result doesn't depend on the order of additions."""
+        """Add the results of another piece. The sum doesn't depend on the order of additions."""
         self.count += other.count
         self.compiled += other.compiled
         self.microseconds += other.microseconds

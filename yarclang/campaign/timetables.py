@@ -1,4 +1,4 @@
-"""Random timetables, such as planners of other makers produce them."""
+"""Random timetables (joint positions at given times), such as motion planners of other makers produce."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Outcomes of work that are no results."""
+"""Outcomes of work that has no result."""
 
 from __future__ import annotations
 

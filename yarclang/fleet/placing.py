@@ -39,13 +39,13 @@ origin that are parallel to the parent's axes [deg].
 """
 
 Shift = tuple[float, ...]
-"""Shift from the present pose: one number for each axis of the box [mm or deg]."""
+"""Shift of a frame from its present pose: one number for each axis of the box [mm or deg]."""
 
 _FINEST = {"X": 0.5, "Y": 0.5, "Z": 0.5, "RX": 0.1, "RY": 0.1, "RZ": 0.1}
-"""Steps below which the search ends [mm, deg]."""
+"""Steps of the shifts below which the search ends [mm, deg]."""
 
 _BEGINNINGS = 2
-"""Number of places of the grid at which a compass search begins."""
+"""Number of candidates of the grid from which a compass search begins."""
 
 Aim = Literal["time", "clearance"]
 
@@ -226,7 +226,7 @@ def _key(cell: SourceFile, name: str) -> str:
 
 
 def judged(shift: Shift, task: Task) -> Candidate:
-    """Compile the program with the frame at a place, and return the result."""
+    """Compile the program with the frame shifted from its present pose, and return the result."""
     from dataclasses import replace
 
     program, cell = moved(task, shift)

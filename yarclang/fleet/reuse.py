@@ -41,10 +41,10 @@ class Found:
 
 
 class Reuse:
-    """Finds and stores results.
+    """Finds and stores results of earlier work.
 
     Args:
-        store: the store.
+        store: the store of the results.
     """
 
     def __init__(self, store: Store) -> None:

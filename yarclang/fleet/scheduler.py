@@ -153,7 +153,7 @@ def _installed() -> tuple[Any, ...]:
 
 
 class _Rest:
-    """Items whose work is done by the workers."""
+    """The items that the workers do: all except the first one, which this process does."""
 
     def __init__(
         self,

@@ -223,7 +223,9 @@ def _ball(arm: Arm, one: Said, following: Said, corner: Array) -> Callable[[Arra
 def _off_speed(
     arm: Arm, one: Said, done: Executed, in_ball: NDArray[np.bool_], reaches: bool
 ) -> Iterator[str]:
-    """Yield a fault if the speed of a cruise is wrong."""
+    """Yield a fault if a motion exceeds its programmed speed of {TCP}, or (with `reaches`) stays below
+    this speed.
+    """
     assert one.speed is not None
     fastest = _fastest(arm, done, in_ball)
     if fastest > one.speed * 1.002:

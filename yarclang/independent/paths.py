@@ -48,7 +48,7 @@ class Said:
     """Table of a timed motion. `stretch` is the factor for all its times."""
     stretch: float = 1.0
     avoids: bool = False
-    """True if the straight way may be left to get round something."""
+    """True if the motion may leave its straight path to avoid obstacles."""
     rules: tuple[Rule, ...] = ()
 
     @property

@@ -1,4 +1,4 @@
-"""Rules to which motions keep (KEEP), read anew."""
+"""Rules to which motions must keep (KEEP), checked without the compiler's code."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Rule:
 
 
 SLACK = {"upright": 1e-4, "above": 1e-4}
-"""Rounding of the sampled value [deg, mm]."""
+"""Amount by which rounding may break a rule at a sample [deg, mm]."""
 
 
 def broken(arm: Arm, rules: tuple[Rule, ...], q: Array) -> Iterator[str]:

@@ -33,7 +33,7 @@ class Timetable:
         )
 
     def way(self) -> str:
-        """Return the rows as text for a command."""
+        """Return the rows of the table as text for a command."""
         points = []
         for number, (q, time) in enumerate(zip(self.rows, self.times, strict=True)):
             point = f"{numbers(q)} [{time:.4f}]"

@@ -1,4 +1,4 @@
-"""The connection between a robot and its Turbo PMAC, as described in robot.toml."""
+"""How a robot is connected to its Turbo PMAC, as described in robot.toml."""
 
 from __future__ import annotations
 

@@ -13,13 +13,13 @@ the motion, else 0.
 """
 
 ASTRAY = "P8101"
-"""1 while the robot isn't at the program's start, else 0."""
+"""Variable that is 1 while the robot isn't at the program's start, else 0."""
 
 WAITING = "P8102"
-"""1 while a program waits for an input."""
+"""Variable that is 1 while a program waits for an input."""
 
 HEARTBEAT = "P8103"
-"""Counter of the guard PLC's scans."""
+"""Variable in which the guard PLC counts its scans."""
 
 WATCHED = "P8104"
 """Variable of the watchdog's flag: 1 while the controller expects messages from the streaming computer, 2
@@ -27,7 +27,7 @@ after the guard has held the motion because no message came, else 0.
 """
 
 ECHO = "P8105"
-"""The heartbeat as last seen by the feedback PLC."""
+"""Variable in which the feedback PLC copies the guard's heartbeat, to show that both run."""
 
 HOMING = "P8106"
 """Variable of the home search's flag: 1 while a motor searches its home and the controller expects messages
@@ -35,7 +35,7 @@ from this computer, 2 after the search was stopped because no message came, else
 """
 
 FEEDBACK_PLC = 0
-"""The foreground PLC that computes the joint positions from the motor positions."""
+"""Number of the foreground PLC that computes the joint positions from the motor positions."""
 
 HOMING_PLC = 27
 """Number of the background PLC that stops a home search when this computer falls silent. The PLC is loaded
@@ -53,7 +53,9 @@ computer falls silent.
 """
 
 ROTARY_FULL = "M8116"
-"""Coordinate system status word 2 bit 16: 1 from I17 program lines ahead on, 0 below I16."""
+"""M-variable of the rotary-full bit (word 2, bit 16 of the coordinate system's status): 1 from I17 program
+lines ahead on, 0 below I16.
+"""
 
 
 def motor_variable(motor: int, number: int) -> str:

@@ -28,19 +28,19 @@ class Connect:
 
 @dataclass(frozen=True, slots=True)
 class Connected:
-    """Outcome of `Connect`: there is a new connection."""
+    """Outcome of `Connect`: there is a new connection to the controller."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unreachable:
-    """Outcome of `Connect`: there is no connection, and why."""
+    """Outcome of `Connect`: there is no connection to the controller; `reason` says why."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class Late:
-    """No complete reply in time. The connection is lost."""
+    """The controller has sent no complete reply in time. The connection is lost."""
 
     request: object
 

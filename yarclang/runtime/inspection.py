@@ -31,7 +31,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """The answer to one question."""
+    """The result of one check: the found and the required value of a setting or a state, and the verdict."""
 
     subject: str
     found: str
@@ -54,5 +54,5 @@ class Inspection:
 
     @property
     def errors(self) -> tuple[Checked, ...]:
-        """Return the answers that prevent a program from being run."""
+        """Return the results that prevent a program from being run."""
         return tuple(one for one in self.checked if one.verdict == "error")

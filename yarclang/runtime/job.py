@@ -32,7 +32,7 @@ class JobCommand:
 
     @property
     def title(self) -> str:
-        """Return the label and name, such as `P0010 MOVEL_RPY_LSPB`, or the name alone."""
+        """Return the command's label and name, such as `P0010 MOVEL_RPY_LSPB`, or the name alone."""
         return f"{self.index} {self.name}" if self.index and self.index != "-" else self.name
 
 
@@ -171,17 +171,17 @@ class Job:
 
     @property
     def lines_per_second(self) -> float:
-        """Return the largest number of lines per second that the job needs."""
+        """Return the largest number of lines per second that the controller executes during the job."""
         return 1.0 / self.segment
 
     @property
     def fits(self) -> bool:
-        """Return True if all lines are loaded before the job begins."""
+        """Return True if all lines fit into the controller's buffer, and are loaded before the job begins."""
         return len(self.lines) <= self.capacity
 
     @property
     def longest_dwell(self) -> float:
-        """Return the longest time that a line stands still [s]."""
+        """Return the duration of the longest dwell [s]; 0 if there is none."""
         return max((seconds for _, seconds in self.dwells), default=0.0)
 
     def time_of(self, executed: int) -> float:

@@ -1,4 +1,4 @@
-"""A motion whose lines are computed while the robot moves."""
+"""Live motions: motions whose lines are computed while the robot moves."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class Source(Protocol):
     """Generator of the lines of a live motion. Each line is proved before it is returned."""
 
     ended: bool
-    """True once the text ends at rest and no lines can follow."""
+    """True once the motion has ended at rest and no lines can follow."""
 
     @property
     def end(self) -> Array:
-        """Return where the lines so far end (n,) [rad or m]."""
+        """Return the joint positions at the end of the lines so far (n,) [rad or m]."""
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
         """Return the next lines of the motion.
@@ -32,10 +32,10 @@ class Source(Protocol):
         """
 
     def expired(self, now: float) -> bool:
-        """Return True if no order has come for too long."""
+        """Return True if too long a time has passed since the last order."""
 
     def finish(self) -> None:
-        """Bring the motion to rest, and end the text there."""
+        """Bring the motion to rest, and end its lines there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,7 @@ from yarclang.runtime.outcome import Ended
 from yarclang.runtime.transports.promptness import shares_the_interpreter
 
 FOLDER = Path("yarc-runs")
-"""Folder of logs if none is given."""
+"""Folder of logs if the user names none."""
 
 FLUSH_EACH = 0.5
 """Time between two flushes of the log to its file [s]. A process that is killed loses at most the messages of
@@ -38,7 +38,7 @@ this time.
 """
 
 _LONGEST_CLOSE = 10.0
-"""Longest time to wait for a disk when closing [s]."""
+"""Longest time to wait for a slow disk when the log is closed [s]."""
 
 _LONGEST_STEM = 50
 """Longest stem of the log's file name [characters]. With four bytes per character, a name may have 255
@@ -147,7 +147,7 @@ class RunLog:
             raise
 
     def take(self, notice: Notice) -> None:
-        """Log a notice. Returns at once."""
+        """Accept a notice to be written to the log. Returns at once."""
         self._put(notice)
 
     def begin(self, job: Job) -> None:
@@ -174,7 +174,7 @@ class RunLog:
 
     @property
     def remedy(self) -> str:
-        """Return the remedy for the problem."""
+        """Return what a person should do about `problem`."""
         return (
             "keep the folder of the log as it is during a run, or choose another one with --log PATH"
             if self.loss
@@ -275,7 +275,7 @@ class RunLog:
 
 
 def _create(place: Path | None, program: str, wall: int) -> tuple[Path, BinaryIO]:
-    """Create a new file."""
+    """Create a new file for a log."""
     if place is None or place.is_dir():
         stem = re.sub(r"[^\w.+-]+", "_", PurePath(program).stem).strip("_.")[:_LONGEST_STEM] or "program"
         started = datetime.fromtimestamp(wall / 1e9).astimezone()

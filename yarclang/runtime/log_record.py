@@ -29,7 +29,9 @@ FORMAT = "1"
 
 METADATA = "yarc run"
 PROGRAM, TEXT, CERTIFICATE, JOB = "program.yarc", "program.pmc", "certificate.json", "job.json"
-"""Names of the attachments."""
+"""Names of the log's attachments: the program, the controller text, the certificate, and facts about the
+job.
+"""
 
 _DIGITS = 7
 """Decimals of joint positions [deg or mm] and of times [s] in the log: far finer than an encoder count and
@@ -73,7 +75,7 @@ Item: TypeAlias = Notice | Begun | Ordered | Ended
 
 
 class Record:
-    """The mapping from a run's notices to messages."""
+    """Writer of a log: converts notices of a run to MCAP messages."""
 
     def __init__(self, writer: Writer, job: Job, anchor: Anchor) -> None:
         self._writer = writer
@@ -153,7 +155,7 @@ class Record:
                 self._message("outcome", self._last, self._outcome(item))
 
     def _show(self, sample: Sample) -> None:
-        """Write the frames of the robot, unless they were written less than `EACH` ago."""
+        """Write the robot's frames, unless they were written less than `EACH` ago."""
         if not 0.0 <= sample.time - self._shown < EACH:
             self._shown = sample.time
             wall = self._anchor.wall_at(sample.time)
@@ -216,7 +218,7 @@ _COUNTS = {"type": "array", "items": _NUMBER}
 
 
 def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
-    """Return the properties of each topic's messages."""
+    """Return for each topic the JSON properties of its messages."""
     joints = {"type": "object", "properties": dict.fromkeys(_joint_keys(robot), _NUMBER)}
     return {
         "positions": {

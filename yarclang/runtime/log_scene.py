@@ -21,7 +21,7 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.transforms import quaternions
 
 TRANSFORMS, BODIES = "transforms", "robot"
-"""Topics of the frames and of the bodies."""
+"""Topics of the robot's frames and of its bodies in the log."""
 
 SCENE_TOPICS = frozenset({TRANSFORMS, BODIES})
 
@@ -230,7 +230,7 @@ def _list(items: dict[str, Any]) -> dict[str, Any]:
 
 
 def scene_schemas() -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return the name of Foxglove's schema, and a JSON schema, of each topic."""
+    """Return for each topic the name of Foxglove's schema, and a JSON schema."""
     instant = {"sec": {"type": "integer"}, "nsec": {"type": "integer", "minimum": 0, "maximum": 999_999_999}}
     time, duration = _object("time", **instant), _object("duration", **instant)
     vector = _object("foxglove.Vector3", **dict.fromkeys("xyz", _NUMBER))

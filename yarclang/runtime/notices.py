@@ -38,7 +38,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class ValuesWanted:
-    """The program accepts values from outside from now on, or, if None, no longer."""
+    """Notice that the program accepts values from outside from now on, or, if None, no longer."""
 
     time: float
     wanted: Wanted | None
@@ -78,7 +78,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Information in words. `begins_pass` is True if a loop begins its next pass."""
+    """Notice with information in words. `begins_pass` is True if a loop begins its next pass."""
 
     time: float
     text: str
@@ -115,29 +115,29 @@ Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | ValuesWant
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Come to rest on the path, ready to continue."""
+    """Order to come to rest on the path, ready to continue."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """Continue after a hold; `answer` is the operator's answer, if a question was asked."""
+    """Order to continue after a hold; `answer` is the operator's answer, if a question was asked."""
 
     answer: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """Come to rest on the path and end the program."""
+    """Order to come to rest on the path and end the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Abort:
-    """Bring each motor to rest at once, off the path, and end the program."""
+    """Order to bring each motor to rest at once, off the path, and end the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """Set the override: `percent` of the programmed speed, 1 to 100."""
+    """Order to set the override: `percent` of the programmed speed, 1 to 100."""
 
     percent: float
 

@@ -32,17 +32,17 @@ inspection has measured the connection.
 """
 
 URGENT = (Hold, Stop, Abort, Fail)
-"""Orders that are handled as soon as the reply in flight has come."""
+"""Orders that are handled as soon as the awaited reply has come."""
 
 LONGEST_SLEEP = 10.0
-"""Longest sleep of the process after which a motion may continue by itself [s]."""
+"""Longest time for which this process may be suspended so that a motion still continues by itself [s]."""
 
 POSITIONS_EACH = 0.04
 """Time between two position queries [s]: 25 Hz, unless someone wants them more often."""
 
 
 class Interrupted(Exception):  # noqa: N818 - an event that scripts unwind for
-    """An order that can't wait has come; the request was not sent."""
+    """Raised instead of sending a request when an urgent order of a person has come."""
 
 
 class MotorState(Protocol):

@@ -61,7 +61,7 @@ class Exchange(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """The speed of the link, in sentences, and as numbers with units in their names."""
+    """The measured speed of the connection, in sentences, and as numbers with units in their names."""
 
     lines: tuple[str, ...]
     values: Mapping[str, Any]

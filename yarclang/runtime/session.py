@@ -34,7 +34,7 @@ from yarclang.runtime.transports.tcp import Wire, connect
 T = TypeVar("T")
 Listener = Callable[[Notice], None]
 Connector = Callable[[str, int, float], Awaitable[Wire]]
-"""Opens a connection to a host and a port, within a time [s]."""
+"""Function that opens a connection to a host and a port, within a time [s]."""
 
 
 class Leash(Protocol):
@@ -60,7 +60,7 @@ half of the watchdog's time.
 """
 
 REPLY_TIME = 1.0
-"""Longest time for a reply [s]; a later reply is lost."""
+"""Longest time for a reply [s]; if it takes longer, the connection is lost."""
 
 _TURN = 0.005
 
@@ -194,7 +194,7 @@ class Session:
             orders.clear()
 
     def close(self) -> None:
-        """Close the connection. If something still moves, hold it."""
+        """Close the connection. If something still moves, hold the motion before."""
         if self._wire is not None:
             self._last_words()
             self._wire.close()
@@ -224,7 +224,7 @@ class Session:
         return now
 
     def _allow(self, until: float | None) -> None:
-        """Let a leashed simulator run until a time [s], or without a leash (None)."""
+        """Let a leashed simulator run until a time [s], or without limit (None)."""
         if self._leash is not None:
             self._leash.until = until
 
@@ -264,7 +264,9 @@ class Session:
                 await self._woken.wait()
 
     async def _keep(self, register: str, value: int) -> Outcome:
-        """Store a register's value. A disk may be slow; everything else continues meanwhile."""
+        """Store a register's value for later runs. A disk may be slow; everything else continues
+        meanwhile.
+        """
         if self.keeper is None:
             return None
         try:
@@ -274,7 +276,7 @@ class Session:
         return None
 
     async def _teach(self, request: Teach) -> Outcome:
-        """Store a place. A disk may be slow; everything else continues meanwhile."""
+        """Store a robot position for later runs. A disk may be slow; everything else continues meanwhile."""
         if self.teacher is None:
             return "places are kept for programs in files"
         try:

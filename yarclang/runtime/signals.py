@@ -51,7 +51,7 @@ class WaitEnded:
 
 @dataclass(frozen=True, slots=True)
 class InputChanged:
-    """An input of a simulated robot has changed. `cause` is script, sensor or hand."""
+    """Notice that an input of a simulated robot has changed. `cause` is script, sensor or hand."""
 
     time: float
     name: str
@@ -64,7 +64,7 @@ Signal: TypeAlias = OutputSet | WaitBegan | WaitEnded | InputChanged
 
 
 def state_text(value: float) -> str:
-    """Return ON, OFF or the number."""
+    """Return the value of an input or output in words: ON, OFF or the number."""
     return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:.15g}")
 
 

@@ -31,7 +31,7 @@ class State(Enum):
 
 
 class Event(Enum):
-    """Event that changes the state."""
+    """Event that changes the state of a run."""
 
     CONNECTED = "connected"
     LOAD = "load"

@@ -90,10 +90,10 @@ _SIDES = {"+": 1, "-": -1}
 
 
 def parse_fault(text: str) -> Fault:
-    """Parse a fault.
+    """Parse the notation of a fault, such as `drop@12.5`.
 
     Raises:
-        ValueError: if the text isn't a fault; the message says why.
+        ValueError: the text isn't a fault; the message says why.
     """
     shape = _SHAPE.fullmatch(text.strip().lower())
     if shape is None:
@@ -199,7 +199,7 @@ class Troubles:
 
     @property
     def frozen(self) -> bool:
-        """True if the machine doesn't answer anything now."""
+        """True if a fault keeps the controller from answering anything now."""
         return any(self._lasts("freeze"))
 
     @property

@@ -81,12 +81,12 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
 
 
 def said_of(variable: str, value: float) -> str:
-    """Return the value of an input, as people read it."""
+    """Return the value of an input in words."""
     return f"{value:.0f}" if is_group(variable) else state_text(value)
 
 
 def known_of(condition: Value, held: Held) -> str:
-    """Return the values that the registers and inputs of a condition had."""
+    """Return in words the values of the registers and inputs with which a condition was evaluated."""
     comparisons = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
     comparisons += [
         f"{shown_variable(one.variable)} is {said_of(one.variable, held.inputs[one.variable])}"

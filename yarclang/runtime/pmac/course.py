@@ -28,7 +28,7 @@ executing now.
 _KEPT = 512
 """Minimum number of points that are kept after the robot has passed them."""
 _ALLOWED = 8.0
-"""Allowed deviation of a motor [counts], in addition to the spline's own."""
+"""Allowed distance of a motor from the path [counts], in addition to that of a spline from its points."""
 _NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
@@ -55,7 +55,7 @@ class Course:
         self._following: Array = np.zeros(robot.size)
 
     def append(self, lines: Sequence[str]) -> None:
-        """Add lines to the end of the path."""
+        """Add the points of further lines to the end of the path."""
         rows = [row for row, line in enumerate(lines) if self._move.fullmatch(line)]
         if rows:
             values = [_NUMBER.findall(lines[row]) for row in rows]

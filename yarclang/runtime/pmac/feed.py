@@ -70,7 +70,7 @@ class Feed:
 
     @property
     def room(self) -> int:
-        """Return the number of lines that surely fit."""
+        """Return the number of lines that surely still fit into the buffer."""
         return self.job.capacity - self.at_most
 
     @property
@@ -156,7 +156,9 @@ class Feed:
         return whole or self.at_least(now) < loading_of(self.job).full
 
     def hungry(self, now: float) -> bool:
-        """Return True if the free room must be asked for before anything else."""
+        """Return True if fewer than `plenty` lines may be in the buffer, so that their number is asked for
+        before anything else.
+        """
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:

@@ -26,7 +26,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class MotorStatus:
-    """Both words of `#n?`."""
+    """Status of a motor: both words of the reply to `#n?`."""
 
     first: int
     second: int
@@ -92,7 +92,7 @@ class MotorStatus:
 
 @dataclass(frozen=True, slots=True)
 class SystemStatus:
-    """The first two words of `&n??`."""
+    """Status of a coordinate system: the first two words of the reply to `&n??`."""
 
     first: int
     second: int

@@ -50,7 +50,7 @@ def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tupl
 
 
 def is_given(operation: Operation) -> bool:
-    """Return True if values have come that aren't handled yet."""
+    """Return True if a message with values of registers has come that isn't handled yet."""
     return any(isinstance(order, Fill) for order in operation.orders)
 
 

@@ -43,7 +43,7 @@ class Held:
     doesn't contain them.
     """
     said: dict[str, str] = field(default_factory=dict)
-    """The last remark of each place since the last motion."""
+    """For each place in the program, the last remark since the last motion, so that it isn't repeated."""
     outside: dict[str, Register] = field(default_factory=dict)
     """Registers that other programs fill, by their names."""
 

@@ -1,4 +1,4 @@
-"""Hold one job, report the reason, and resume it. No I/O."""
+"""Holds of the motion of one job: stop it on its path, report the reason, and resume it. No I/O."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Holding:
         self._told: set[str] = set()
 
     def hold(self, reason: str, *, secure: bool = True) -> Script[None]:
-        """Hold on the path, with outputs safe unless `secure` is False."""
+        """Hold the motion on its path. Outputs get their safe values, unless `secure` is False."""
         robot = self._job.robot
         yield from self.operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, reason)
@@ -55,7 +55,7 @@ class Holding:
         yield from self._outputs.remember(self.operation)
 
     def for_person(self) -> Script[None]:
-        """Hold until a person resumes. Orders that were given before the hold are dropped."""
+        """Hold the motion until a person resumes. Orders that were given before the hold are dropped."""
         orders = self.operation.orders
         last = max(place for place, order in enumerate(orders) if order == Hold())
         remaining = [
@@ -201,10 +201,10 @@ class Holding:
         operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
 
     def _check_attended(self, reason: str) -> None:
-        """Check that a person can resume the hold.
+        """Check that a person can resume the motion.
 
         Raises:
-            Trouble: nobody is there.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         if self.operation.unattended:
             raise Trouble(reason, "nobody is here to resume it: run the program again", "Y1605")
@@ -265,7 +265,9 @@ class Holding:
         return bool(told)
 
     def _stay_held(self, change: str) -> Script[None]:
-        """Stay held because a change was not undone, and report the change again."""
+        """Continue the hold because a change by another client was not undone, and report the change
+        again.
+        """
         self.refilling = False
         self._told.clear()
         yield from self.for_others(change)

@@ -26,10 +26,10 @@ from yarclang.runtime.scripts import HomeSearch
 from yarclang.runtime.state import Event
 
 LONGEST = 300.0
-"""Longest search [s]."""
+"""Longest duration of a home search [s]."""
 
 _UNBOUNDED = 120.0
-"""Longest search of a joint without limits [s]."""
+"""Longest duration of a home search of a joint without limits [s]."""
 
 _RESERVE, _MORE = 1.5, 5.0
 _TRIAL, _BITES = 0.06, 0.5

@@ -27,7 +27,7 @@ _GUARD_TIME = 0.5
 _TRIAL = 0.06
 """Time to which the watchdog is set for its test [s]."""
 _EARLIEST = 0.9
-"""Share of `_TRIAL` during which the PLC must not hold."""
+"""Share of `_TRIAL` during which the guard PLC must not hold yet."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
 """Relative tolerance of the counts per unit of an axis definition; over a whole turn, the error is less
@@ -74,7 +74,7 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
 
 def _kind(operation: Operation) -> Script[Checked]:
-    """Ask for CID, and also for TYPE if the CID is unknown."""
+    """Ask for the kind of the controller: its CID, and also its TYPE if the CID is unknown."""
     try:
         identity = yield from operation.one("CID")
         name = yield from operation.one("TYPE")
@@ -105,7 +105,7 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Group items into lines. Only questions with a number as answer can share a line."""
+    """Group settings into lines with questions. Only questions with a number as answer can share a line."""
     line: list[Item] = []
     for item in items:
         together = item.kind in ("number", "bits")

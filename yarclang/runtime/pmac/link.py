@@ -15,7 +15,7 @@ _SCRATCH = "P8180"
 """A variable that no one uses: values written to it have no effect."""
 
 _SHARE = 0.7
-"""Share of the link's capacity that a program may need."""
+"""Share of the connection's speed that a program may need."""
 
 _ASKED = 20
 _PACKETS = 5

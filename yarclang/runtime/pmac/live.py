@@ -235,7 +235,11 @@ class LiveStream:
         yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
 
     def _stop_for_others(self, changes: str) -> Script[None]:
-        """Hold because something was changed."""
+        """Hold the motion if another client has changed something.
+
+        Raises:
+            Trouble: something was changed.
+        """
         if changes:
             if slew := self.supervision.hold_again(changes):
                 yield from self.operation.ask(slew)

@@ -1,4 +1,4 @@
-"""Facts about a job that only a rotary buffer needs."""
+"""Data of a job that only a rotary buffer needs."""
 
 from __future__ import annotations
 

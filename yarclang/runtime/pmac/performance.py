@@ -116,10 +116,10 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
 
 
 def measured(operation: Operation, robot: Robot) -> Script[Measured]:
-    """Measure the link.
+    """Measure the speed of the connection.
 
     Raises:
-        Trouble: the link can't be measured.
+        Trouble: the connection can't be measured.
     """
     try:
         return figures((yield from measure(operation, len(robot.controller.axes))))
@@ -163,7 +163,7 @@ def perform_live(operation: Operation, live: Live) -> Script[Ended]:
 
 
 def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """Run a stream to its end. If it is ended early, bring the robot to rest."""
+    """Run the stream of a motion to its end. If it is ended early, bring the robot to rest."""
     try:
         yield from stream.run()
     except (Found, Left) as reason:
@@ -220,7 +220,7 @@ def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -
 
 
 def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, cause: Trouble) -> Script[Ended]:
-    """Come to rest, and leave the controller in a known state."""
+    """Come to rest after a stop or a fault, and leave the controller in a known state."""
     robot = stream.job.robot
     problem, remedy = cause.what, cause.remedy
     try:
@@ -333,7 +333,7 @@ def _reason(outcome: object) -> str:
 
 
 _LOST = Trouble("", code=LOST)
-"""The fault of a lost connection."""
+"""The fault that the connection was lost."""
 
 
 def _ended(

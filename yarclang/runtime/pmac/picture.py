@@ -1,4 +1,4 @@
-"""The state of a controller, no matter who uses it. No I/O."""
+"""The state of a controller, as shown to people, whoever uses the controller. No I/O."""
 
 from __future__ import annotations
 

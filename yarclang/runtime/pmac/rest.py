@@ -1,4 +1,4 @@
-"""Checks that the robot stands, and where it stands."""
+"""Checks that the robot is at rest, and questions for its position."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from yarclang.runtime.pmac.watching import look_at_motors
 from yarclang.units import MS
 
 _SHARE = 0.7
-"""Share of the link's capacity that a program may need."""
+"""Share of the connection's speed that a program may need."""
 
 _WITHIN_RESERVE = 12
 """Minimum number of exchanges with the controller while a full buffer runs down to its low mark. If there is

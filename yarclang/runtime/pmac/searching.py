@@ -17,7 +17,7 @@ from yarclang.runtime.state import Event
 from yarclang.units import MM
 
 _STEP = 0.01
-"""Unit of a register for a depth [mm]."""
+"""Unit of a register that gets the distance covered by a search [mm]."""
 
 
 def found_at(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:

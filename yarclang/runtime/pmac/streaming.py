@@ -54,7 +54,7 @@ client [s]. The other part is a multiple of the longest segment's duration.
 _LOOK = 0.01
 
 _DOUBT = 0.02
-"""Time to the next question if the guard's heartbeat hasn't changed [s]."""
+"""Time to the next question if the guard's heartbeat hasn't changed since the last one [s]."""
 
 _END = 1.0
 """Largest distance of a motor from the program's end position at which the program counts as ended

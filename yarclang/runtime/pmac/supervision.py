@@ -77,7 +77,7 @@ _LONGEST_TIMER = 8_388_607
 """Largest value of a 24-bit timer, in servo cycles."""
 
 LEAST_PATIENCE = 0.4
-"""Minimum of the silence after which the controller holds [s]."""
+"""Least silence of this computer after which the controller holds [s]."""
 
 AT_REST_WITHIN = 0.95
 """Time within which the robot should be at rest after the streaming computer has failed [s], if the
@@ -271,7 +271,7 @@ class Supervision:
         self._slews_until = operation.now + way * self._robot.controller.hold_time + _ONE_MORE
 
     def lines_sent(self, lines: Sequence[str]) -> None:
-        """Record that these lines are in the rotary."""
+        """Record that lines were sent to the rotary buffer."""
         for row, line in enumerate(lines):
             if line.startswith(f"{ARMED}="):
                 self._arms.append((self._sent + row, float(line.partition("=")[2])))
@@ -399,7 +399,9 @@ class Supervision:
         )
 
     def way_out(self, flow: Flow) -> str:
-        """Return the way out of the first of these inputs that has one; empty if none has."""
+        """Return the name of the SUB by which the robot is to retreat, for the first input that forbids
+        motion and has one; empty if none has.
+        """
         return next((one.then for one in self._open(flow) if one.then), "")
 
     def _open(self, flow: Flow) -> list[Watch]:

@@ -1,4 +1,4 @@
-"""Store the robot's place for later runs, under a name that the program gives. No I/O."""
+"""Storing of the robot's position for later runs, under a name that the program gives. No I/O."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.runtime.pmac.held import title
 from yarclang.runtime.pmac.operation import Operation
 
 TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pose"}
-"""Form in which a command stores the place, by its word."""
+"""For each teaching command, the form in which it stores the robot's position."""
 
 
 def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:

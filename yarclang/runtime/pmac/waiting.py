@@ -24,7 +24,11 @@ from yarclang.runtime.state import Event
 
 
 def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
-    """Wait until the input has its wanted value, or until the time of the WAIT is over."""
+    """Wait until an input has its wanted value.
+
+    Raises:
+        Trouble: the time limit of the WAIT is over.
+    """
     since = operation.now
     (value,) = yield from operation.numbers(barrier.variable, 1)
     place = barrier.label or f"line {barrier.source_line}"
@@ -106,7 +110,7 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
 
 
 def awaited(barrier: Barrier, condition: Value) -> str:
-    """Return the condition of a wait, with the program's own names if the text has them."""
+    """Return the condition of a wait in words, with the program's own names if the text has them."""
     compared = simple(condition)
     if barrier.kind == "when" and compared is not None and barrier.name:
         return f"{barrier.name} is {state_text(compared[1])}"

@@ -127,7 +127,7 @@ def private_listener(path: Path) -> socket.socket:
 
 
 def answers(path: Path) -> bool:
-    """Return True if a process listens at a path."""
+    """Return True if a process listens at the path of a socket."""
     with socket.socket(socket.AF_UNIX) as wire:
         wire.settimeout(_ALIVE_TIME)
         try:

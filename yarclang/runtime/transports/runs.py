@@ -93,7 +93,7 @@ def _folder_of(holder: Holder) -> Path | None:
 
 
 def _runs_in(place: Path) -> list[Run]:
-    """Return all sockets of a folder, alive or not."""
+    """Return a run for each socket in a folder, even if its process is dead."""
     named = [(path, _NAME.fullmatch(path.stem)) for path in sorted(place.glob("*.sock"))]
     return [Run(path.stem, name["robot"], int(name["pid"]), path) for path, name in named if name]
 

@@ -21,7 +21,7 @@ trip, as many pieces are examined.
 
 
 class Surroundings(Protocol):
-    """The machine as seen by a drive."""
+    """The controller as seen by a drive."""
 
     @property
     def now(self) -> float:
@@ -174,7 +174,7 @@ class Drive:
                 motor.driver = self, index
 
     def _time(self) -> None:
-        """Compute the times at which the piece ends, and at which a motor trips on it."""
+        """Compute the time at which the current piece ends, and the time at which a motor trips on it."""
         if self.piece is not None:
             self._ends_at = self.map.instant(self.begin + self.piece.duration)
             self._trips_at = math.inf if self._trip is None else self.map.instant(self.begin + self._trip[0])

@@ -185,7 +185,9 @@ def trapezoid(
 
 
 def ramp_time(change: float, acceleration: float, time: float, s_time: float) -> float:
-    """Return the time [s] of a change of velocity [counts/s]; other arguments as in `trapezoid`."""
+    """Return the duration [s] of a change of velocity by `change` [counts/s]; other arguments as in
+    `trapezoid`.
+    """
     return max(time, 2.0 * s_time, change / acceleration + s_time if acceleration > 0.0 else 0.0, 1e-6)
 
 
@@ -242,7 +244,7 @@ class Motion(Protocol):
 
 
 class Standing:
-    """A standstill."""
+    """A motion of zero velocity: the motors stand."""
 
     __slots__ = ("_position", "_velocity")
 

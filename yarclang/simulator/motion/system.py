@@ -35,7 +35,7 @@ _AWAY = 1.0
 
 
 class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
-    """The machine as seen by a coordinate system."""
+    """The controller as seen by a coordinate system."""
 
     def defined(self) -> None:
         """Report to the machine that axis definitions have changed."""
@@ -263,7 +263,7 @@ class CoordinateSystem:
     # the program
 
     def _go_on(self) -> None:
-        """Begin the next action: a piece, a pause, the end, or nothing."""
+        """Begin what comes next: a piece of motion, a pause, the end of the program, or nothing."""
         if self.drive.held_at is not None:
             # In a hold the motors may be jogged, and so the next piece has to wait for R.
             return

@@ -13,7 +13,7 @@ _NO_SWITCHES = 0x20000
 
 
 class Surroundings(drive.Surroundings, Protocol):
-    """Motors and coordinate systems that stop each other."""
+    """The controller as trips see it: motors and coordinate systems that stop each other."""
 
     motors: dict[int, Motor]
     systems: dict[int, CoordinateSystem]

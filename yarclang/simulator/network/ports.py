@@ -1,4 +1,4 @@
-"""Ports, which send lines to the machine."""
+"""Ports of the controller: each client sends its lines to one of them."""
 
 from __future__ import annotations
 

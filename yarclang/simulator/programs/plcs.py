@@ -106,7 +106,7 @@ class Plcs:
             self._next_interrupt = now + self._outside.interrupt
 
     def _refresh(self) -> None:
-        """Scan a postponed PLC 0 now, because one of its results is read."""
+        """Scan a postponed PLC 0 now, because a variable that it computes is read."""
         if self._lazy is None or self._refreshing:
             return
         self._refreshing = True

@@ -65,7 +65,7 @@ Code = Statement | Branch | Go
 
 
 def line_of(text: str, statements: tuple[Statement, ...]) -> Line:
-    """Return a line with its cost in words."""
+    """Return a line of a buffer, with the number of words that it takes there."""
     return Line(text, statements, sum(map(cost, statements)))
 
 

@@ -98,7 +98,7 @@ class Memory:
         self.floats: dict[int, float] = {}
 
     def read(self, at: Definition) -> float:
-        """Return the value of the register of a definition."""
+        """Return the value of the register to which an M-variable points."""
         key = (at.kind, at.address)
         read = self.wired.get(key)
         if at.kind in "XY":

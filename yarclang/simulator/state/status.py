@@ -28,7 +28,7 @@ WHOLE = 0xFFFFFF
 
 
 class Controller(Protocol):
-    """Parts of the machine that status words describe."""
+    """The parts of the controller that status words describe."""
 
     motors: dict[int, Motor]
     systems: dict[int, CoordinateSystem]

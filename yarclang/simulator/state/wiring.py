@@ -34,7 +34,7 @@ LEAST_TIMER = -8_388_608.0
 
 
 class Shown(status.Controller, Protocol):
-    """Parts of the machine that registers and answers show."""
+    """The parts of the controller that registers and answers show."""
 
     variables: Variables
 

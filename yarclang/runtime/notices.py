@@ -24,7 +24,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """Values that the program accepts from outside while it waits.
+    """Values that the program accepts from other programs while it waits.
 
     `number` counts the requests for values; `place` is the command at which the program waits. `registers`
     may be filled, each within `low` and `high`; a message must contain all registers in `needed`.
@@ -38,7 +38,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class ValuesWanted:
-    """Notice that the program accepts values from outside from now on, or, if None, no longer."""
+    """Notice that the program accepts values from other programs from now on, or, if None, no longer."""
 
     time: float
     wanted: Wanted | None
@@ -144,7 +144,7 @@ class Override:
 
 @dataclass(frozen=True, slots=True)
 class Fill:
-    """Set registers to values from outside, all at once; `client` is the sender.
+    """Set registers to values from other programs, all at once; `client` is the sender.
 
     The sender has checked that the values are wanted and in range.
     """

@@ -86,8 +86,8 @@ class Operation:
         ahead: last count of lines in the controller's buffer; None if nothing is streamed.
         outputs: names of outputs, by their variables; only outputs with a name are listed.
         searches: True if a motor searches its home: no hold stops the search, only an abort.
-        wants: values that the program accepts from outside; None if it accepts none, or if they have come and
-            aren't handled yet.
+        wants: values that the program accepts from other programs; None if it accepts none, or if they have
+            come and aren't handled yet.
         asked_for: number of requests for values so far.
         unattended: True if nobody is there to resume the motion after a hold that no person has ordered; such
             a hold ends the run.
@@ -154,7 +154,7 @@ class Operation:
         self.notices.append(Remark(self.now, text, warning, begins_pass))
 
     def want(self, wanted: Wanted | None) -> None:
-        """Accept values from outside from now on, or no longer (None)."""
+        """Accept values from other programs from now on, or no longer (None)."""
         if wanted is not None or self.wants is not None:
             self.wants = wanted
             self.notices.append(ValuesWanted(self.now, wanted))

@@ -32,7 +32,7 @@ class Exchange(Protocol):
 
     @property
     def deadline(self) -> float | None:
-        """Return the time at which `check` is due [s]; None if no request is in flight."""
+        """Return the time at which `check` is due [s]; None if no request waits for its reply."""
 
     def send(self, request: Any, now: float, timeout: float) -> bytes:
         """Begin a request.

@@ -1,4 +1,4 @@
-"""Checks of a message with values for registers from outside, before any of its values is put into a
+"""Checks of a message with values for registers from other programs, before any of its values is put into a
 register. No I/O.
 """
 

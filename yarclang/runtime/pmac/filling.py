@@ -28,7 +28,7 @@ def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
 
 
 def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
-    """Accept values of registers from outside from now on.
+    """Accept values of registers from other programs from now on.
 
     A remark says so. It is not repeated for further messages at the same barrier until the robot has moved.
 
@@ -68,7 +68,7 @@ def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> Non
 
 
 def close(operation: Operation, barrier: Barrier, held: Held) -> None:
-    """Accept no more values from outside. Values that were already accepted are still put into their
+    """Accept no more values from other programs. Values that were already accepted are still put into their
     registers.
     """
     operation.want(None)

@@ -49,8 +49,8 @@ class Link:
 
 
 def measure(operation: Operation, axes: int) -> Script[Link]:
-    """Measure the connection, with no buffer open on this port. Writes only to unused variables from P8180
-    on.
+    """Measure the connection, with no buffer open on our port of the controller. Writes only to unused
+    variables from P8180 on.
 
     Args:
         operation: state of the run, and access to the controller.

@@ -23,13 +23,15 @@ class Outputs:
         self._secured = False
 
     def remember(self, operation: Operation) -> Script[None]:
-        """Ask for the values of the outputs before the job. No buffer may be open on this port."""
+        """Ask for the values of the outputs before the job. No buffer may be open on our port of the
+        controller.
+        """
         for variable in self._safe:
             (value,) = yield from operation.numbers(variable, 1)
             self._before[variable] = value
 
     def secure(self, operation: Operation) -> Script[None]:
-        """Set all outputs to their safe values. No buffer may be open on this port."""
+        """Set all outputs to their safe values. No buffer may be open on our port of the controller."""
         self._secured = True
         for variable, value in self._safe.items():
             yield from operation.ask(f"{variable}={value:g}")

@@ -104,7 +104,7 @@ class Connection:
 
     @property
     def deadline(self) -> float | None:
-        """Return the time at which `check` is due [s]; None if no request is in flight."""
+        """Return the time at which `check` is due [s]; None if no request waits for its reply."""
         return self._deadline
 
     def send(self, request: Request, now: float, timeout: float) -> bytes:
@@ -119,8 +119,8 @@ class Connection:
             All bytes to send now.
 
         Raises:
-            ProtocolError: another request is in flight, the reply to a `Send` still waits, the connection is
-                lost, or the request can't be encoded.
+            ProtocolError: another request waits for its reply, the reply to a `Send` still waits, the
+                connection is lost, or the request can't be encoded.
         """
         if self._lost:
             raise ProtocolError("the connection is lost")

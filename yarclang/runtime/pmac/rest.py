@@ -124,7 +124,7 @@ def leave(operation: Operation, robot: Robot) -> Script[None]:
 
 def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
     """Return the commanded joint positions (n,) [rad or m], read from the controller's registers (M161 and so
-    on). No buffer may be open on this port.
+    on). No buffer may be open on our port of the controller.
     """
     motors = robot.controller.motors
     asked = "".join(commanded_position(motor)[0] for motor in motors)

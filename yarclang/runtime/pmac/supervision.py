@@ -234,7 +234,7 @@ class Supervision:
         """Wait until the override has its wanted value, and let the controller watch this computer from now
         on.
 
-        No buffer may be open on this port. The next command is R.
+        No buffer may be open on our port of the controller. The next command is R.
 
         Raises:
             Trouble: the override doesn't reach the wanted value.
@@ -297,7 +297,8 @@ class Supervision:
     # questions
 
     def ask(self) -> Script[Flow]:
-        """Ask about the flow of lines, and restart the watchdog. No buffer may be open on this port.
+        """Ask about the flow of lines, and restart the watchdog. No buffer may be open on our port of the
+        controller.
 
         Raises:
             Lost: the answer can't be parsed.

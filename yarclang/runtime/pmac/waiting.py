@@ -165,7 +165,7 @@ def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, reas
         operation: state of the run, and access to the controller.
         job: the program with its outputs.
         barrier: where the robot stands.
-        held: registers of the run; values from outside are accepted meanwhile.
+        held: registers of the run; values from other programs are accepted meanwhile.
         reason: the reason, and how the program continues, for people.
     """
     outputs = Outputs(job)
@@ -224,8 +224,8 @@ def obey(
     Args:
         operation: state of the run, and access to the controller.
         answers: list to which answers of people are added.
-        filling: the barrier that accepts values from outside, and the registers of the run; None: no values
-            are accepted.
+        filling: the barrier that accepts values from other programs, and the registers of the run; None: no
+            values are accepted.
 
     Returns:
         True if a person has resumed the program.

@@ -329,9 +329,9 @@ def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
 
 
 def _start_slack(robot: Robot, segment: float) -> Array:
-    """Compute the allowed deviation of each motor from the start [counts].
+    """Compute how far each motor may be from the start when the motion begins [counts].
 
-    Within this deviation, the first segment needs only a small additional share of each joint's acceleration
+    Within this distance, the first segment needs only a small additional share of each joint's acceleration
     limit.
     """
     # A joint that begins with a deviation d needs up to d / h^2 more acceleration in the first segment of

@@ -57,7 +57,7 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """The controller's end closed the connection. `request` had no complete reply and may have been
+    """The controller has closed the connection. `request` had no complete reply and may have been
     executed.
     """
 
@@ -146,8 +146,8 @@ class Lost(Exception):  # noqa: N818 - an event that scripts unwind for
 
 
 class TooLate(Lost):
-    """The connection is lost because no complete reply came in time: the controller's end is slow, or has
-    stopped.
+    """The connection is lost because no complete reply came in time: the controller or the network is
+    slow, or has stopped.
     """
 
 

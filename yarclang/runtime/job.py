@@ -20,7 +20,7 @@ class JobCommand:
     """A motion command and its time of execution, from `begins` to `ends` [s of program time].
 
     `clock` is the latest time at which the command begins, apart from waits of unknown length [s]. It differs
-    from `begins`, which counts both branches of a WHEN in sequence although only one is taken.
+    from `begins`, which counts both branches of each WHEN, one after the other, although only one is taken.
     """
 
     index: str
@@ -41,7 +41,7 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
     Args:
         commands: the motions of the program.
-        time: program time, which counts the branches of a WHEN in sequence [s].
+        time: program time, which counts both branches of each WHEN, one after the other [s].
     """
     command = next((one for one in commands if time <= one.ends), commands[-1] if commands else None)
     return time if command is None else time + command.clock - command.begins
@@ -49,8 +49,8 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """The barrier between two legs of a program. At a barrier the robot waits for an input or the operator,
-    or branches of the program divide or join.
+    """The barrier between two legs of a program, which are streamed separately. There the robot waits for an
+    input or the operator, or branches of the program divide or join.
 
     `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
     `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
@@ -78,8 +78,8 @@ class Barrier:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The position of a leg in its program. `begun` is True if earlier legs of the program were started;
-    `leads_to` is the title of the barrier at the leg's end (empty if the leg ends the program).
+    """The position of a leg in its program. `begun` is True if legs before it were started; `leads_to` is the
+    title of the barrier at the leg's end (empty if the leg ends the program).
     """
 
     begun: bool
@@ -88,11 +88,12 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """The lines that are streamed up to a barrier, and the barrier at their end (None: the program's end).
+    """A leg of a program: the lines that are streamed up to a barrier, and the barrier at their end (None:
+    the program's end).
 
-    `job` is None if the leg has no lines. `ends` is the time at which the leg ends [s of the job], with the
-    branches of a WHEN in sequence; `clock` is the latest such time, with the branches in parallel. Waits of
-    unknown length don't count.
+    `job` is None if the leg has no lines. `ends` is the time at which the leg ends [s of the job], counting
+    both branches of each WHEN, one after the other. `clock` is the latest time at which it ends, counting
+    only the longer branch of each WHEN passed before. Neither counts waits of unknown length.
     """
 
     job: Job | None
@@ -111,7 +112,8 @@ class Job:
         lines: lines of the motion that are sent to the controller, in order.
         times: (len(lines),) program time of each line [s]: the time at which the motion towards the line's
             point begins, or at which its dwell begins. A line that takes no time has the time of the next
-            line that takes some. Motions and dwells count, with the branches of a WHEN in sequence.
+            line that takes some. Program time counts motions and dwells,
+            and both branches of each WHEN, one after the other.
         commands: the motions, in order.
         start: (n,) position where the program starts [rad or m].
         end: (n,) position where the program ends [rad or m].
@@ -121,22 +123,25 @@ class Job:
         capacity: number of lines that surely fit into the controller's buffer.
         guarded: True if the controller itself holds the motion when this computer falls silent.
         text: the whole controller text.
-        source: the program's own text, or empty.
+        source: source text of the program, or empty.
         certificate: what was proved, as plain JSON text.
-        offset: program time at which this job begins, if it is a part of a program [s].
-        clock: latest known time at which this job begins, with both branches of a WHEN in parallel [s].
-        behind: known time [s] from the end of this leg to the end of the job, along the longest branches.
+        offset: program time at which this job begins, if it is only a part of a program [s].
+        clock: latest time at which this job begins apart from waits of unknown length, counting only the
+            longer branch of each WHEN passed before [s].
+        behind: time from the end of this leg to the end of the program along the longest branches, apart from
+            waits of unknown length [s].
         lasting: duration of the program, including the number of its waits.
         outputs: variables of outputs, and their values at any stop, hold or fault.
-        sets: lines that set a variable: row in `lines`, variable, value.
-        dwells: lines with a dwell: row in `lines`, duration [s].
-        legs: for a program with barriers, the parts that are streamed in sequence; else empty.
-        part: position in the program of a leg that is being performed; else None.
-        registers: for a program with barriers, the integers that the program keeps while it runs.
-        watches: inputs that hold the motion while they have a value.
+        sets: for each line that sets a variable: row in `lines`, variable, value.
+        dwells: for each line with a dwell: row in `lines`, duration [s].
+        legs: for a program with barriers, its parts between barriers, which are streamed in sequence; else
+            empty.
+        part: for the job of a leg that is being performed, its position in the program; else None.
+        registers: for a program with barriers, the integer variables of the program.
+        watches: inputs that hold the motion while they have a certain value.
         searches: for a program, the motions that inputs end.
         search: for a leg, the motion that an input ends.
-        own: additional data for the controller's kind.
+        own: additional data that only the controller's kind uses.
     """
 
     name: str

@@ -41,7 +41,7 @@ class Ended:
 
     `what` is the reason if the run didn't end well, and `remedy` what to do. `joints` (n,) [rad or m] is the
     robot's commanded position (None if it isn't known), `command` the command that was executed, and `done`
-    the progress of the program [s], with the branches of a WHEN in sequence.
+    the progress of the program [s], counting both branches of each WHEN, one after the other.
 
     For a fault, `code` is the code of the finding, `concerns` the command, and `where` its place in the
     source, which callers that know the source fill in.
@@ -75,7 +75,7 @@ class Ended:
 
     @property
     def reached(self) -> float:
-        """Return the latest time at which a run reaches `done`, as reported to people [s]: with both branches
-        of a WHEN in parallel, and without waits of unknown length.
+        """Return the latest time at which a run reaches `done`, as reported to people [s]: counting only
+        the longer branch of each WHEN passed before, and without waits of unknown length.
         """
         return self.done if self.clock is None else self.clock

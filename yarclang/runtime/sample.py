@@ -14,8 +14,8 @@ class Sample:
     [counts], at `time` on the host's clock [s].
 
     `program_time` [s] is the progress of the program. It is computed from the lines in the buffer, and so
-    accurate to a segment or two. It counts the branches of a WHEN in sequence; `clock` [s] counts them in
-    parallel (None: there are no branches).
+    accurate to a segment or two. It counts both branches of each WHEN, one after the other; `clock` [s]
+    counts only the longer branch of each WHEN passed before (None: there are no branches).
     """
 
     time: float
@@ -26,8 +26,8 @@ class Sample:
 
     @property
     def reached(self) -> float:
-        """Return the progress of the program [s], with both branches of a WHEN in parallel, as reported to
-        people.
+        """Return the progress of the program [s], counting only the longer branch of each WHEN passed before,
+        as reported to people.
         """
         return self.program_time if self.clock is None else self.clock
 

@@ -39,8 +39,8 @@ class MotorStatus:
 
     @property
     def at_rest(self) -> bool:
-        """Return True if the motor has no desired velocity and no move of its own. This is also true for an
-        open loop, which has no desired velocity.
+        """Return True if the motor has no desired velocity or an open loop, and neither an abort nor a home
+        search is in progress.
         """
         still = self.has("desired velocity zero") or self.has("open loop")
         return still and not self.has("abort deceleration") and not self.has("home search in progress")

@@ -1,5 +1,5 @@
-"""Streaming of the legs of a program with barriers. At a barrier the robot stands until it may continue.
-No I/O.
+"""Streaming of the legs of a program: its parts between barriers, at which the robot stands until it may
+continue. No I/O.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ class _Standing:
     Attributes:
         barrier: the barrier.
         joints: (n,) joint positions [rad or m].
-        done: program time, with the branches of a WHEN in sequence [s].
-        clock: program time, with both branches of a WHEN in parallel [s].
+        done: program time, counting both branches of each WHEN, one after the other [s].
+        clock: program time, counting only the longer branch of each WHEN passed before [s].
     """
 
     barrier: Barrier

@@ -319,8 +319,8 @@ class Stream:
         return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
 
     def _ask_settings(self) -> Script[None]:
-        """Compare the controller's settings with those found before the run, and hold if a setting has
-        changed.
+        """Compare the controller's settings with those found before the run, and hold the motion if a
+        setting has changed.
         """
         self._due.settings = self.operation.now + SETTINGS_EACH
         if told := (yield from self.supervision.compare()):

@@ -109,8 +109,8 @@ def sample(
     Args:
         operation: state of the run, and access to the controller.
         robot: the robot whose motors are asked.
-        program_time: progress of the program [s], with the branches of a WHEN in sequence.
-        clock: progress of the program [s], with the branches of a WHEN in parallel.
+        program_time: progress of the program [s], counting both branches of each WHEN, one after the other.
+        clock: progress of the program [s], counting only the longer branch of each WHEN passed before.
 
     Raises:
         Lost: a report can't be parsed.

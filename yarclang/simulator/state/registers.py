@@ -192,8 +192,8 @@ class Variables:
 
         Args:
             letter: I, P, Q or M.
-            index: its number.
-            system: the coordinate system whose Q-variables are read.
+            index: number of the variable.
+            system: number of the coordinate system whose Q-variables are read.
 
         Raises:
             Refusal: ERR003 if there is no such variable.
@@ -222,9 +222,9 @@ class Variables:
 
         Args:
             letter: I, P, Q or M.
-            index: its number.
+            index: number of the variable.
             value: the value.
-            system: the coordinate system whose Q-variables are written.
+            system: number of the coordinate system whose Q-variables are written.
 
         Raises:
             Refusal: ERR003 if there is no such variable.

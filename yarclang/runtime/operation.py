@@ -160,7 +160,7 @@ class Operation:
             self.notices.append(ValuesWanted(self.now, wanted))
 
     def give_way(self) -> None:
-        """Interrupt the script if an order of a kind in `watch` has come.
+        """Interrupt the script if a person has given an order of a kind in `watch`.
 
         Raises:
             Interrupted: there is such an order.

@@ -20,11 +20,11 @@ class Concerned:
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Place of a command in the source: `file`, line and columns (from 1, the last one exclusive), and the
-    `text` of the line.
+    """Place of a command in the program's source: `file`, line and columns (from 1, the last one exclusive),
+    and the `text` of the line.
 
-    If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module, the
-    line is that of the call, and `note` names the module's line.
+    If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module of the
+    program, the line is that of the call, and `note` names the line in the module.
     """
 
     file: str = ""

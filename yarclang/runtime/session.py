@@ -145,7 +145,7 @@ class Session:
         self._woken.set()
 
     async def perform(self, script: Script[T]) -> T:
-        """Run a script.
+        """Run a script to its end: execute the actions that it yields, and send their outcomes back to it.
 
         Returns:
             The script's result.

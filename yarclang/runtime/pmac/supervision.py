@@ -369,8 +369,9 @@ class Supervision:
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:
-        """Return the two values that the guard's flag may have while `ahead` lines are in the buffer: with
-        only the lines calculated that are no longer there, and with up to `_RACE` more.
+        """Return the values that the guard's flag may have while `ahead` lines are in the buffer: the value
+        after the lines that have left the buffer, and the value after `_RACE` more lines, which the
+        controller may have calculated meanwhile.
         """
         if self._disarmed:
             return (0.0,)

@@ -178,7 +178,7 @@ def _addresses(host: str, port: int) -> set[str]:
 def _is_here(
     family: int, place: tuple[object, ...], address: ipaddress.IPv4Address | ipaddress.IPv6Address
 ) -> bool:
-    """Return True for an address of this machine: packets to such an address are sent from the same
+    """Return True for an address of this machine. Test: packets to such an address are sent from the same
     address.
     """
     if address.is_loopback or address.is_unspecified:

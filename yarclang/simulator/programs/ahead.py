@@ -10,7 +10,9 @@ from yarclang.simulator.motion.steps import Step
 from yarclang.simulator.programs.calculation import Calculation
 
 _AHEAD = 2
-"""Moves that are calculated ahead (TUM 339: two in SPLINE, and in LINEAR without segmentation)."""
+"""Number of moves that are calculated ahead of the motion (TUM 339: two in SPLINE, and in LINEAR without
+segmentation).
+"""
 
 
 class Clock(Protocol):

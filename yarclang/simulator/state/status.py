@@ -54,7 +54,8 @@ _SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
 
 
 def digits(controller: Controller, marks: int, motor: int, system: int) -> str:
-    """Return the answer to ?, ?? or ???: status words in hexadecimal.
+    """Return the answer to ?, ?? or ???: the status words of a motor, a coordinate system or the controller,
+    in hexadecimal.
 
     Args:
         controller: the machine.

@@ -1,4 +1,4 @@
-"""Printing a plan as text for the Turbo PMAC.
+"""Printing a motion plan as text for the Turbo PMAC.
 
-This package only writes. The room certify, which shares no code with it, reads the text back.
+This package only writes such texts. The package certify, which shares no code with it, reads them back.
 """

@@ -1,5 +1,5 @@
-"""The Turbo PMAC backend: everything that the neutral packages need of a kind of controller. Each part is
-imported when it is first used.
+"""The Turbo PMAC backend: all functions that differ between kinds of controllers and that the general
+packages call. The module of each function is imported when it is first used.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Barriers as controller text: places where a program waits for an input or the operator, or where its
 branches divide and join.
 
-A rotary buffer can't have branches. In its text, a STOP ends the execution at a barrier; the program that
-feeds the buffer evaluates the barrier, decides what comes next, and sends R. In a program buffer, the
+A rotary buffer can't have branches. In its text, a STOP ends the execution at a barrier; the runtime, which
+feeds the buffer, evaluates the barrier, decides what comes next, and sends R. In a program buffer, the
 controller evaluates the barrier itself (spline-recipe 9). After a STOP in a program buffer, an R would
-continue with the next line. The text therefore has loops that stop again as long as the condition does not
-hold.
+continue with the next line. The text therefore has loops that stop again as long as the condition isn't
+satisfied.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ _LONGEST_TEXT = 80
 
 
 def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, ...]:
-    """Return the lines of a barrier. The robot is at rest there.
+    """Return the controller lines of a barrier. The robot is at rest there.
 
     Args:
         barrier: the barrier.
-        target: kind of the text, a rotary buffer or a program buffer.
+        target: kind of the text, for a rotary buffer or for a program buffer.
         system: number of the coordinate system.
     """
     if target == "rotary":

@@ -1,4 +1,6 @@
-"""Canonical form of values that are computed while a program runs, as used in the map of a text."""
+"""Canonical form of expressions that are computed while a program runs, as used in the map of commands at the
+top of a controller text.
+"""
 
 from __future__ import annotations
 

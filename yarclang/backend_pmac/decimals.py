@@ -10,8 +10,8 @@ from yarclang.robot.kinematics.reach import reach_radii
 from yarclang.robot.model import Robot, Tolerance
 
 MOST_DECIMALS = 9
-"""Largest number of decimals. The controller's constants have 36 bits of mantissa, so that further decimals
-have no effect.
+"""Largest number of decimals in a text. The controller's constants have 36 bits of mantissa, so that further
+decimals have no effect.
 """
 
 _COUNT_SHARE = 0.25
@@ -20,7 +20,7 @@ _SPEED_SHARE = 2e-4
 
 
 def decimals_for(robot: Robot, segment: float, tolerance: Tolerance, speed: float = np.inf) -> int:
-    """Return the smallest number of decimals d at which rounding does no harm.
+    """Return the smallest number of decimals d of the control points at which rounding does no harm.
 
     Rounding moves a control point by up to 0.5 * 10^-d. This moves each motor by that distance times the
     motor's row of the actuation matrix (limit: a quarter of a count), and changes the acceleration by up to 2
@@ -31,7 +31,7 @@ def decimals_for(robot: Robot, segment: float, tolerance: Tolerance, speed: floa
     Args:
         robot: the robot.
         segment: segment time h [s].
-        tolerance: of the path.
+        tolerance: allowed distance from the path.
         speed: flange speed that is to be kept [m/s]; infinite if there is none.
     """
     limits, units = robot.limits, robot.axis_units

@@ -23,8 +23,8 @@ class Emitted:
     """The text of a program without its header.
 
     `opening` is everything up to the first move of the motion, `body` the rest. `places` maps each step to
-    its first and last move line, and `barriers` lists the line of each barrier, both counted from the first
-    line of the body.
+    its first and last move line, and `barriers` has the line of each barrier; these lines are counted from
+    the first line of the body. The other attributes are written to the map of the program in the header.
     """
 
     commands: tuple[Command, ...]
@@ -42,8 +42,8 @@ class Emitted:
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then the map of commands, barriers, registers, watches, searches, offsets
-        and bodies that may touch as comments, then the lines that the controller reads.
+        The header lines come first, then as comments the map of commands, barriers, registers, watches,
+        searches, offsets, bodies that may touch, and rules of KEEP, then the lines that the controller reads.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         # A searched motion of length zero has no lines, so no input can end it.
@@ -90,7 +90,7 @@ class Emitted:
 
 
 def _told(barrier: Barrier) -> str:
-    """Return a barrier's entry in the map: kind, step, condition, timeout, and name or text."""
+    """Return a barrier's entry in the map of the header: kind, step, condition, timeout, and name or text."""
     waited = f"{barrier.variable}={_number(barrier.value)}" if barrier.variable else "-"
     condition = barrier.condition or waited
     timeout = "-" if barrier.timeout is None else f"{barrier.timeout:.9g}"
@@ -98,13 +98,13 @@ def _told(barrier: Barrier) -> str:
 
 
 def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
-    """Print a program as text.
+    """Print a controller program as text.
 
     The text loads a buffer and moves nothing: the robot starts to move when R is sent.
 
     Args:
         program: the program.
-        memory: cache for the lines of moves.
+        memory: cache for the text of move lines.
     """
     moves = _moves(program, memory)
     pieces: list[str] = []
@@ -200,7 +200,9 @@ def _opening(program: PmacProgram) -> Iterator[str]:
 
 
 def _safe_outputs(program: PmacProgram) -> Iterator[str]:
-    """Yield the PLC that sets the outputs to their safe values after the guard has held the motion."""
+    """Yield the lines of the PLC that sets the outputs to their safe values after the guard has held the
+    motion.
+    """
     if not program.safe_outputs:
         return
     yield f"OPEN PLC {OUTPUTS_PLC} CLEAR"
@@ -213,8 +215,8 @@ def _safe_outputs(program: PmacProgram) -> Iterator[str]:
 
 
 def _open_rotary(program: PmacProgram) -> Iterator[str]:
-    """Yield the opening of a rotary program (Listing 3 of the paper), with a slow RAPID move to the start if
-    the program has one.
+    """Yield the lines that open a rotary buffer (Listing 3 of the paper), with a slow RAPID move to the start
+    if the program has one.
     """
     yield "".join(f"#{motor}J/" for motor in program.motors)
     yield "DELETE ROT"
@@ -234,7 +236,8 @@ def _open_rotary(program: PmacProgram) -> Iterator[str]:
 
 
 def _open_prog(program: PmacProgram) -> Iterator[str]:
-    """Yield the opening of a program buffer. The program continues only when every motor is at the start.
+    """Yield the lines that open a program buffer. The program continues only when every motor is at the
+    start.
 
     After each STOP, all motors are checked again.
     """

@@ -13,15 +13,15 @@ from yarclang.units import MS
 
 
 def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
-    """Return the segment times for a robot.
+    """Return the grid of segment times that a plan for a robot may use.
 
     Args:
         robot: the robot.
         tm: longest segment time that the user allows [ms]; None if the user sets no limit.
 
     Returns:
-        The segment times; None, with a finding, if the controller would round or clip `tm`, or can't
-        calculate such segments fast enough.
+        The grid; None, with a finding, if the controller would round or clip `tm`, or can't calculate such
+        short segments fast enough.
     """
     smallest, largest = robot.controller.smallest_segment, robot.controller.largest_segment
     if tm is None:

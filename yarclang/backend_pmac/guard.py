@@ -1,5 +1,5 @@
-"""The guard of the rotary buffer: the number of lines that must be ahead, and the places at which a program
-arms and disarms the guard.
+"""The guard of the rotary buffer, a PLC that holds the motion when too few lines are left: the number of
+lines that must be ahead, and the places at which a program arms and disarms the guard.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ _SECONDS_AHEAD = 1.0
 
 @frozen
 class Watermarks:
-    """Marks of the rotary buffer: `low` and `full` are I16 and I17 in program lines, `words` is the size of
-    the buffer.
+    """Fill levels of the rotary buffer: below `low` lines (I16) it counts as low, from `full` lines (I17) on
+    as full. `words` is the size of the buffer.
     """
 
     low: int
@@ -29,7 +29,7 @@ class Watermarks:
 
 
 def watermarks(robot: Robot, segment: float) -> Watermarks:
-    """Compute the marks of the rotary buffer.
+    """Compute the size of the rotary buffer and its fill levels.
 
     A hold consumes lines for half of the hold time, so at least these lines must be ahead. A line takes one
     word per axis; two more words per line allow for statements between the lines.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 AXES = "XYZABCUVW"
 COUPLED = (frozenset("XYZ"), frozenset("UVW"))
-"""Groups of axes that may be combined: the controller adds axes in a motor's definition only within one of
+"""Groups of axes that may be summed: the controller adds axes in a motor's definition only within one of
 these groups (TSRM 269).
 """
 FIRST_GUARD = 8100
@@ -79,7 +79,9 @@ def _check(file: TomlFile, table: Any, size: int) -> None:
 
 
 def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) -> None:
-    """Check the axes or the feedback variables: each must be allowed, and none may occur twice."""
+    """Check the axes or the feedback variables of a robot description: each must be allowed, and none may
+    occur twice.
+    """
     from yarclang.robot.drive_checks import check_twice
     from yarclang.toml.file import right_length
 

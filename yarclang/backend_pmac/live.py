@@ -1,5 +1,5 @@
-"""Text of live motions for a Turbo PMAC: the opening (rotary buffer, guard, segment time) and the
-move lines.
+"""Controller text of live motions for a Turbo PMAC: the opening lines (rotary buffer, guard, segment time)
+and the move lines.
 """
 
 from __future__ import annotations

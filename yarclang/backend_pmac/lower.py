@@ -1,5 +1,5 @@
-"""Lowering of a plan to a controller program: sequences of SPLINE1 moves. The controller adds its own pieces
-at both ends of a sequence.
+"""Lowering of a motion plan to a controller program: sequences of SPLINE1 moves. The controller adds its own
+segments at both ends of a sequence.
 """
 
 from __future__ import annotations
@@ -60,11 +60,11 @@ from yarclang.ways import Turn, Ways
 
 
 def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram:
-    """Build the controller program of a plan.
+    """Build the controller program of a motion plan.
 
     Args:
         plan: the plan.
-        target: kind of the text, a rotary buffer or a program buffer.
+        target: kind of the text, for a rotary buffer or for a program buffer.
         tolerance: tolerance of the path, which determines the number of decimals.
     """
     robot = plan.robot
@@ -115,8 +115,8 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
 def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
     """Return the flange speed that a motion must keep [m/s]; infinite if there is none.
 
-    This is the least of the motion's programmed speed, as far as it is reached, the motion's ceiling, and the
-    speed of the cell's slowest zone.
+    This is the least of three speeds: the motion's programmed speed, as far as it is reached; the motion's
+    ceiling; and the speed of the cell's slowest zone.
     """
     step, cell = plan.program.steps[motion.step], plan.program.cell
     speed = step.timing.speed if isinstance(step, Motion) else None
@@ -149,11 +149,11 @@ def _commands(plan: MotionPlan) -> Iterator[Command]:
 
 
 def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
-    """Yield the program after its opening, which leaves the robot at the start, in SPLINE1.
+    """Yield the program after its opening, at whose end the robot is at the start, in SPLINE1.
 
     A sequence ends with the program, at a dwell, or where the segment time changes. There the controller adds
-    an end piece, and a start piece before the next sequence. The last two of the three equal points of a stop
-    are therefore not written at the end of a sequence, but only inside it. After a motion that flows into the
+    an end segment, and a start segment before the next sequence. A stop has three equal points; the last two
+    of them are therefore written only inside a sequence, not at its end. After a motion that flows into the
     next one, outputs are set in step with the line whose segment begins in the middle of the overlap, which
     is the first line of the next motion.
     """
@@ -216,8 +216,8 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
 
 
 def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
-    """Return the move lines of each motion that stops inside a sequence, by its step. One call rounds all
-    of them.
+    """Return the move lines of each motion that stops inside a sequence, by the motion's step. One call
+    rounds all of them.
     """
     points = [motion.curve.points[3:] for motion in plan.motions]
     if not points:
@@ -276,13 +276,13 @@ def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | Assign | Tu
 
 
 def _printed(values: Array, decimals: int) -> Array:
-    """Round values as printed, and turn a negative zero into a positive one."""
+    """Round control points to the printed decimals, and turn a negative zero into a positive one."""
     printed: Array = np.round(values, decimals) + 0.0
     return printed
 
 
 def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
-    """Return the body with lines that arm and disarm the guard in each stretch between two barriers.
+    """Return the program's body with lines that arm and disarm the guard between each two barriers.
 
     At a barrier the buffer runs empty on purpose, so the guard may not be armed there.
     """
@@ -297,10 +297,11 @@ def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
 
 
 def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
-    """Return a stretch with the guard armed before its first move and disarmed near its end.
+    """Return the lines between two barriers, with the guard armed before the first move and disarmed near the
+    end.
 
-    The guard is disarmed before the number of lines ahead falls below the low mark. A stretch with at most
-    `full` + 2 lines needs no guard: it is loaded as a whole.
+    The guard is disarmed before the number of lines ahead falls below the low mark. At most `full` + 2 lines
+    need no guard: they are loaded as a whole before the motion begins.
     """
     lines = sum(len(item.values) for item in body if isinstance(item, Moves))
     before_disarming = lines - (marks.low + 2)
@@ -328,9 +329,9 @@ def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
 
 
 def _start_slack(robot: Robot, segment: float) -> Array:
-    """Compute the allowed deviation of each motor from the start [counts].
+    """Compute how far each motor may be from the start when the motion begins [counts].
 
-    Within this deviation, the first segment needs only a small additional share of each joint's acceleration
+    Within this distance, the first segment needs only a small additional share of each joint's acceleration
     limit.
     """
     # A joint that begins with a deviation d needs up to d / h^2 more acceleration in the first segment of

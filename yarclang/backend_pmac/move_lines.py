@@ -15,12 +15,12 @@ _POINT = re.compile(r"\.(?=[A-Z\n])")
 
 
 def move_lines(axes: Sequence[str], decimals: int, commands: Sequence[NDArray[np.float64]]) -> Iterator[str]:
-    """Yield the move lines of each command.
+    """Yield the move lines of each command of the program.
 
     Args:
         axes: the letter of each axis.
         decimals: largest number of decimals; trailing zeros aren't written.
-        commands: the values (k, axes) of each command [axis units], rounded to `decimals`.
+        commands: for each command, its points (k, axes) [axis units], rounded to `decimals`.
     """
     block: list[NDArray[np.float64]] = []
     rows = 0
@@ -102,7 +102,9 @@ def _last_digit(numbers: NDArray[np.uint32]) -> tuple[NDArray[np.uint32], NDArra
 
 
 def _printed(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
-    """Return the move lines by formatting each number. This is slower, but numbers may have any size."""
+    """Return move lines by formatting each number on its own. This is slower, but numbers may have any
+    size.
+    """
     row = "".join(f"{axis}%.{decimals}f" for axis in axes) + "\n"
     text = (row * len(values)) % tuple(values.ravel().tolist())
     return _POINT.sub("", _ZEROS.sub("", text)).encode("ascii")

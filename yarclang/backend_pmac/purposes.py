@@ -13,7 +13,7 @@ _SPLINE = "SPLINE1"
 _TIME = "the segment time of the moves that follow"
 _GUARDS = ("it disarms the guard: fewer lines than it wants are left", "it arms the guard")
 _AT_REST = "DWELL0"
-"""The line that precedes an output or a barrier; a dwell of the program has a time."""
+"""The line before an output or a barrier; a dwell of the program has another time."""
 
 
 def purposes(
@@ -21,13 +21,14 @@ def purposes(
 ) -> Iterator[Stretch]:
     """Yield the purpose of every line after the header; see `yarclang.emitted.purposes.moves_alone`.
 
-    An assignment between moves belongs to a SET, and a dwell to a WAIT, by form and order.
+    An assignment between moves belongs to a SET and a dwell to a WAIT: they are recognized by their form, and
+    assigned in order.
 
     Args:
         lines: lines of the text.
         begin: number of lines in the header.
         commands: commands of the text's map.
-        barriers: the command's step of each line with a barrier.
+        barriers: for each line with a barrier, the step of the barrier's command.
     """
     by_step = {one.step: one for one in commands}
     moving = [one for one in commands if one.first is not None]

@@ -1,4 +1,4 @@
-"""The part of a text for a Turbo PMAC that can be streamed."""
+"""The lines of a text for a Turbo PMAC that can be streamed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from yarclang.runtime.pmac.loading import Loading, capacity_of
 
 
 def sendable(content: ControllerText, robot: Robot) -> Sendable | Diagnostic:
-    """Return the lines that go into the rotary buffer, or a finding if the text is for a program buffer."""
+    """Return the lines of a text that go into the rotary buffer, or a finding if the text is for a program
+    buffer.
+    """
     own = own_of(content)
     if own.marks is None or content.start.printed is None:
         message = "this text is for a program buffer, which isn't streamed"

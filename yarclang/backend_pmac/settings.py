@@ -34,9 +34,9 @@ from yarclang.units import MS
 
 _NEVER = 0
 _MOST_DECIMALS = 20
-"""Largest number of decimals of a coefficient. A smaller part of a coefficient moves no motor."""
+"""Largest number of decimals of a coefficient. What further decimals add moves no motor."""
 _CLEARANCE = 0.01
-"""Minimum distance from a motor's reach to its software limit [counts].
+"""Minimum distance from the end of a motor's range to its software limit [counts].
 
 The controller aborts a move whose target is beyond the limit, and it rounds the targets that it computes.
 """
@@ -65,7 +65,9 @@ def settings_of(robot: Robot) -> ControllerSettings:
 
 
 def _printable(title: str) -> str:
-    """Return a title in ASCII on one line: text after a line end would be executed as a command."""
+    """Return a title in ASCII on one line, so that it can be a comment: text after a line end would be
+    executed as a command.
+    """
     return "".join(one if one.isascii() and one.isprintable() else "?" for one in title)
 
 
@@ -95,12 +97,16 @@ def _number(value: float) -> str:
 
 
 def _decimals(value: float, digits: int) -> int:
-    """Return the number of decimals that show `digits` significant digits of a value other than 0."""
+    """Return the number of decimals at which a value other than 0 is printed with `digits` significant
+    digits.
+    """
     return digits - 1 - math.floor(math.log10(abs(value)))
 
 
 def _digits(value: float, digits: int) -> str:
-    """Print a value with at most `digits` significant digits; the controller does not accept an exponent."""
+    """Print a value with at most `digits` significant digits and without an exponent, which the controller
+    does not accept.
+    """
     text = f"{value:.{digits}g}"
     return text if "e" not in text else f"{value:.{max(0, _decimals(value, digits))}f}"
 
@@ -113,8 +119,8 @@ def _registers(robot: Robot) -> Iterator[MDefinition]:
 
 
 def _motor_settings(robot: Robot) -> Iterator[IVariable]:
-    """Yield the I-variables of the motors. With the controller's own default of Ixx15, aborting a motion
-    would take 6 s.
+    """Yield the I-variables of the motors. They include Ixx15, since with the controller's own default,
+    aborting a motion would take 6 s.
     """
     controller, limits = turbo_pmac(robot), robot.limits
     stop = _motor_rate(robot, limits.stop_acceleration) * MS**2
@@ -149,8 +155,8 @@ def _rate(value: float) -> str:
 
 
 def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
-    """Compute the largest rate that all motors of a coupling may have at the same time, with the worst
-    combination of signs.
+    """Compute the largest speed or acceleration of each motor. Motors that share joints get the same limit,
+    so low that none of these joints exceeds its own limit, whatever the signs of the motors' motions.
 
     Args:
         robot: the robot.
@@ -173,7 +179,7 @@ def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
 
 def _count_limits(robot: Robot) -> tuple[Array, Array]:
     """Compute the smallest and the largest position of each motor [counts] over all joint positions within
-    limits.
+    the joint limits.
     """
     lower, upper = robot.limits.lower, robot.limits.upper
     matrix = counts_per_joint(robot)
@@ -185,10 +191,9 @@ def _count_limits(robot: Robot) -> tuple[Array, Array]:
 
 
 def _software_limit(reach: float) -> int:
-    """Return the first count beyond the largest position of a motor.
+    """Return the software limit of a motor: the first count beyond its largest position.
 
-    The value 0 switches the limit off, for motors without a limit. A limit at 0 is therefore written as 1
-    (TSRM 96).
+    The value 0 switches the limit off. A limit at 0 is therefore written as 1 (TSRM 96).
     """
     if not np.isfinite(reach):
         return _NEVER
@@ -218,8 +223,8 @@ def _system_settings(robot: Robot) -> Iterator[IVariable]:
 
 
 def _feedback(robot: Robot) -> Iterator[str]:
-    """Yield PLC 0: joint positions from actual motor positions, and the guard's heartbeat, which shows that
-    PLC 0 runs.
+    """Yield the lines of PLC 0: joint positions from actual motor positions, and a copy of the guard's
+    heartbeat, which shows that PLC 0 runs.
     """
     actuation, controller = robot.actuation, turbo_pmac(robot)
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
@@ -244,8 +249,8 @@ def _feedback(robot: Robot) -> Iterator[str]:
 
 
 def _offset(counts: float) -> str:
-    """Print an offset with its sign: with ten digits if these are accurate to a thousandth of a count, else
-    with all digits.
+    """Print an offset of an axis definition with its sign: with ten digits if they are accurate to half a
+    thousandth of a count, else with all digits.
     """
     text = f"{counts:+.10g}"
     near = "e" not in text and abs(float(text) - counts) < 5e-4
@@ -253,7 +258,7 @@ def _offset(counts: float) -> str:
 
 
 def _guard(robot: Robot) -> Iterator[str]:
-    """Yield PLC 29.
+    """Yield the lines of PLC 29, the guard.
 
     The PLC holds the motion once when the rotary buffer is no longer full, and once when the watchdog of the
     streaming computer has expired.

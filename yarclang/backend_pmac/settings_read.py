@@ -1,5 +1,5 @@
-"""Reading of the settings text of a Turbo PMAC: the proved facts, differences from the robot, and questions
-for a controller.
+"""Reading of the settings text of a Turbo PMAC: what was proved about the settings, differences from the
+robot's own settings, and questions for a controller.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def _judge(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
 
 
 def _bounds(proved: ProvedSettings, robot: Robot) -> Iterator[str]:
-    """Yield the maximum errors of the axis definitions and of PLC 0, rounded up, in each unit of the robot's
-    axes.
+    """Yield sentences with the proved maximum errors of the axis definitions and of PLC 0, rounded up, in
+    each unit of the robot's axes.
     """
     for what, bounds in (("axis definitions", proved.commanded), ("PLC 0", proved.feedback)):
         largest: dict[str, float] = {}
@@ -58,7 +58,9 @@ def _different(source: SourceFile, robot: Robot) -> tuple[Diagnostic, ...]:
 def _differences(
     source: SourceFile, found: SettingsText, wanted: SettingsText, robot: Robot
 ) -> Iterator[Diagnostic]:
-    """Yield a warning for each item that is printed differently, in the order of the lines."""
+    """Yield a warning for each setting that is printed differently from the robot's own, in the order of
+    the lines.
+    """
     told = dict(_printed(wanted))
     for name, (line, text) in _printed(found):
         if text != told[name][1]:
@@ -73,7 +75,9 @@ def _differences(
 
 
 def _printed(content: SettingsText) -> Iterator[tuple[str, tuple[int, str]]]:
-    """Yield the items that a controller can be asked about: name, line and text."""
+    """Yield the settings in a text that a controller can be asked for: their names, line numbers and
+    printed values.
+    """
     for definition in content.definitions:
         yield f"#{definition.motor}->", (definition.line, definition.terms)
     for setting in content.settings.values():
@@ -84,8 +88,8 @@ def _printed(content: SettingsText) -> Iterator[tuple[str, tuple[int, str]]]:
 
 
 def _items(robot: Robot) -> tuple[Item, ...]:
-    """Return the settings that a controller must have for a robot. Each lasting line of `yarc settings` is
-    one question.
+    """Return the settings that a controller must have for a robot, as questions for the controller. Each line
+    of `yarc settings` whose effect lasts gives one question.
     """
     remedy = f"download `yarc settings {robot.name}` and SAVE"
     content = _content(robot)

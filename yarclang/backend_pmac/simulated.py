@@ -19,7 +19,7 @@ from yarclang.simulator.network.server import SimulatorServer
 
 @contextmanager
 def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | None) -> Iterator[Simulated]:
-    """Yield the simulator, which runs until the context ends.
+    """Yield a simulated controller for a robot, which runs until the context ends.
 
     Args:
         robot: the robot.
@@ -36,12 +36,12 @@ def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | No
 
 
 class _Server(SimulatorServer):
-    """A simulated Turbo PMAC that reports words of programs which it executes differently from a real
+    """A simulated Turbo PMAC that reports which words of a program it executes differently from a real
     controller.
     """
 
     def differences(self) -> tuple[str, ...]:
-        """Return the words that a program uses and that behave differently on a real controller; empty if
+        """Return the words of executed programs that behave differently on a real controller; empty if
         there are none.
         """
         return tuple(f"{word} {_does(word)} here" for word in self.machine.unknown_words)

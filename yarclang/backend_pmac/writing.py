@@ -32,8 +32,8 @@ from yarclang.units import MS
 
 
 def streamed_only(program: Program) -> Diagnostic | None:
-    """Return the finding for a program that a program buffer can't execute without the runtime; None if it
-    can.
+    """Return the finding for a program that only the runtime can execute, so that it can't be written for a
+    program buffer; None if the program can be.
     """
     for one in program.watches:
         message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
@@ -90,16 +90,17 @@ def streamed_only(program: Program) -> Diagnostic | None:
 
 
 def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory) -> Result[Written]:
-    """Lower a plan and print it.
+    """Lower a motion plan to a controller program and print it.
 
     Args:
         plan: the plan.
-        target: kind of the text, a rotary buffer or a program buffer.
+        target: kind of the text, for a rotary buffer or for a program buffer.
         tolerance: tolerance of the path.
-        memory: cache for the lines of moves.
+        memory: cache for the text of move lines.
 
     Returns:
-        None, with findings, if the program sets an output in motion that the controller can set at rest only.
+        The text; None, with findings, if the program sets an output in motion that the controller can set at
+        rest only.
     """
     if found := tuple(_set_at_rest_only(plan)):
         return Result(None, found)
@@ -122,7 +123,8 @@ def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory
 
 
 def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
-    """Yield a finding for each SET between flowing motions whose variable takes no synchronous assignment.
+    """Yield a finding for each SET between flowing motions whose variable takes no synchronous assignment (an
+    assignment in step with a move).
 
     Only M-variables take one (TUM, synchronous assignments).
     """

@@ -1,5 +1,5 @@
-"""Random programs for robots, and an independent check of the texts to which they compile.
+"""Random programs for robots, and an independent check of the controller texts to which they compile.
 
-`drawing.py`, `chains.py` and `timetables.py` draw the programs, `judging.py` checks them, `state.py` stores
-the progress, and `report.py` reports the results.
+`drawing.py`, `chains.py`, `rules.py` and `timetables.py` draw the programs, `judging.py` checks their texts,
+`state.py` stores the progress, and `report.py` reports the results.
 """

@@ -1,4 +1,4 @@
-"""Random chains of short pieces. They are the longest random programs."""
+"""Random programs with a chain of short motions. They are the longest random programs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from yarclang.independent.timetable import numbers
 
 
 def drawn_chain(arm: Arm, random: np.random.Generator) -> Drawn:
-    """Draw a program of chains of short pieces: lines, arcs, splines of poses, increments and turns of the
-    tool, with stops, outputs and waits between them.
+    """Draw a random program with a chain of short motions: lines, arcs, splines of poses, increments and
+    turns of the tool, with stops, outputs and waits between them.
     """
     middle = middle_of(arm)
     (point,), turns = arm.poses(middle[None])

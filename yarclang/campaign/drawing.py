@@ -17,17 +17,17 @@ from yarclang.independent.timetable import numbers
 PROFILES = ("", "_LSPB", "_POLY5", "_SCURVE", "_TOPP")
 TIMES = ("[MIN]", "[MIN]", "[4.7]", "[3]", "[6]", "[5]", "[50%]")
 SPEEDS = ("[V 20]", "[V 50]", "[V 80]")
-"""Speeds of Cartesian motions. Slower speeds would give motions with thousands of segments, which take long
-and test nothing new.
+"""Speeds of Cartesian motions in random programs. Slower speeds would give motions with thousands of
+segments, which take long and test nothing new.
 """
 
 BENT = {
     "INDUSTRIAL6": np.array([0, -5, -20, 10, 40, 0]),
     "TIAGO": np.array([100, 20, 0, 0, 0, 0, 0, 0]),
 }
-"""Offsets from HOME to the position around which programs are drawn [deg, mm], for arms that lack room around
-HOME: at HOME, the wrist of INDUSTRIAL6 is straight, and the shoulder of TIAGO is beside its column as long as
-the column is low.
+"""Offsets from HOME [deg, mm] to the position around which programs are drawn, for arms that can't move
+freely around HOME: there, the wrist of INDUSTRIAL6 is straight, and the shoulder of TIAGO is beside its
+column as long as the column is low.
 """
 
 KINDS = (
@@ -71,8 +71,8 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
     poses = 0
 
     def written(shift: Array, rpy: Array) -> str:
-        """Return the values of a pose. Two of three poses are written indirectly: by the name of a POSE, or
-        as elements of a TABLE.
+        """Return the numbers of a pose as text for a command. Two of three poses are written indirectly: by
+        the name of a POSE, or as elements of a TABLE.
         """
         nonlocal poses
         text = numbers([*shift, *rpy])
@@ -179,7 +179,9 @@ def drawn(arm: Arm, random: np.random.Generator, most: int = 5) -> Drawn:
 
 
 def begun(arm: Arm, middle: Array) -> tuple[list[str], dict[int, Said]]:
-    """Return the first lines of a program, and the requirements on the motions in them by step."""
+    """Return the first lines of a program, which lead to the middle position; and, by step, what they require
+    of the motions in them.
+    """
     lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
     if (middle == arm.data["positions"]["HOME"]).all():
         return lines, {}
@@ -187,8 +189,8 @@ def begun(arm: Arm, middle: Array) -> tuple[list[str], dict[int, Said]]:
 
 
 def features(program: Drawn) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield each motion of a program as its step and the names under which it is counted: kind, law and time,
-    and its options.
+    """Yield for each motion of a program its step and the names under which it is counted: kind of the
+    motion, motion profile, form of its time, and its options.
 
     The BLEND of the last motion isn't counted, because no motion follows.
     """

@@ -33,18 +33,20 @@ MOST = 6
 """Largest number of motions that are drawn for a program that isn't a chain."""
 
 CHAINS = 20
-"""One of `CHAINS` programs is a chain of short pieces."""
+"""One of `CHAINS` programs is a chain of short motions."""
 
 RULED = 10
-"""One of so many programs keeps to rules, and may leave straight ways."""
+"""One of `RULED` programs has motions that must keep to rules (KEEP) and may avoid obstacles."""
 
 CERTIFICATE = "11"
-"""Family of the findings of the certificate. The compiler must never write a text that has one."""
+"""Prefix of the codes of findings of the certificate. A text that the compiler has written must never get
+such a finding.
+"""
 
 
 @frozen
 class Task:
-    """Robots and cell for which programs are drawn.
+    """Robots and cell for which random programs are drawn.
 
     Attributes:
         robots: names or paths of the robots.
@@ -69,7 +71,8 @@ class Program:
         text: text of the program.
         refused: code of the first error if the program doesn't compile; empty if it compiles.
         faults: faults of the compiled text, as sentences.
-        worst: the largest shares of what is allowed, by name, as in `independent.judging.Judgement`.
+        worst: the largest used shares of tolerances and limits, by name, as in
+            `independent.judging.Judgement`.
         duration: time of all motions [s].
         features: for each motion, the names under which it is counted.
     """
@@ -85,7 +88,9 @@ class Program:
 
 
 def judged_chunk(chunk: tuple[int, int], task: Task) -> Piece:
-    """Draw and check the programs of a chunk, given by its first seed and the number of programs."""
+    """Draw and check the programs of a chunk, given by its first seed and the number of programs. Return the
+    sum of their results.
+    """
     first, count = chunk
     begin = process_time()
     piece = Piece(first, count)
@@ -123,7 +128,7 @@ def judged_program(seed: int, task: Task, robot: Robot | None = None) -> Program
 
 
 def arm_of(robot: Robot) -> Arm:
-    """Return a robot as the independent check reads it.
+    """Return the arm of a robot, which the independent check reads from the robot's files.
 
     Raises:
         ValueError: the robot's files lack something that the check needs.
@@ -147,8 +152,8 @@ def _arm(description: str, urdf: str) -> Arm:
 def _judged(
     program: Drawn, seed: int, robot: Robot, arm: Arm, cell: str | None
 ) -> tuple[str, tuple[str, ...], dict[str, float], float]:
-    """Compile and check a program. Return the code of its first error, the faults, the worst shares and
-    the duration.
+    """Compile and check a program. Return the code of its first error, the faults, the largest used shares of
+    tolerances and limits, and the duration [s].
     """
     source = SourceFile(f"seed-{seed}.yarc", program.text)
     try:
@@ -183,8 +188,8 @@ def _compiled(source: SourceFile, robot: Robot, cell: str | None) -> Result[Comp
 
 
 def told_by_step(diagnostics: Iterable[Diagnostic]) -> dict[int, set[str]]:
-    """Return the codes of findings by step. The step follows from the index of the command in the
-    finding's line.
+    """Return the codes of findings by the steps of the commands that they concern. The step follows from the
+    index at the start of the finding's source line, such as P0030.
     """
     told: dict[int, set[str]] = {}
     for one in diagnostics:

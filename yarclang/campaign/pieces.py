@@ -25,7 +25,7 @@ class Find(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The largest share of what is allowed, and the seed of the first program that reached it."""
+    """The largest used share of a tolerance or a limit, and the seed of the first program that reached it."""
 
     share: float
     seed: int
@@ -44,7 +44,7 @@ class Piece:
         motions: numbers of motions in programs that compile, by the names under which they are counted.
         microseconds: time of all motions in programs that compile [us]. It is an integer, so that the sum
             doesn't depend on the order.
-        worst: the largest shares of what is allowed, by name.
+        worst: the largest used shares of tolerances and limits, by name.
         finds: programs that have faults; at most `_MOST_FINDS`.
         found: number of programs that have faults, including those that are no longer in `finds`.
         seconds: processor time of the work [s].
@@ -72,7 +72,9 @@ class Piece:
         duration: float,
         features: Iterable[tuple[str, ...]],
     ) -> None:
-        """Add the result of one program. `refused` is the code of its first error, empty if it compiles."""
+        """Add the result of one program to this sum. `refused` is the code of the program's first error,
+        empty if it compiles.
+        """
         names = [name for one in features for name in one]
         _add(self.drawn, names)
         if refused:
@@ -94,7 +96,7 @@ class Piece:
             self.worst[name] = one
 
     def merge(self, other: Piece) -> None:
-        """Add another piece. The result doesn't depend on the order of additions."""
+        """Add the results of another piece. The sum doesn't depend on the order of additions."""
         self.count += other.count
         self.compiled += other.compiled
         self.microseconds += other.microseconds
@@ -132,10 +134,10 @@ def lost_piece(seed: int, robot: str, reason: str) -> Piece:
 
 
 def piece_of(data: Mapping[str, Any]) -> Piece:
-    """Return the piece that JSON data describe.
+    """Return the sum of results that JSON data describe.
 
     Raises:
-        KeyError, TypeError, ValueError: the data aren't a piece.
+        KeyError, TypeError, ValueError: the data don't describe a piece.
     """
     return Piece(
         first=int(data["first"]),

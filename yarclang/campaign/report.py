@@ -30,8 +30,8 @@ def summed(pieces: Sequence[Piece], first: int) -> Piece:
 
 
 def as_data(whole: Piece, task: Task) -> dict[str, Any]:
-    """Return the report as data for JSON. Everything except `processor_seconds` is the same on each machine
-    and in each repetition.
+    """Return the results of a campaign as data for JSON. Everything except `processor_seconds` is the same on
+    each machine and in each repetition.
     """
     return {
         "robots": list(task.robots),

@@ -1,4 +1,6 @@
-"""Programs drawn by chance whose motions keep to rules (KEEP) and may leave the straight way (_AVOID)."""
+"""Random programs whose motions must keep to rules (KEEP: an axis that stays upright, a least height) and may
+avoid obstacles (_AVOID).
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ _TIMES = ("[MIN]", "[50%]", "[6]")
 
 
 def drawn_ruled(arm: Arm, random: np.random.Generator, most: int = 4) -> Drawn:
-    """Draw a program of a few lines and joint motions to poses, most of them within one or two rules: a
-    carried axis that stays upright, and a height that is kept.
+    """Draw a random program of a few lines and joint motions to poses. Most of them must keep to one or two
+    rules: an axis of the tool stays upright, and the tool stays above a height.
     """
     middle = middle_of(arm)
     (point,), turns = arm.poses(middle[None])

@@ -1,9 +1,10 @@
-"""The state of a campaign: a file to which each finished chunk is appended. A process that is killed loses
-only the chunks on which it was working.
+"""The state of a campaign: a file to which the result of each finished chunk of programs is appended. A
+process that is killed loses only the chunks on which it was working.
 
-The first line describes the campaign, and each further line contains a `Piece`. Each line begins with a
-digest of its text and of all lines before it. An incomplete last line is dropped: the process was killed
-while it wrote the line, or the disk was full. Any other line with a wrong digest is an error.
+The first line describes the campaign, and each further line contains a `Piece`, the sum of a chunk's results.
+Each line begins with a digest of its text and of all lines before it. An incomplete last line is dropped: the
+process was killed while it wrote the line, or the disk was full. Any other line with a wrong digest is an
+error.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ class StateError(Exception):
 
 
 class State:
-    """The file of a campaign, opened by only one process at a time.
+    """The file with the state of a campaign, opened by only one process at a time.
 
     Args:
         path: the file; None to store nothing.
@@ -72,10 +73,10 @@ class State:
             self._file.close()
 
     def keep(self, piece: Piece) -> None:
-        """Append a piece.
+        """Append the result of a chunk to the file.
 
         Raises:
-            StateError: the file can't be written. The pieces that were stored before are still there.
+            StateError: the file can't be written. The results that were stored before are still there.
         """
         self.pieces.append(piece)
         if self._file is None:
@@ -195,16 +196,17 @@ def _short(value: object) -> str:
 
 
 def missing(pieces: list[Piece], first: int, count: int, size: int) -> list[tuple[int, int]]:
-    """Return the chunks that still have to be done.
+    """Return the chunks of programs that still have to be checked, each as its first seed and its number of
+    programs.
 
     Args:
-        pieces: finished pieces.
+        pieces: results of the finished chunks.
         first: the first seed.
         count: number of programs of the campaign.
         size: largest number of programs of a chunk.
 
     Raises:
-        StateError: two pieces contain the same seed.
+        StateError: two results contain the same seed.
     """
     chunks: list[tuple[int, int]] = []
     at, end = first, first + count

@@ -1,4 +1,4 @@
-"""Random timetables, such as planners of other makers produce them."""
+"""Random timetables (joint positions at given times), such as motion planners of other makers produce."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from yarclang.independent.arm import Arm, Array
 from yarclang.independent.timetable import Timetable
 
 KINDS = ("positions", "velocities", "accelerations")
-"""Content of a timetable's rows in addition to the times: only positions, also velocities, or also
+"""What a timetable's rows contain in addition to the times: only positions, also velocities, or also
 accelerations.
 """
 
 
 def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None = None) -> Timetable:
-    """Draw a timetable that begins at `start`, or near the arm's HOME. The joints move back and forth, or
-    along a line with ramps, sampled about every 0.1 s.
+    """Draw a random timetable that begins at `start`, or near the arm's HOME. The joints move back and forth,
+    or along a line with ramps, sampled about every 0.1 s.
 
     The peaks of velocity and acceleration are between 0.3 and 1.5 times the limits.
     """
@@ -53,8 +53,8 @@ def drawn(arm: Arm, random: np.random.Generator, kind: str, start: Array | None 
 
 
 def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Return a share of a path over time that moves back and forth, with its first two derivatives. All three
-    are 0 at both ends.
+    """Return the progress s(t) of a motion that goes back and forth along a line, and its first two
+    derivatives, sampled over a duration of 1. All three are 0 at both ends.
     """
     u = np.linspace(0.0, 1.0, 20_001)
     turns = random.integers(1, 4)
@@ -66,8 +66,8 @@ def _swinging(random: np.random.Generator) -> tuple[Array, Array, Array]:
 
 
 def _ramped(random: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Return a share of a path over time with constant acceleration, cruise and constant deceleration, with
-    its first two derivatives.
+    """Return the progress s(t) from 0 to 1 of a motion with constant acceleration, cruise and constant
+    deceleration, and its first two derivatives, sampled over a duration of 1.
     """
     u = np.linspace(0.0, 1.0, 20_001)
     ramp = random.uniform(0.15, 0.45)

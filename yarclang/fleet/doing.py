@@ -1,4 +1,6 @@
-"""Work for many items. Results are reused if possible; the rest is spread over processes or machines."""
+"""Same work for many items. Earlier results are reused if possible; the other items are distributed to
+processes or machines.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ class Doing:
 
     Args:
         place: processes or machines that do the work.
-        reuse: earlier results; None to do everything anew, and store nothing.
+        reuse: finds and stores earlier results; None to do everything anew, and store nothing.
     """
 
     def __init__(self, place: Place, reuse: Reuse | None = None) -> None:
@@ -44,11 +46,12 @@ class Doing:
             work: function of a module, or a `partial` of such a function. It may read files only through
                 consulted.py.
             items: arguments of the work.
-            files: returns the files that an item needs and other items don't, as far as known in advance.
-            name: returns a key for the work on an item. It must contain everything on which the result
-                depends, except the contents of files.
-            is_lasting: returns True for a result that may be reused, because it would be the same the next
-                time.
+            files: function that returns the files that an item needs and other items don't, as far as known
+                in advance.
+            name: function that returns a key for the work on an item. The key must contain everything on
+                which the result depends, except the contents of files.
+            is_lasting: function that returns True for a result that may be reused, because it would be the
+                same the next time.
 
         Raises:
             UnreachableError: the scheduler can't be used.

@@ -1,5 +1,5 @@
-"""Properties of an installation on which results depend in addition to the user's files: the package, its
-library, the versions of other libraries, Python, and the kind of processor.
+"""Properties of the installed yarclang on which results depend in addition to the user's files: the package,
+its library, the versions of other libraries, Python, and the kind of processor.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _READ = (".py", ".lark", ".json", ".yarc", ".toml", ".urdf", ".stl", ".dae", ".o
 
 
 class Installation(NamedTuple):
-    """Properties of an installation on which results depend.
+    """Properties of the installed yarclang on which results depend.
 
     Attributes:
         version: version of yarclang.
@@ -71,7 +71,9 @@ def this_installation() -> Installation:
 
 
 def stamp() -> str:
-    """Return a value that changes when a file of the package is written. The files themselves aren't read."""
+    """Return a value that changes when a file of the package is written, another library is installed, or
+    Python changes. The files themselves aren't read.
+    """
     found = [(name, seen.st_mtime_ns, seen.st_size, seen.st_ino) for name, seen in _stats()]
     machine = (platform.python_version(), platform.machine(), sys.platform)
     return hashlib.sha256(json.dumps((found, _libraries(), machine)).encode()).hexdigest()

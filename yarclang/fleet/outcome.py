@@ -1,4 +1,4 @@
-"""Outcomes of work that are no results."""
+"""Outcomes of work that has no result."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 
 class Lost(NamedTuple):
-    """Outcome for an item whose work has killed its workers.
+    """Outcome for an item on which no worker could finish the work: all worker processes that tried were
+    killed.
 
     Attributes:
         reason: the reason, as a sentence.

@@ -1,8 +1,8 @@
 """Conversion of the compiler's values to bytes, for other processes, other machines and the cache.
 
 The bytes are a pickle: whoever can write a pickle can run code. So bytes are accepted only from processes
-that this process has started or was told to use, and from a cache whose entries have a code that only their
-user can compute (store.py).
+that this process has started or was told to use, and from a cache whose entries have an authentication code
+that only their user can compute (store.py).
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""Search for the place of a fixture, a part or the robot's base: the places of a frame with which a program
+"""Search for the place of a fixture, a workpiece or the robot's base: the poses of a frame at which a program
 compiles, and the best of them.
 
 Each candidate is the program (or its cell) with another pose of the frame, and is compiled in the ordinary
-way. The search begins with a coarse grid over the whole box. It continues from the best places of the grid as
-a compass search: the best of all candidates one step away along each axis is chosen; if none is better, the
-step is halved (Kolda, Lewis, Torczon: Optimization by direct search, 2003). This method needs no derivatives,
-which a cycle time of whole segments doesn't have. Its candidates are independent, so they can be compiled in
-parallel.
+way. The search begins with a coarse grid over the whole box of allowed shifts. It continues from the best
+candidates of the grid as a compass search: the best of all candidates one step away along each axis is
+chosen; if none is better, the step is halved (Kolda, Lewis, Torczon: Optimization by direct search, 2003).
+This method needs no derivatives, which a cycle time of whole segments doesn't have. Its candidates are
+independent, so they can be compiled in parallel.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ from yarclang.transforms import rpy_rotation
 from yarclang.units import DEG, MM
 
 AXES = ("X", "Y", "Z", "RX", "RY", "RZ")
-"""Names of the shifts: along the axes of the parent [mm], and about axes through the frame's origin that are
-parallel to the parent's axes [deg].
+"""Names of the shifts of a frame: along the axes of its parent [mm], and about axes through the frame's
+origin that are parallel to the parent's axes [deg].
 """
 
 Shift = tuple[float, ...]
-"""Shift from the present pose: one number for each axis of the box [mm or deg]."""
+"""Shift of a frame from its present pose: one number for each axis of the box [mm or deg]."""
 
 _FINEST = {"X": 0.5, "Y": 0.5, "Z": 0.5, "RX": 0.1, "RY": 0.1, "RZ": 0.1}
-"""Steps below which the search ends [mm, deg]."""
+"""Steps of the shifts below which the search ends [mm, deg]."""
 
 _BEGINNINGS = 2
-"""Number of places of the grid at which a compass search begins."""
+"""Number of candidates of the grid from which a compass search begins."""
 
 Aim = Literal["time", "clearance"]
 
@@ -61,7 +61,7 @@ class Range:
 
 @frozen
 class Task:
-    """The frame to be placed.
+    """A search: the frame to be placed, its allowed shifts, and the criterion.
 
     Attributes:
         program: source of the program.
@@ -70,7 +70,7 @@ class Task:
         frame: name of the frame, in upper case.
         cell: source of the cell, if the frame is declared there; otherwise None.
         place: path of the cell's file.
-        parent: parent of the frame.
+        parent: name of the frame's parent.
         pose: (4, 4) present parent_from_frame [m].
         box: the allowed shifts.
         aim: criterion: the shortest time, or the largest clearance.
@@ -90,10 +90,10 @@ class Task:
 
 @frozen
 class Candidate:
-    """Result for one place.
+    """Result of compiling the program with the frame at one pose.
 
     Attributes:
-        shift: the shift from the present place.
+        shift: shift of the frame from its present pose.
         seconds: duration of the program [s]; None if it doesn't compile.
         clearance: smallest proved distance of the robot from the cell [m]; None if no distance was proved, or
             the program doesn't compile.
@@ -120,13 +120,13 @@ class Candidate:
 
 @frozen
 class Placing:
-    """The result of a search.
+    """The result of a search for the best pose of a frame.
 
     Attributes:
         grid: the candidates of the coarse grid, in order.
         others: the candidates of the compass searches.
         best: the best candidate that compiles; None if there is none.
-        numbers: shifts of the grid along each axis [mm or deg].
+        numbers: for each axis, the shifts of the grid [mm or deg].
     """
 
     grid: tuple[Candidate, ...]
@@ -192,7 +192,7 @@ def _in_program(shown: Around, name: str, line: int) -> tuple[str, Array]:
 
 
 def moved(task: Task, shift: Shift) -> tuple[SourceFile, SourceFile | None]:
-    """Return the texts of the program and its cell with the frame at another place.
+    """Return the texts of the program and its cell with the frame shifted from its present pose.
 
     Raises:
         Trouble: the text can't be changed in this way.
@@ -226,7 +226,7 @@ def _key(cell: SourceFile, name: str) -> str:
 
 
 def judged(shift: Shift, task: Task) -> Candidate:
-    """Compile the program with the frame at a place, and return the result."""
+    """Compile the program with the frame shifted from its present pose, and return the result."""
     from dataclasses import replace
 
     program, cell = moved(task, shift)
@@ -253,12 +253,12 @@ def _candidate(shift: Shift, checked: Checked) -> Candidate:
 
 
 def search(task: Task, judge: Judge, points: int, most: int) -> Placing:
-    """Search for the best place.
+    """Search for the best pose of a frame.
 
     Args:
-        task: the frame to be placed.
-        judge: compiles candidates and yields their results in order.
-        points: number of places of the grid along each axis.
+        task: the frame to be placed, its allowed shifts, and the criterion.
+        judge: function that compiles candidates and yields their results in order.
+        points: number of grid points along each axis.
         most: largest number of candidates in total.
 
     Raises:
@@ -292,7 +292,9 @@ def _refine(
     known: dict[Shift, Candidate],
     most: int,
 ) -> None:
-    """Do a compass search from a place of the grid, until the steps are smaller than the finest ones."""
+    """Do a compass search from one candidate of the grid, until the steps are smaller than the finest
+    ones.
+    """
     center = begin
     steps = [0.5 * one for one in spacing]
     finest = [_FINEST[one.axis] for one in task.box]
@@ -321,7 +323,9 @@ def _within(allowed: Range, value: float) -> float:
 
 
 def _spaced(allowed: Range, points: int) -> tuple[float, ...]:
-    """Return the places of the grid along an axis. The present place is always included if it is allowed."""
+    """Return the shifts of the grid along an axis. The shift 0 (the present pose) is always included if it
+    is allowed.
+    """
     found = {_within(allowed, float(one)) for one in np.linspace(allowed.least, allowed.most, points)}
     if allowed.least <= 0.0 <= allowed.most:
         found.add(0.0)

@@ -31,7 +31,7 @@ class Pool:
         self._items: Sequence[Any] = ()
         self._waiting: deque[int] = deque()
         self._workers: dict[Connection, tuple[SpawnProcess, Connection]] = {}
-        """For each process, by the connection on which it sends results: the process, and the connection
+        """The processes, by the connection on which each sends results: the process, and the connection
         on which it gets items.
         """
         self._busy: dict[Connection, int] = {}
@@ -41,7 +41,9 @@ class Pool:
         """Items from this number on aren't handed out until earlier results have been fetched."""
 
     def results(self, items: Sequence[Any]) -> Iterator[Any]:
-        """Yield the results for items in order. All results of an earlier call must have been fetched."""
+        """Yield the results of the work for items, in order. All results of an earlier call must have been
+        fetched.
+        """
         made = self._made(items)
         self._until = _AHEAD * self._number
         kept: dict[int, Any] = {}

@@ -1,9 +1,9 @@
 """Reuse of earlier results, as long as everything on which they depend is unchanged.
 
-The key of a result is the work: its kind, its options, the path as given, and the installation. Stored with
-the result are the disk's answers to all questions of the work (consulted.py). The result is reused if the
-disk gives the same answers now. A result that contains the path of the working directory is reused only
-there.
+The key of a result describes the work: its kind, its options, the path as given, and the installed yarclang.
+The work reads files only by questions to consulted.py, whose answers are stored with the result. The result
+is reused if the disk gives the same answers now. A result that contains the path of the working directory is
+reused only there.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ class Found:
 
 
 class Reuse:
-    """Finds and stores results.
+    """Finds and stores results of earlier work.
 
     Args:
-        store: the store.
+        store: the store of the results.
     """
 
     def __init__(self, store: Store) -> None:
@@ -56,7 +56,8 @@ class Reuse:
         """Return an earlier result that may be reused; None if there is none.
 
         Args:
-            work: key of the work. Its `repr` must contain everything that distinguishes it from other work.
+            work: key of the work. Its `repr` must contain everything that distinguishes the work from other
+                work.
         """
         key = self._key(work)
         here = str(Path.cwd())
@@ -96,7 +97,7 @@ class Reuse:
         return digest(f"{self._installed}\n{work!r}".encode())
 
     def _installation(self) -> str:
-        """Return the digest of this installation. The files of the installation are read only if one of them
+        """Return the digest of the installed yarclang. The files of the package are read only if one of them
         has been written since the last time.
         """
         now = f"installation {stamp()}"

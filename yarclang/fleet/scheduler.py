@@ -1,9 +1,9 @@
 """Work on the workers of a dask scheduler, on machines that share no disk with this one.
 
 The first item is done in this process, to find the questions about files that the work asks (consulted.py).
-Each further item is sent with the answers to these questions and with the contents of the files; each content
-is sent only once to each worker that needs it. If a worker has a question without an answer, it returns the
-item with the question. The item is then sent again with the answer.
+Each further item is sent with the answers to these questions and with the contents of the files; the content
+of a file is sent only once to each worker that needs it. If the work on an item asks a question without an
+answer, the worker returns the item with the question. The item is then sent again with the answer.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PATIENCE = 10.0
 
 _LARGEST_CHUNK = 16
 _CHUNKS_EACH = 4
-"""Least number of chunks per thread of the workers, so that the last chunk doesn't take long."""
+"""Least number of chunks of items per thread of the workers, so that the last chunk doesn't take long."""
 
 _UNDER_WAY = 3
 """Number of chunks per thread that are given to the scheduler at the same time."""
@@ -50,13 +50,14 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 class Scheduler:
-    """Connection to a scheduler whose workers do the work.
+    """Connection to a dask scheduler whose workers do the work.
 
     Args:
         work: function of a module, or a `partial` of such a function. It may read files only through
             consulted.py.
         address: address of the scheduler.
-        files: returns the files that an item needs and other items don't, as far as known in advance.
+        files: function that returns the files that an item needs and other items don't, as far as known in
+            advance.
 
     Raises:
         UnreachableError: there is no scheduler, it has no workers, or they have another installation.
@@ -121,7 +122,8 @@ def _connected(address: str) -> Any:
 
 
 def _check_workers(client: Any, address: str) -> int:
-    """Check the workers. Return the number of threads of all workers.
+    """Check that the scheduler has workers with the same yarclang as this machine. Return the number of
+    threads of all workers.
 
     Raises:
         UnreachableError: there are no workers, or one of them has another installation.
@@ -151,7 +153,7 @@ def _installed() -> tuple[Any, ...]:
 
 
 class _Rest:
-    """Items whose work is done by the workers."""
+    """The items that the workers do: all except the first one, which this process does."""
 
     def __init__(
         self,
@@ -223,7 +225,9 @@ class _Rest:
         self._under_way[future] = chunk
 
     def _take(self, future: Any) -> None:
-        """Receive the results of a chunk, answer its questions, or notice that its workers were killed."""
+        """Handle a finished chunk of items: receive the results, answer the questions in it, or notice that
+        its workers were killed.
+        """
         chunk = self._under_way.pop(future)
         if future.status != "finished":
             error = future.exception() if future.status == "error" else None
@@ -241,8 +245,8 @@ class _Rest:
                 raise RuntimeError(content)
 
     def _learn(self, number: int, question: Question) -> None:
-        """Answer the question of an item. If two items have asked it, the answer is sent with all further
-        items.
+        """Answer a question about a file that an item's work has asked. If two items have asked it, the
+        answer is sent with all further items.
         """
         if len(self._own[number]) > _MOST_QUESTIONS:
             raise RuntimeError(f"{question.path} is asked for again and again")
@@ -257,8 +261,8 @@ class _Rest:
         return answer
 
     def _offer(self, question: Question, answer: str) -> None:
-        """Make the content of a file a task of the scheduler. The scheduler repeats the task if the worker
-        that had the content ends.
+        """Give the content of a file to the scheduler as a task, on which the work on items depends. If the
+        worker with the content ends, the scheduler repeats the task on another one.
         """
         if question.kind == CONTENT and answer not in self._contents:
             now, content = content_now(Path(question.path))
@@ -280,7 +284,7 @@ class _Rest:
 def _do(
     work: bytes, entries: Sequence[tuple[int, bytes, bytes]], contents: dict[str, bytes]
 ) -> list[tuple[int, str, Any]]:
-    """Do the work for a chunk. This function runs on a worker.
+    """Do the work for a chunk of items. This function runs on a worker.
 
     Returns:
         For each item: its number, the kind of its outcome, and the outcome: its result, its question, an

@@ -1,6 +1,6 @@
 """Distribution of work for many items to the cores of this machine, or to the workers of a scheduler.
 
-Results come in the order of the items, and don't depend on the place of the work by a single byte. If a
+Results come in the order of the items, and are the same, byte for byte, wherever the work is done. If a
 worker is killed, its items are given to other workers. An item that kills two workers is `Lost`.
 """
 
@@ -23,13 +23,13 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 _MANY = 4
-"""Least number of items for which several processes are used, because each process first has to import
-everything.
+"""Least number of items for which several processes are used. For fewer items one process is faster, because
+each new process first has to import everything.
 """
 
 
 class Place(NamedTuple):
-    """Place at which work is done.
+    """Processes or machines that do the work.
 
     Attributes:
         processes: number of processes on this machine; None for one per core.
@@ -60,13 +60,15 @@ def spread(
 def workers(
     work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
 ) -> Iterator[Work[T, R]]:
-    """Yield a function that does `work` for items. Its workers run until the end of the context.
+    """Yield a function that does `work` for items. The processes that work for it run until the end of the
+    context.
 
     Args:
         work: function of a module, or a `partial` of such a function. It may read files only through
             consulted.py.
         place: processes or machines that do the work.
-        files: returns the files that an item needs and other items don't, as far as known in advance.
+        files: function that returns the files that an item needs and other items don't, as far as known in
+            advance.
 
     Raises:
         UnreachableError: the scheduler can't be used.

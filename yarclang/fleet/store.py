@@ -41,11 +41,12 @@ CREATE INDEX IF NOT EXISTS by_use ON entries (used, size);
 
 
 class Store:
-    """A store of bytes by keys. A key may have several entries.
+    """A store of bytes by keys, in a file. A key may have several entries.
 
     Args:
         folder: the folder of the store's file.
-        secret: file of the secret. Folder and file are created if they don't exist.
+        secret: file with the secret for authentication codes. Folder and file are created if they don't
+            exist.
         largest: size of all entries above which the least recently used entries are dropped [bytes].
     """
 
@@ -109,8 +110,8 @@ class Store:
         base.executemany("DELETE FROM entries WHERE id = ?", unwanted)
 
     def _ask(self, work: Callable[[sqlite3.Connection], R], otherwise: R) -> R:
-        """Call a function with the open store, and return its result. After an error the store isn't used any
-        more, and `otherwise` is returned.
+        """Open the store if necessary, call a function with it, and return the function's result. After an
+        error the store isn't used any more, and `otherwise` is returned.
         """
         if self.trouble:
             return otherwise

@@ -2,6 +2,6 @@
 program asks for, and the used share of each limit.
 
 It shares no code with the compiler and its certificate: regular expressions read the text, tomllib reads the
-robot, Pinocchio reads the URDF, and splines of scipy are the executed motion. The motion is densely sampled,
-so this check finds faults but proves nothing.
+robot description, Pinocchio reads the URDF, and splines of scipy are the executed motion. The motion is
+densely sampled, so this check finds faults but proves nothing.
 """

@@ -18,7 +18,7 @@ Pose = tuple[Array, Any]
 
 
 class Arm:
-    """A robot, read from its files.
+    """A robot, read from its files without the compiler's code.
 
     Args:
         description: text of robot.toml.
@@ -68,7 +68,7 @@ class Arm:
         return cls(description, (folder / tomllib.loads(description)["urdf"]).read_text(encoding="utf-8"))
 
     def poses(self, q_deg: Array) -> tuple[Array, Any]:
-        """Return positions [mm] and rotations of {TCP} in {B} for joint positions (N, n) in deg (mm).
+        """Return the positions [mm] and the rotations of {TCP} in {B} for joint positions (N, n) [deg, mm].
 
         The last result is cached, because the same positions are often requested twice in a row.
         """
@@ -90,8 +90,8 @@ class Arm:
         return base.actInv(flange) * self.tcp
 
     def _screws_of(self, ids: list[int]) -> list[Any]:
-        """Return the screw axes of the joints in {B} by Pinocchio: directions and moments. Sliding joints
-        have no angular part.
+        """Return the screw axes of the joints in {B}, computed by Pinocchio: their directions and moments.
+        Sliding joints have no angular part.
         """
         whole = pinocchio.neutral(self.model)
         whole[self.places] = 0.0
@@ -101,8 +101,8 @@ class Arm:
         return [base.actInv(pinocchio.Motion(column)) for column in columns]
 
     def _by_screws(self, q: Array) -> tuple[Array, Array]:
-        """Return positions [m] and rotation matrices of {TCP} in {B} at many joint positions (N, n) at once,
-        by the product of exponentials. The results are those of `_pose`.
+        """Return the positions [m] and the rotation matrices of {TCP} in {B} for many joint positions (N, n)
+        [rad or m] at once, by the product of exponentials. The results are those of `_pose`.
         """
         count = len(q)
         places, turns = (

@@ -1,4 +1,6 @@
-"""Ways around obstacles that a text takes, read anew."""
+"""Paths around obstacles that the compiler has found, read from a controller text without the compiler's
+code.
+"""
 
 from __future__ import annotations
 
@@ -13,17 +15,21 @@ from yarclang.independent.paths import Said
 def unfolded(
     arm: Arm, said: Mapping[int, Said], text: str, chosen: Mapping[int, Array]
 ) -> tuple[dict[int, Said], list[tuple[list[int], float]]]:
-    """Return what the steps of a text say, with the ways that were found: for a line its legs, for joints the
-    way-points. Where a way leads in between is free, where it ends isn't.
+    """Return the requirements on the motions of a text, after the compiler has found paths around obstacles.
+
+    A line that avoids an obstacle becomes several lines, one per step of the text; a joint motion that avoids
+    one becomes a joint spline through way-points. The program fixes only where such a path ends, so its
+    intermediate poses and way-points are taken from `chosen`.
 
     Args:
         arm: the arm.
-        said: what the motions of the program say, in order.
+        said: requirements of the program on its motions, in order.
         text: the emitted text, whose map has a line for each step.
-        chosen: for each step of the text its joint positions (k, n) [rad, m].
+        chosen: for each step of the text, its chosen joint positions (k, n) [rad, m].
 
     Returns:
-        What each step says; and for lines with a time of their own their steps and this time [s].
+        The requirements by step of the text; and for each line that was divided and has a programmed
+        duration, its steps and this duration [s].
     """
     found = re.findall(r"^; command (\d+) (\S+) (\S+) ", text, re.MULTILINE)
     groups: list[tuple[str, list[int]]] = []

@@ -1,6 +1,7 @@
-"""Check of the texts to which programs compile.
+"""Check of the controller texts to which programs compile.
 
-The joint positions that were chosen for poses come from the plan; they are checked to be solutions.
+The joint positions that were chosen for poses come from the compiler's plan; this check tests that they reach
+these poses.
 """
 
 from __future__ import annotations
@@ -49,8 +50,8 @@ def judge(
         arm: the arm, read independently.
         said: requirements of the program on each motion, by step.
         text: the emitted text.
-        chosen: joint positions (k, n) [rad, m] that were chosen for the goals of each step.
-        told: codes of warnings and notes, by step.
+        chosen: for each step, the joint positions (k, n) [rad, m] that were chosen for its goals.
+        told: codes of the compiler's warnings and notes, by step.
     """
     found: list[str] = []
     worst: dict[str, float] = {}
@@ -155,14 +156,20 @@ def _off_table(arm: Arm, one: Said, done: Executed, corner: Array, worst: dict[s
 
 
 def _beside(segments: int | None, one: Said) -> int | None:
-    """Return the number of samples near a corner that may be on the path of either motion, if the corner must
-    be passed: the corner is passed within the overlap or the segment beside it. None for other corners.
+    """Return the number of samples near a corner between two motions that may be on the path of either
+    motion; None if the corner need not be passed.
+
+    A corner that must be passed is passed within the overlap of the motions or the segment beside it.
+
+    Args:
+        segments: number of overlapping segments of the motions; None if the robot rests at the corner.
+        one: the requirements on the first motion.
     """
     return None if segments is None or (segments and one.blend) else 8 * (segments // 2 + 1) + 1
 
 
 def _not_solutions(arm: Arm, goals: list[Any], ends: Array) -> Iterator[str]:
-    """Yield a fault for each chosen joint position that doesn't reach its goal or is beyond a limit."""
+    """Yield a fault for each chosen joint position that doesn't reach its goal or is beyond a joint limit."""
     if len(goals) != len(ends):
         ends = ends[-1:]
         goals = goals[-1:]
@@ -178,14 +185,16 @@ def _not_solutions(arm: Arm, goals: list[Any], ends: Array) -> Iterator[str]:
 
 
 _PRINTED = {"velocity": 2e-4, "motor": 2e-4, "acceleration": 1e-3, "jerk": 1e-2}
-"""Amounts by which rounding of the printed decimals may exceed the allowed share of a limit. The limit itself
-must never be exceeded.
+"""Amounts by which rounding of the printed decimals may exceed the share of a limit that a motion may use.
+The limit itself must never be exceeded.
 """
 
 
 def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float]) -> Iterator[str]:
-    """Yield the limits that are exceeded at any sample. Where motions overlap, the largest share that one of
-    the motions `beside` may use is allowed.
+    """Yield a fault for each kind of limit that is exceeded at any sample of a motion.
+
+    A program may allow a motion only a share of the limits. Where motions overlap, the largest share of the
+    motions `beside` is allowed.
     """
     share = max(other.share for other in beside)
     ramp = max(other.share * other.acc for other in beside)
@@ -201,8 +210,8 @@ def _beyond(arm: Arm, done: Executed, beside: list[Said], worst: dict[str, float
 
 
 def _ball(arm: Arm, one: Said, following: Said, corner: Array) -> Callable[[Array], Array]:
-    """Return a function that computes the distances of joint positions from a corner, as shares of the
-    distance that BLEND allows.
+    """Return a function that computes the distances of joint positions from a corner between two motions, as
+    shares of the distance that BLEND allows.
     """
     blend = one.blend or 0.0
     if one.in_joints and following.in_joints:
@@ -214,7 +223,9 @@ def _ball(arm: Arm, one: Said, following: Said, corner: Array) -> Callable[[Arra
 def _off_speed(
     arm: Arm, one: Said, done: Executed, in_ball: NDArray[np.bool_], reaches: bool
 ) -> Iterator[str]:
-    """Yield a fault if the speed of a cruise is wrong."""
+    """Yield a fault if a motion exceeds its programmed speed of {TCP}, or (with `reaches`) stays below
+    this speed.
+    """
     assert one.speed is not None
     fastest = _fastest(arm, done, in_ball)
     if fastest > one.speed * 1.002:

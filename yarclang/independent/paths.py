@@ -1,5 +1,5 @@
 """The programmed paths as dense polylines, computed independently of the compiler, and the distance of
-executed motions from them.
+executed motions from these paths.
 
 A pose of the moving frame is represented as a vector: its position [mm] and its rotation matrix, each divided
 by its tolerance, so that one distance covers both. Joint positions are vectors as they are.
@@ -28,10 +28,11 @@ TURN_CHORD = 100.0
 
 @dataclass
 class Said:
-    """The requirements of a program on a motion. `kind` is joints, joint_spline, timed, line, arc or
-    pose_spline. `goals` are joint positions (deg, mm) or poses.
+    """The requirements of a program on a motion.
 
-    A pose is (x y z [mm], Rotation). `goals_from` adds increments to the start.
+    `kind` is joints, joint_spline, timed, line, arc or pose_spline. `goals` are joint positions [deg, mm] or
+    poses, each a position [mm] and a Rotation. If `relative` is True, they are increments, which `goals_from`
+    adds to the start.
     """
 
     kind: str
@@ -47,7 +48,7 @@ class Said:
     """Table of a timed motion. `stretch` is the factor for all its times."""
     stretch: float = 1.0
     avoids: bool = False
-    """True if the straight way may be left to get round something."""
+    """True if the motion may leave its straight path to avoid obstacles."""
     rules: tuple[Rule, ...] = ()
 
     @property
@@ -78,8 +79,8 @@ class Said:
 
 
 def goals_from(arm: Arm, said: Said, start: Array) -> list[Any]:
-    """Return the goals of a motion that begins at joint positions `start`. Increments are added to the
-    start.
+    """Return the goals of a motion that begins at joint positions `start`. Goals that are increments are
+    added to the start.
     """
     if not said.relative:
         return said.goals
@@ -91,7 +92,7 @@ def goals_from(arm: Arm, said: Said, start: Array) -> list[Any]:
 
 
 def path(arm: Arm, said: Said, start: Array, goals: list[Any], way_points: Array) -> Array:
-    """Return the programmed path as a polyline (M, d) of joint positions, or of poses as vectors
+    """Return the programmed path of a motion as a polyline (M, d) of joint positions, or of poses as vectors
     (`embedded`).
 
     `way_points` are the joint positions that were chosen for the goals.
@@ -195,7 +196,9 @@ def _pose_spline(first: Array, turn: Any, goals: list[Any], s: Array) -> tuple[A
 
 
 def _joint_spline(points: Array, si: Array) -> Array:
-    """Return the natural cubic spline through joint positions, parameterized by chord length in rad and m."""
+    """Return the natural cubic spline through joint positions as a polyline. Its parameter is the chord
+    length in rad and m.
+    """
     keep = [0]
     for number in range(1, len(points)):
         if np.linalg.norm((points[number] - points[keep[-1]]) * si) > 1e-9:

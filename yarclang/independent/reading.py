@@ -15,7 +15,7 @@ from yarclang.independent.arm import Arm, Array
 
 @dataclass
 class Executed:
-    """A command as executed.
+    """The motion of one command as the controller executes it.
 
     Attributes:
         control: control points (N, n) [deg, mm].
@@ -96,8 +96,8 @@ def shares(arm: Arm, executed: Executed) -> dict[str, float]:
 
 
 def off_line(arm: Arm, executed: Executed, goal_point: Array, goal_rotation: Any) -> tuple[float, float]:
-    """Return the largest distance [mm] and angle [deg] of an executed command from the straight line to a
-    goal.
+    """Return the largest deviation of an executed command from the straight line to a goal, as distance [mm]
+    and angle [deg].
     """
     points, rotations = arm.poses(executed.sample(per_segment=4))
     start_point, start_rotation = points[0], rotations[0]
@@ -115,7 +115,7 @@ def off_line(arm: Arm, executed: Executed, goal_point: Array, goal_rotation: Any
 
 
 def off_joint_line(executed: Executed, goal: Array) -> float:
-    """Return the largest distance [deg] of any joint from the straight line in joint space to a goal."""
+    """Return the largest distance of any joint from the straight line in joint space to a goal [deg]."""
     q = executed.sample()
     start = q[0]
     way = goal - start
@@ -125,7 +125,9 @@ def off_joint_line(executed: Executed, goal: Array) -> float:
 
 
 def off_spline(executed: Executed, waypoints: list[Array]) -> float:
-    """Return the largest distance [deg] of any joint from the natural spline through start and way-points."""
+    """Return the largest distance of any joint from the natural spline through the start and way-points
+    [deg].
+    """
     q = executed.sample()
     through = [q[0]]
     for waypoint in waypoints:
@@ -157,6 +159,8 @@ def _to_segment(point: Array, a: Array, b: Array) -> float:
 
 
 def overlaps(text: str) -> dict[int, int]:
-    """Return the number of overlapping segments of each command that overlaps with the next one, by step."""
+    """Return, for each command that overlaps with the next one, the number of overlapping segments, by
+    step.
+    """
     found = re.finditer(r"^; command (\d+) .* blend (\d+)(?: any-jerk)?$", text, re.MULTILINE)
     return {int(one[1]): int(one[2]) for one in found}

@@ -1,4 +1,4 @@
-"""Rules to which motions keep (KEEP), read anew."""
+"""Rules to which motions must keep (KEEP), checked without the compiler's code."""
 
 from __future__ import annotations
 
@@ -13,8 +13,11 @@ from yarclang.independent.arm import Arm, Array
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule of a KEEP: `upright`, the z axis of a frame that is turned by `turn` from {TCP} is within
-    `limit` [deg] of the z axis of {B}; or `above`, the origin of {TCP} is at least `limit` [mm] above {B}.
+    """A rule of a KEEP, by `kind`.
+
+    `upright`: the z axis of a frame that is turned by `turn` from {TCP} is within `limit` [deg] of the z axis
+    of {B}.
+    `above`: the origin of {TCP} is at least `limit` [mm] above the origin of {B}.
     """
 
     kind: str
@@ -23,7 +26,7 @@ class Rule:
 
 
 SLACK = {"upright": 1e-4, "above": 1e-4}
-"""Rounding of the sampled value [deg, mm]."""
+"""Amount by which rounding may break a rule at a sample [deg, mm]."""
 
 
 def broken(arm: Arm, rules: tuple[Rule, ...], q: Array) -> Iterator[str]:

@@ -14,8 +14,8 @@ from yarclang.independent.arm import Array
 
 @dataclass
 class Timetable:
-    """Timetable of a program, in deg (mm) and s: the position `start` (n,) before it, `times` (k,), `rows`
-    (k, n) of positions, and their derivatives.
+    """Timetable of a program, in deg (mm) and s: the position `start` (n,) before the first row, the `times`
+    (k,) of the rows, the positions `rows` (k, n), and their derivatives, if the program states them.
     """
 
     start: Array
@@ -33,7 +33,7 @@ class Timetable:
         )
 
     def way(self) -> str:
-        """Return the rows as text for a command."""
+        """Return the rows of the table as text for a command."""
         points = []
         for number, (q, time) in enumerate(zip(self.rows, self.times, strict=True)):
             point = f"{numbers(q)} [{time:.4f}]"

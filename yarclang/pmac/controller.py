@@ -1,4 +1,4 @@
-"""The connection between a robot and its Turbo PMAC, as described in robot.toml."""
+"""How a robot is connected to its Turbo PMAC, as described in robot.toml."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ NAME = "turbo-pmac"
 
 @frozen
 class TurboPmac:
-    """Assignment of a robot's joints to controller resources, and the controller's own settings.
+    """How a Turbo PMAC moves a robot: the axis, motor and feedback variable of each joint, and settings of
+    the controller.
 
     `axes`, `motors` and `feedback` have one entry per joint (motor k is row k of the actuation matrix). Times
     are in s. `ixx08` is the position scale factor, `rotary_words` the minimum size of the rotary buffer, and

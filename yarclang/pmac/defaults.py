@@ -1,4 +1,4 @@
-"""Default values of the relevant I-variables, as after `$$$***` (TSRM 37-46, 95-98, 177-193).
+"""Default values of the I-variables that yarclang uses, as after `$$$***` (TSRM 37-46, 95-98, 177-193).
 
 Variables that are not listed here default to 0. Values marked as assumed aren't from the manuals, but from
 memory or similar controllers.
@@ -47,8 +47,8 @@ MOTOR: dict[int, float] = {
     28: 160,
     90: 1,
 }
-"""Defaults of Ixx`number`, the same for every motor, except I100, which is 1: motor 1 is activated. Ixx12,
-19, 21, 22, 23, 28 and 90 are assumed.
+"""Default values of Ixx`number`. They are the same for every motor, except I100, which is 1: motor 1 is
+activated. Those of Ixx12, 19, 21, 22, 23, 28 and 90 are assumed.
 """
 
 SYSTEM: dict[int, float] = {
@@ -68,7 +68,9 @@ SYSTEM: dict[int, float] = {
 HEXADECIMAL = frozenset({20, 21, 22, 23}) | {
     100 * motor + number for motor in range(1, 33) for number in (1, 2, 3, 4, 5, 10, 24, 25)
 }
-"""I-variables that hold an address or bits. With I9 bit 1 set, the controller reports them as $hex."""
+"""Numbers of the I-variables that are addresses or bits. With I9 bit 1 set, the controller reports them as
+$hex.
+"""
 
 
 def default_variables() -> dict[int, float]:

@@ -1,4 +1,4 @@
-"""Error numbers of the controller.
+"""Error numbers of the controller and their meanings.
 
 Sources: for 1 to 19, PSRM 25 and the tables of public clients; for 20 to 22, one client.
 """

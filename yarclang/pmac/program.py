@@ -22,7 +22,9 @@ LOADING: Mapping[Target, str] = MappingProxyType(
         "only",
     }
 )
-"""Instructions for a person who loads the text by hand; `{system}` is the coordinate system."""
+"""Instructions for a person who loads a text by hand, for each kind of text; `{system}` is the coordinate
+system.
+"""
 
 
 @frozen
@@ -57,7 +59,7 @@ class Rest:
 @frozen(eq=False)
 class Stand:
     """Stop at `point` (axes,) [axis units]. A slow RAPID leads to the point, and moves nothing if the robot
-    is already there; SPLINE1 follows.
+    is already there; the mode is SPLINE1 again afterwards.
     """
 
     point: NDArray[np.float64]
@@ -103,10 +105,10 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 
 @frozen
 class Command:
-    """One command of the program, as the map in the header lists it.
+    """One command of the program, as listed in the map in the text's header.
 
     `overlap` is the number of segments in which the command flows into the next one, half of them after the
-    end of its own lines; None if it ends at rest. `any_jerk` is True if its motion law has no jerk limit.
+    end of its own lines; None if it ends at rest. `any_jerk` is True if its motion profile has no jerk limit.
     """
 
     step: int
@@ -124,12 +126,13 @@ class PmacProgram:
     `start` (axes,) is where the motion begins, in axis units. `start_counts` and `start_slack` are the
     motors' positions at the start and the allowed deviation of each motor [1/(Ixx08 32) count]. `full_lines`
     and `low_lines` are I17 and I16: the rotary buffer counts as full from this many lines ahead on, and as
-    low below this many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs and
-    the values that they get after the guard has held the motion. `rapid` is True if a rotary program begins
-    with a slow RAPID to the start; otherwise the motion begins at the commanded positions of the motors.
-    `registers` are kept by the runtime, `watches` are the inputs that it observes, `searches` are the
-    inputs that end a step early, `offsets` are the branches that it plans in a shifted frame, and `allows`
-    are the bodies that may touch on a step.
+    low below this many. `rotary_words` is the size of the rotary buffer. `safe_outputs` are the variables of
+    outputs and the values that they get after the guard has held the motion. `rapid` is True if a rotary
+    program begins with a slow RAPID to the start; otherwise the motion begins at the commanded positions of
+    the motors. `registers` are stored by the runtime, `watches` are the inputs that it observes, `searches`
+    are the inputs that end a step early, `offsets` are the branches that the runtime plans in a shifted
+    frame, `allows` are the bodies that may touch on a step, and `keeps` are the rules of KEEP that apply to a
+    step.
     """
 
     target: Target

@@ -92,7 +92,7 @@ CR = 0x0D
 """End of an item of a reply."""
 
 NUL = 0x00
-"""Alone instead of a reply: the controller is busy or has nothing to report. In WRITEBUFFER: end
+"""A NUL byte alone instead of a reply: the controller is busy or has nothing to report. In WRITEBUFFER: end
 of a line.
 """
 
@@ -100,7 +100,7 @@ FLUSHED = 0x40
 """Reply of real controllers to FLUSH (the manual states ^X)."""
 
 ERROR_FLAG = 0x80
-"""Value of byte 3 of a WRITEBUFFER's reply if a line was refused. Byte 2 is the error; bytes 1 and 0 (low)
+"""Byte 3 of the reply to WRITEBUFFER if a line was refused. Byte 2 is the error; bytes 1 and 0 (low)
 are the number of the line.
 """
 

@@ -31,7 +31,7 @@ MOTOR_WORD_2: dict[str, int] = {
     "warning following error": 1,
     "in position": 0,
 }
-"""The second word of `#n?`, at Y:$0000C0 + $80 (n - 1).
+"""Names of the bits in the second word of `#n?`, at Y:$0000C0 + $80 (n - 1).
 
 Bits 23 to 20 are the number of the coordinate system minus 1; bits 19 to 16 are the axis code.
 """
@@ -43,9 +43,9 @@ SYSTEM_WORD_1: dict[str, int] = {
     "single step": 1,
     "running": 0,
 }
-"""The first word of `&n??`, at X:$002040 + $100 (n - 1).
+"""Names of the bits in the first word of `&n??`, at X:$002040 + $100 (n - 1).
 
-Each axis has a pair of bits: it takes part in the vector feedrate, and it is incremental.
+Each axis has a pair of bits: the axis takes part in the vector feedrate, and the axis is incremental.
 """
 
 SYSTEM_WORD_2: dict[str, int] = {
@@ -88,7 +88,9 @@ MODE_BITS: dict[str, int] = {
 INCREMENTAL_BITS: dict[str, int] = {
     axis: 22 - 2 * place for place, axis in enumerate(("Z", "Y", "X", "W", "V", "U", "C", "B", "A"))
 }
-"""Bit of the first word that is set if the axis is incremental: the lower bit of the axis's pair."""
+"""For each axis, the bit of the first word that is set if the axis is incremental: the lower bit of the
+axis's pair.
+"""
 
 AXIS_CODES: dict[str, int] = {
     "A": 1,
@@ -102,7 +104,8 @@ AXIS_CODES: dict[str, int] = {
     "Y": 7,
     "Z": 7,
 }
-"""Bits 19 to 16 of a motor's second word: the axis to which the motor is assigned.
+"""For each axis, the code in bits 19 to 16 of the second status word of the motors that are assigned to the
+axis.
 
 Definitions by UVW and by XYZ share a code (assumed).
 """

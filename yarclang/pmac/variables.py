@@ -8,50 +8,54 @@ from collections.abc import Container
 from yarclang.robot.controller import SignalVariable
 
 ARMED = "P8100"
-"""1 while a rotary program needs its buffer guarded, 2 after the guard has held the motion, else 0."""
+"""Variable of the guard's flag: 1 while a rotary program needs its buffer guarded, 2 after the guard has held
+the motion, else 0.
+"""
 
 ASTRAY = "P8101"
-"""1 while the robot isn't at the program's start, else 0."""
+"""Variable that is 1 while the robot isn't at the program's start, else 0."""
 
 WAITING = "P8102"
-"""1 while a program waits for an input."""
+"""Variable that is 1 while a program waits for an input."""
 
 HEARTBEAT = "P8103"
-"""Counter of the guard PLC's scans."""
+"""Variable in which the guard PLC counts its scans."""
 
 WATCHED = "P8104"
-"""1 while the controller expects messages from the streaming computer, 2 after the guard has held the motion
-because no message came, else 0.
+"""Variable of the watchdog's flag: 1 while the controller expects messages from the streaming computer, 2
+after the guard has held the motion because no message came, else 0.
 """
 
 ECHO = "P8105"
-"""The heartbeat as last seen by the feedback PLC."""
+"""Variable in which the feedback PLC copies the guard's heartbeat, to show that both run."""
 
 HOMING = "P8106"
-"""1 while a motor searches its home and the controller expects messages from this computer, 2 after the
-search was stopped because no message came, else 0.
+"""Variable of the home search's flag: 1 while a motor searches its home and the controller expects messages
+from this computer, 2 after the search was stopped because no message came, else 0.
 """
 
 FEEDBACK_PLC = 0
-"""The foreground PLC that computes the joint positions from the motor positions."""
+"""Number of the foreground PLC that computes the joint positions from the motor positions."""
 
 HOMING_PLC = 27
-"""The background PLC that stops a home search when this computer falls silent. It is loaded for a search and
-deleted afterwards.
+"""Number of the background PLC that stops a home search when this computer falls silent. The PLC is loaded
+for a search and deleted afterwards.
 """
 
 OUTPUTS_PLC = 28
-"""The background PLC of a program that sets its outputs to their safe values after the guard has held the
-motion.
+"""Number of a program's background PLC that sets the program's outputs to their safe values after the guard
+has held the motion.
 """
 
 GUARD_PLC = 29
-"""The background PLC that holds the motion when the rotary buffer runs low or the streaming computer falls
-silent.
+"""Number of the background PLC that holds the motion when the rotary buffer runs low or the streaming
+computer falls silent.
 """
 
 ROTARY_FULL = "M8116"
-"""Coordinate system status word 2 bit 16: 1 from I17 program lines ahead on, 0 below I16."""
+"""M-variable of the rotary-full bit (word 2, bit 16 of the coordinate system's status): 1 from I17 program
+lines ahead on, 0 below I16.
+"""
 
 
 def motor_variable(motor: int, number: int) -> str:
@@ -101,10 +105,10 @@ _OUR_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 
 
 def signal_variable(text: str, feedback: Container[str]) -> SignalVariable:
-    """Return the variable that a text in upper case names.
+    """Return the variable that a text names.
 
     Args:
-        text: the variable's name, in upper case.
+        text: name of the variable, in upper case.
         feedback: variables in which the robot reports its positions; they can't be used for signals.
     """
     found = _VARIABLE.fullmatch(text)

@@ -1,4 +1,4 @@
-"""Actions that a script of the runtime yields, and the outcomes that the script receives. No I/O."""
+"""Actions that a script of the runtime yields, and the outcomes that are sent back to the script. No I/O."""
 
 from __future__ import annotations
 
@@ -12,39 +12,43 @@ from yarclang.runtime.job import Job
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """Do nothing until `until` [s]. An order from outside ends the wait at once. Answered by `None`."""
+    """Do nothing until the time `until` [s]. An order from outside the script ends the wait at once. Answered
+    by `None`.
+    """
 
     until: float
 
 
 @dataclass(frozen=True, slots=True)
 class Connect:
-    """Close the connection, if there is one, and make a new one. Answered by `Connected` or `Unreachable`."""
+    """Close the present connection to the controller, if there is one, and make a new one. Answered by
+    `Connected` or `Unreachable`.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Connected:
-    """Outcome of `Connect`: there is a new connection."""
+    """Outcome of `Connect`: there is a new connection to the controller."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unreachable:
-    """Outcome of `Connect`: there is no connection, and why."""
+    """Outcome of `Connect`: there is no connection to the controller; `reason` says why."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class Late:
-    """No complete reply in time. The connection is lost."""
+    """The controller has sent no complete reply in time. The connection is lost."""
 
     request: object
 
 
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """The received bytes can't be a reply to `request` (None if no request was in flight). The connection
-    is lost.
+    """The received bytes can't be a reply to `request` (None if no request was waiting for its reply). The
+    connection is lost.
     """
 
     request: object
@@ -53,14 +57,16 @@ class Violation:
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """The other end closed the connection. `request` had no complete reply and may have been executed."""
+    """The controller has closed the connection. `request` had no complete reply and may have been
+    executed.
+    """
 
     request: object
 
 
 @dataclass(frozen=True, slots=True)
 class Keep:
-    """Store the value of a register, so that later runs begin with it.
+    """Store the value of a register of the program, so that later runs begin with it.
 
     Answered by None once the value is on the disk, or by the reason why it can't be stored (str).
     """
@@ -71,9 +77,9 @@ class Keep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Teach:
-    """Store the robot's place for later runs: its joint positions `joints` (n,) [rad or m].
+    """Store the robot's present position for later runs, from its joint positions `joints` (n,) [rad or m].
 
-    Answered by `Told` once the place is on the disk, or by the reason why it can't be stored (str).
+    Answered by `Told` once the position is on the disk, or by the reason why it can't be stored (str).
     """
 
     teaches: Literal["joints", "pose"]
@@ -83,18 +89,19 @@ class Teach:
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """The line of a program that declares a stored place."""
+    """The answer to `Teach`: the program line that declares the stored position."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replan:
-    """Replan and prove the rest of the program after an input has ended a motion, or the lines of an OFFSET.
+    """Plan and prove a part of the program again at run time.
 
-    Answered by `Replanned`, by the reason why it can't be done (str), or by None if the text runs without its
-    program. `begins` is when the searching motion, or the first motion of the OFFSET, begins [s of the
-    program]. `joints` (n,) is the robot's position [rad or m]. `values` are the values of the OFFSET's
+    This part is what follows a motion that an input has ended (a search), or the lines of an OFFSET. Answered
+    by `Replanned`, by the reason why planning fails (str), or by None if the controller text runs without its
+    program. `begins` is the program time at which the search motion, or the first motion of the OFFSET,
+    begins [s]. `joints` (n,) is the robot's position [rad or m]. `values` are the values of the OFFSET's
     registers, one for each of `SHIFTS`; None after a search.
     """
 
@@ -109,10 +116,11 @@ PROGRAM_UNKNOWN = "only the program says what follows, and the text was run with
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replanned:
-    """The replanned lines, streamed instead of the next legs, and their displacement.
+    """The replanned jobs, and the distance covered by a search.
 
-    `jobs` replace the next legs up to the first leg whose end doesn't depend on the search or the shift.
-    `length` is the distance that the frame of the searching line has moved [m].
+    `jobs` are streamed instead of the next legs, up to the first leg whose end position doesn't depend on the
+    search or the OFFSET. `length` is the distance of the moving frame, where the input has ended the search,
+    from the start of the search [m]; 0 for a joint motion and for an OFFSET.
     """
 
     jobs: tuple[Job, ...]
@@ -120,11 +128,11 @@ class Replanned:
 
 
 Action: TypeAlias = Any
-"""`Wait`, `Connect`, `Keep`, `Teach`, `Replan`, or a request of the controller's kind
-(`yarclang.runtime.scripts.Exchange`).
+"""What a script may yield: `Wait`, `Connect`, `Keep`, `Teach`, `Replan`, or a request of the controller's
+kind (`yarclang.runtime.scripts.Exchange`).
 """
 Outcome: TypeAlias = Any
-"""`Connected`, `Unreachable`, None after a wait, or the result of a request."""
+"""What a script receives: `Connected`, `Unreachable`, None after a wait, or the result of a request."""
 
 T = TypeVar("T")
 Script: TypeAlias = Generator[Action, Outcome, T]
@@ -132,22 +140,23 @@ Script: TypeAlias = Generator[Action, Outcome, T]
 
 
 class Lost(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The connection is no longer usable: a reply is late, the connection was closed, or it has delivered
-    something that can't be a reply.
+    """The connection can no longer be used: a reply is late, the connection was closed, or bytes have arrived
+    that can't be a reply.
     """
 
 
 class TooLate(Lost):
-    """The connection is lost because no complete reply came in time: the other end is slow, or has
-    stopped.
+    """The connection is lost because no complete reply came in time: the controller or the network is
+    slow, or has stopped.
     """
 
 
 class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
-    """The run can't continue.
+    """A fault after which the run can't continue.
 
-    `what` is wrong, and `remedy` is what to do about it. `code` is the code of the finding. `line` is the
-    number of the job's line (from 0) that the fault concerns, if it isn't the line that is being executed.
+    `what` is the fault in words, and `remedy` is what a person should do about it. `code` is the code of the
+    finding. `line` is the number of the job's line (from 0) that has the fault, if it isn't the line that is
+    being executed.
     """
 
     def __init__(self, what: str, remedy: str = "", code: str = "Y1601", line: int | None = None) -> None:
@@ -163,8 +172,8 @@ class Found(Exception):  # noqa: N818 - an event that scripts unwind for
 
 
 class Left(Exception):  # noqa: N818 - an event that scripts unwind for
-    """After an input has held the motion, a person has ordered the robot to leave: `way` names the program's
-    way out.
+    """Raised when a person resumes after an input has held the motion, and the robot is to retreat instead of
+    continuing: `way` is the name of the SUB that leads away.
     """
 
     def __init__(self, way: str) -> None:
@@ -173,7 +182,9 @@ class Left(Exception):  # noqa: N818 - an event that scripts unwind for
 
 
 class Stopped(Exception):  # noqa: N818 - an event that scripts unwind for
-    """A person has ended the run. If `abort` is True, the motors stop without regard to the path."""
+    """Raised when a person has ended the run. If `abort` is True, the motors stop at once, and may leave
+    the path.
+    """
 
     def __init__(self, abort: bool) -> None:
         super().__init__("aborted" if abort else "stopped")

@@ -1,5 +1,5 @@
-"""Results of the checks of a controller before anything moves: found and required values, and the remedy for
-each difference.
+"""Results of the checks of a controller before anything moves: the found value and the required value of each
+setting, and the remedy for each difference.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """The answer to one question."""
+    """The result of one check: the found and the required value of a setting or a state, and the verdict."""
 
     subject: str
     found: str
@@ -42,10 +42,10 @@ class Checked:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inspection:
-    """All results of an inspection.
+    """All results of an inspection of the controller.
 
-    `joints` (n,) [rad or m] is the commanded position of the robot, if it is known. `idle` is True if no
-    program runs.
+    `joints` (n,) [rad or m] is the commanded position of the robot; None if it isn't known. `idle` is True if
+    no program runs.
     """
 
     checked: tuple[Checked, ...]
@@ -54,5 +54,5 @@ class Inspection:
 
     @property
     def errors(self) -> tuple[Checked, ...]:
-        """Return the answers that prevent a program from being run."""
+        """Return the results that prevent a program from being run."""
         return tuple(one for one in self.checked if one.verdict == "error")

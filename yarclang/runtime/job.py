@@ -1,4 +1,6 @@
-"""A job for streaming: the lines of a program, their times, and the command to which each line belongs."""
+"""A job for streaming: the lines of a program, the time of each line, and the command to which each line
+belongs.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,10 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True)
 class JobCommand:
-    """A motion command and its time of execution, from `begins` to `ends` [s of the program].
+    """A motion command and its time of execution, from `begins` to `ends` [s of program time].
 
-    `clock` is the latest known time at which the command begins [s]. It differs from `begins`, which counts
-    both branches of a WHEN in sequence although only one is taken.
+    `clock` is the latest time at which the command begins, apart from waits of unknown length [s]. It differs
+    from `begins`, which counts both branches of each WHEN, one after the other, although only one is taken.
     """
 
     index: str
@@ -30,16 +32,16 @@ class JobCommand:
 
     @property
     def title(self) -> str:
-        """Return the label and name, such as `P0010 MOVEL_RPY_LSPB`, or the name alone."""
+        """Return the command's label and name, such as `P0010 MOVEL_RPY_LSPB`, or the name alone."""
         return f"{self.index} {self.name}" if self.index and self.index != "-" else self.name
 
 
 def clock_at(commands: Sequence[JobCommand], time: float) -> float:
-    """Return the latest known time at which a program reaches one of its times [s].
+    """Return the latest time [s] at which a run reaches a program time, apart from waits of unknown length.
 
     Args:
         commands: the motions of the program.
-        time: program time, which counts the branches of a WHEN in sequence [s].
+        time: program time, which counts both branches of each WHEN, one after the other [s].
     """
     command = next((one for one in commands if time <= one.ends), commands[-1] if commands else None)
     return time if command is None else time + command.clock - command.begins
@@ -47,8 +49,8 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """The barrier between two legs of a program. There the robot waits for an input or the operator, or
-    branches divide or join.
+    """The barrier between two legs of a program, which are streamed separately. There the robot waits for an
+    input or the operator, or branches of the program divide or join.
 
     `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
     `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
@@ -76,8 +78,8 @@ class Barrier:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The position of a leg in the program: `begun` is True if earlier legs were started; `leads_to`
-    is the title of the barrier at its end (empty if the leg ends the program).
+    """The position of a leg in its program. `begun` is True if legs before it were started; `leads_to` is the
+    title of the barrier at the leg's end (empty if the leg ends the program).
     """
 
     begun: bool
@@ -86,10 +88,12 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """The lines that are streamed up to a barrier, and the barrier at their end (None: the program's end).
+    """A leg of a program: the lines that are streamed up to a barrier, and the barrier at their end (None:
+    the program's end).
 
-    `job` is None if the leg has no lines. `ends` is when the leg ends [s of the job], and `clock` the latest
-    known time at which it ends.
+    `job` is None if the leg has no lines. `ends` is the time at which the leg ends [s of the job], counting
+    both branches of each WHEN, one after the other. `clock` is the latest time at which it ends, counting
+    only the longer branch of each WHEN passed before. Neither counts waits of unknown length.
     """
 
     job: Job | None
@@ -108,7 +112,8 @@ class Job:
         lines: lines of the motion that are sent to the controller, in order.
         times: (len(lines),) program time of each line [s]: the time at which the motion towards the line's
             point begins, or at which its dwell begins. A line that takes no time has the time of the next
-            line that takes some. Motions and dwells count, with the branches of a WHEN in sequence.
+            line that takes some. Program time counts motions and dwells,
+            and both branches of each WHEN, one after the other.
         commands: the motions, in order.
         start: (n,) position where the program starts [rad or m].
         end: (n,) position where the program ends [rad or m].
@@ -118,22 +123,25 @@ class Job:
         capacity: number of lines that surely fit into the controller's buffer.
         guarded: True if the controller itself holds the motion when this computer falls silent.
         text: the whole controller text.
-        source: the program's own text, or empty.
+        source: source text of the program, or empty.
         certificate: what was proved, as plain JSON text.
-        offset: program time at which this job begins, if it is a part of a program [s].
-        clock: latest known time at which this job begins, with both branches of a WHEN in parallel [s].
-        behind: known time [s] from the end of this leg to the end of the job, along the longest branches.
+        offset: program time at which this job begins, if it is only a part of a program [s].
+        clock: latest time at which this job begins apart from waits of unknown length, counting only the
+            longer branch of each WHEN passed before [s].
+        behind: time from the end of this leg to the end of the program along the longest branches, apart from
+            waits of unknown length [s].
         lasting: duration of the program, including the number of its waits.
         outputs: variables of outputs, and their values at any stop, hold or fault.
-        sets: lines that set a variable: row in `lines`, variable, value.
-        dwells: lines with a dwell: row in `lines`, duration [s].
-        legs: for a program with barriers, the parts that are streamed in sequence; else empty.
-        part: position in the program of a leg that is being performed; else None.
-        registers: for a program with barriers, the integers that the program keeps while it runs.
-        watches: inputs that hold the motion while they have a value.
+        sets: for each line that sets a variable: row in `lines`, variable, value.
+        dwells: for each line with a dwell: row in `lines`, duration [s].
+        legs: for a program with barriers, its parts between barriers, which are streamed in sequence; else
+            empty.
+        part: for the job of a leg that is being performed, its position in the program; else None.
+        registers: for a program with barriers, the integer variables of the program.
+        watches: inputs that hold the motion while they have a certain value.
         searches: for a program, the motions that inputs end.
         search: for a leg, the motion that an input ends.
-        own: additional data for the controller's kind.
+        own: additional data that only the controller's kind uses.
     """
 
     name: str
@@ -168,17 +176,17 @@ class Job:
 
     @property
     def lines_per_second(self) -> float:
-        """Return the largest number of lines per second that the job needs."""
+        """Return the largest number of lines per second that the controller executes during the job."""
         return 1.0 / self.segment
 
     @property
     def fits(self) -> bool:
-        """Return True if all lines are loaded before the job begins."""
+        """Return True if all lines fit into the controller's buffer, and are loaded before the job begins."""
         return len(self.lines) <= self.capacity
 
     @property
     def longest_dwell(self) -> float:
-        """Return the longest time that a line stands still [s]."""
+        """Return the duration of the longest dwell [s]; 0 if there is none."""
         return max((seconds for _, seconds in self.dwells), default=0.0)
 
     def time_of(self, executed: int) -> float:

@@ -30,25 +30,30 @@ from yarclang.runtime.outcome import Ended
 from yarclang.runtime.transports.promptness import shares_the_interpreter
 
 FOLDER = Path("yarc-runs")
-"""Folder of logs if none is given."""
+"""Folder of logs if the user names none."""
 
 FLUSH_EACH = 0.5
-"""Time between two flushes [s]. A process that is killed loses at most the messages of this time."""
+"""Time between two flushes of the log to its file [s]. A process that is killed loses at most the messages of
+this time.
+"""
 
 _LONGEST_CLOSE = 10.0
-"""Longest time to wait for a disk when closing [s]."""
+"""Longest time to wait for a slow disk when the log is closed [s]."""
 
 _LONGEST_STEM = 50
-"""Longest stem of a file name [characters]. With four bytes per character, a name may have 255 bytes."""
+"""Longest stem of the log's file name [characters]. With four bytes per character, a name may have 255
+bytes.
+"""
 
 
 class RunLog:
-    """The log of a run. `open` creates it; `take` accepts notices.
+    """The log of a run. `open` creates the file; `take` accepts the notices to be written.
 
     Attributes:
-        path: the file.
+        path: the log's file.
         failure: the reason why nothing can be written any more; None if there was no failure.
-        loss: what has happened to the file, known once the log is closed; empty if the file is still there.
+        loss: what has happened to the file (such as its removal), known once the log is closed; empty if the
+            file is still there.
     """
 
     def __init__(
@@ -101,7 +106,7 @@ class RunLog:
         anchor: Anchor | None = None,
         client: str = "",
     ) -> RunLog:
-        """Create a log and write everything that does not change.
+        """Create a log and write everything that does not change during the run.
 
         Args:
             place: the file; or a folder, for a new file named after the program and the time; None for
@@ -110,12 +115,12 @@ class RunLog:
             job: the whole program.
             address: address of the controller, for people.
             version: version of yarclang.
-            on_failure: called once, from another thread, with the reason, when nothing can be written any
-                more.
-            pace: pace of the session.
+            on_failure: function that is called once, from another thread, with the reason, when nothing can
+                be written any more.
+            pace: seconds on the session's clock per second on the wall clock.
             clock: time of the session [s]; None: the host's clock at the session's pace.
-            anchor: when the run starts; None: now. If given, `pace` and `clock` are ignored.
-            client: who ordered the first motion, for people; empty: not known.
+            anchor: start of the run on both clocks; None: now. If given, `pace` and `clock` are ignored.
+            client: name of the client who ordered the first motion, for people; empty: not known.
 
         Raises:
             OSError: the file can't be created or written. No file is left.
@@ -142,12 +147,12 @@ class RunLog:
             raise
 
     def take(self, notice: Notice) -> None:
-        """Log a notice. Returns at once."""
+        """Accept a notice to be written to the log. Returns at once."""
         self._put(notice)
 
     def begin(self, job: Job) -> None:
-        """Record that this job is performed from now on. It is the program again, a part of it, or the
-        approach to its start.
+        """Record that `job` is performed from now on: the whole program again, a part of it, or the approach
+        to its start.
         """
         self._put(Begun(job))
 
@@ -169,7 +174,7 @@ class RunLog:
 
     @property
     def remedy(self) -> str:
-        """Return the remedy for the problem."""
+        """Return what a person should do about `problem`."""
         return (
             "keep the folder of the log as it is during a run, or choose another one with --log PATH"
             if self.loss
@@ -177,7 +182,7 @@ class RunLog:
         )
 
     def close(self, ended: Ended | None = None) -> None:
-        """Write the rest of the log, and how the run has ended. May be called again, and after a failure."""
+        """Write the rest of the log, and the outcome of the run. May be called again, and after a failure."""
         if ended is not None:
             self._put(ended)
         self._queue.put(None)
@@ -270,7 +275,7 @@ class RunLog:
 
 
 def _create(place: Path | None, program: str, wall: int) -> tuple[Path, BinaryIO]:
-    """Create a new file."""
+    """Create a new file for a log."""
     if place is None or place.is_dir():
         stem = re.sub(r"[^\w.+-]+", "_", PurePath(program).stem).strip("_.")[:_LONGEST_STEM] or "program"
         started = datetime.fromtimestamp(wall / 1e9).astimezone()

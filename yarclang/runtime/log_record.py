@@ -1,7 +1,7 @@
 """Content of a run's log: its attachments, its channels, and the conversion of notices to messages. No I/O.
 
-The name of each number ends in its unit. Times `time_s` count from the log's start, in the clock of the
-notices.
+The name of each number in a message ends in its unit. Times `time_s` count from the log's start, in the clock
+of the notices.
 """
 
 from __future__ import annotations
@@ -29,11 +29,13 @@ FORMAT = "1"
 
 METADATA = "yarc run"
 PROGRAM, TEXT, CERTIFICATE, JOB = "program.yarc", "program.pmc", "certificate.json", "job.json"
-"""Names of the attachments."""
+"""Names of the log's attachments: the program, the controller text, the certificate, and facts about the
+job.
+"""
 
 _DIGITS = 7
-"""Decimals of joint positions [deg or mm] and of times [s]. They are far finer than an encoder count and the
-duration of an exchange.
+"""Decimals of joint positions [deg or mm] and of times [s] in the log: far finer than an encoder count and
+the duration of one exchange with the controller.
 """
 
 
@@ -73,7 +75,7 @@ Item: TypeAlias = Notice | Begun | Ordered | Ended
 
 
 class Record:
-    """The mapping from a run's notices to messages."""
+    """Writer of a log: converts notices of a run to MCAP messages."""
 
     def __init__(self, writer: Writer, job: Job, anchor: Anchor) -> None:
         self._writer = writer
@@ -86,8 +88,8 @@ class Record:
         self._shown = -math.inf
 
     def begin(self, facts: dict[str, str]) -> None:
-        """Write the header, the attachments, the channels, and the metadata: facts about the run, and known
-        facts about the job.
+        """Write the start of the log: the header, the metadata (facts about the run and its job), the
+        attachments, and the channels.
         """
         writer, job, wall = self._writer, self._job, self._anchor.wall
         writer.start()
@@ -153,7 +155,7 @@ class Record:
                 self._message("outcome", self._last, self._outcome(item))
 
     def _show(self, sample: Sample) -> None:
-        """Write the frames of the robot, unless they were written less than `EACH` ago."""
+        """Write the robot's frames, unless they were written less than `EACH` ago."""
         if not 0.0 <= sample.time - self._shown < EACH:
             self._shown = sample.time
             wall = self._anchor.wall_at(sample.time)
@@ -216,7 +218,7 @@ _COUNTS = {"type": "array", "items": _NUMBER}
 
 
 def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
-    """Return the properties of each topic's messages."""
+    """Return for each topic the JSON properties of its messages."""
     joints = {"type": "object", "properties": dict.fromkeys(_joint_keys(robot), _NUMBER)}
     return {
         "positions": {

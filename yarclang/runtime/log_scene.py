@@ -1,8 +1,8 @@
 """The robot in a run's log, as Foxglove shows it: its frames over time, and the bodies of its links.
 
 The messages follow Foxglove's schemas FrameTransforms and SceneUpdate. They repeat the content of other
-channels, so that viewers need no further file; yarclang itself doesn't read them. No I/O, except that mesh
-files are read.
+channels of the log, so that viewers need no further file; yarclang itself doesn't read these messages. No
+I/O, except that mesh files are read.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.transforms import quaternions
 
 TRANSFORMS, BODIES = "transforms", "robot"
-"""Topics of the frames and of the bodies."""
+"""Topics of the robot's frames and of its bodies in the log."""
 
 SCENE_TOPICS = frozenset({TRANSFORMS, BODIES})
 
@@ -56,7 +56,9 @@ class LoggedScene:
         self._names = ("B", *joints, "FLANGE")
 
     def transforms(self, wall: int, q: Array) -> dict[str, Any]:
-        """Return the frames at joint positions `q` (n,) [rad or m], at a time of the wall clock [ns]."""
+        """Return the message with the joint frames at joint positions `q` (n,) [rad or m], for a time of the
+        wall clock [ns].
+        """
         chain = self._robot.chain
         own = chain.kinematics
         moved = placements(chain.screws, q[None]) if own is None else own.placements(chain, q[None])
@@ -84,7 +86,8 @@ class LoggedScene:
         }
 
     def bodies(self, wall: int) -> dict[str, Any]:
-        """Return the bodies of links and mounted tools, each in the frame of the joint that moves it.
+        """Return the message with the bodies of links and mounted tools, each in the frame of the joint that
+        moves it.
 
         A mesh file is left out if it has changed, is too large, or can't be read by viewers.
         """
@@ -110,7 +113,7 @@ class LoggedScene:
 
 
 def _joint_frames(robot: Robot) -> Array:
-    """Return the frames (n + 1, 4, 4) of base and joints with all joints at zero [m].
+    """Return the frames of the base and of the joints with all joints at zero, as (n + 1, 4, 4) matrices [m].
 
     The origin of each frame is the point of the joint's axis nearest to {B}'s origin; for a sliding joint, it
     is the origin of the frame before.
@@ -148,8 +151,8 @@ def _entity(wall: int, name: str, frame: str) -> dict[str, Any]:
 def _primitives(
     shape: Shape, placed: Array, colour: tuple[float, float, float], remaining: int
 ) -> Iterable[tuple[str, dict[str, Any], int]]:
-    """Yield the primitives of a shape with their kinds, and the bytes of the mesh files that they contain. At
-    most `remaining` bytes may be used.
+    """Yield each Foxglove primitive of a shape: the name of its kind, its data, and the size of the mesh file
+    in it [bytes]. A mesh file larger than `remaining` bytes is left out.
     """
     common = {"pose": _pose(placed), "color": dict(zip("rgba", (*colour, 1.0), strict=True))}
     match shape:
@@ -184,7 +187,9 @@ def _primitives(
 
 
 def _content(mesh: Mesh, most: int) -> bytes | None:
-    """Return the bytes of a mesh file; None if it can't be read, has changed, or is larger than `most`."""
+    """Return the bytes of a mesh file; None if it can't be read, has changed, or has more than `most`
+    bytes.
+    """
     try:
         content = read_whole(mesh.path, most)
     except OSError:
@@ -225,7 +230,7 @@ def _list(items: dict[str, Any]) -> dict[str, Any]:
 
 
 def scene_schemas() -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return the name of Foxglove's schema, and a JSON schema, of each topic."""
+    """Return for each topic the name of Foxglove's schema, and a JSON schema."""
     instant = {"sec": {"type": "integer"}, "nsec": {"type": "integer", "minimum": 0, "maximum": 999_999_999}}
     time, duration = _object("time", **instant), _object("duration", **instant)
     vector = _object("foxglove.Vector3", **dict.fromkeys("xyz", _NUMBER))

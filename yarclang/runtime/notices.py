@@ -1,5 +1,5 @@
-"""Notices that a run sends to its listeners, and orders that it accepts. They are plain values; times are
-those of the host's clock [s].
+"""Notices that a run sends to its listeners, and orders that the run accepts. Both are plain values; times
+are those of the host's clock [s].
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """Values that the program accepts from outside while it waits.
+    """Values that the program accepts from other programs while it waits.
 
-    `number` counts the requests; `place` is the place of the command. `registers` may be filled, each within
-    `low` and `high`; a message must contain all of `needed`.
+    `number` counts the requests for values; `place` is the command at which the program waits. `registers`
+    may be filled, each within `low` and `high`; a message must contain all registers in `needed`.
     """
 
     number: int
@@ -38,7 +38,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class ValuesWanted:
-    """The program accepts values from outside from now on, or, if None, no longer."""
+    """Notice that the program accepts values from other programs from now on, or, if None, no longer."""
 
     time: float
     wanted: Wanted | None
@@ -46,10 +46,10 @@ class ValuesWanted:
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """The state has changed, and why.
+    """Notice that the state of the run has changed, with the reason.
 
-    If something went wrong, `code` is the finding and `remedy` what to do. If `asks` is set, the run
-    continues only after an answer to this question.
+    If something went wrong, `code` is the code of the finding and `remedy` what to do. If `asks` is set, the
+    run continues only after an answer to this question.
     """
 
     time: float
@@ -62,10 +62,11 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of the program: the known seconds done, the known seconds left at the present override, and
-    the current command.
+    """Progress of the program: `done` is the time of the motions and dwells so far [s], `left` the time of
+    those to come at the present override [s], and `command` the present command.
 
-    Motions and dwells count. If the program has branches, `done` and `left` follow the longer one.
+    If the program has branches, `done` and `left` follow the longer branch. Waits of unknown length don't
+    count.
     """
 
     time: float
@@ -77,7 +78,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Information in words. `begins_pass` is True if a loop begins its next pass."""
+    """Notice with information in words. `begins_pass` is True if a loop begins its next pass."""
 
     time: float
     text: str
@@ -87,8 +88,8 @@ class Remark:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """The robot stands at a command that waits for an input or the operator. The place in the program is
-    written as P0020(I=2)>P0010.
+    """Notice that the robot stands at a command that waits for an input or the operator. The command is
+    written as P0020, inside a loop or call as P0020(I=2)>P0010.
     """
 
     time: float
@@ -97,8 +98,10 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The rest of the program after a search, or the lines of an OFFSET, was planned and proved (`kind` names
-    which of the two). Holds its controller text, and its certificate as JSON.
+    """Notice that a part of the program was planned and proved at run time: what follows a search, or the
+    lines of an OFFSET (`kind`).
+
+    `text` is the controller text of this part, and `certificate` its certificate as JSON.
     """
 
     time: float
@@ -112,36 +115,36 @@ Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | ValuesWant
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Come to rest on the path, ready to continue."""
+    """Order to come to rest on the path, ready to continue."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """Continue after a hold; `answer` is the operator's answer, if a question was asked."""
+    """Order to continue after a hold; `answer` is the operator's answer, if a question was asked."""
 
     answer: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """Come to rest on the path and end the program."""
+    """Order to come to rest on the path and end the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Abort:
-    """Bring each motor to rest at once, off the path, and end the program."""
+    """Order to bring each motor to rest at once, off the path, and end the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """Set the override: `percent` of the programmed speed, 1 to 100."""
+    """Order to set the override: `percent` of the programmed speed, 1 to 100."""
 
     percent: float
 
 
 @dataclass(frozen=True, slots=True)
 class Fill:
-    """Set registers to values from outside, all at once; `client` is the sender.
+    """Set registers to values from other programs, all at once; `client` is the sender.
 
     The sender has checked that the values are wanted and in range.
     """
@@ -152,8 +155,8 @@ class Fill:
 
 @dataclass(frozen=True, slots=True)
 class Fail:
-    """Come to rest on the path and report a fault, because something outside has failed (for example, the log
-    can't be written).
+    """Order to come to rest on the path and to report a fault, because something outside the controller has
+    failed (for example, the log can't be written).
     """
 
     what: str

@@ -1,8 +1,8 @@
-"""State that all scripts of a run share, for any controller: its clock, its state, its orders and its
+"""State that all scripts of a run share, for any kind of controller: the run's clock, state, orders and
 notices. No I/O.
 
 The driver of a script sets `now` before each step. Orders wait here until the script handles them. The
-package of the controller's kind has the questions to the controller.
+questions to the controller are in the package of its kind.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ from yarclang.runtime.notices import (
 from yarclang.runtime.state import Event, State, after
 
 SILENCE = 0.4
-"""Longest silence of this computer before its controller holds [s]. It applies until the inspection has
-measured the link.
+"""Longest silence of this computer before its controller holds the motion [s]. It applies until the
+inspection has measured the connection.
 """
 
 URGENT = (Hold, Stop, Abort, Fail)
-"""Orders that are handled as soon as the reply in flight has come."""
+"""Orders that are handled as soon as the awaited reply has come."""
 
 LONGEST_SLEEP = 10.0
-"""Longest sleep of the process after which a motion may continue by itself [s]."""
+"""Longest time for which this process may be suspended so that a motion still continues by itself [s]."""
 
 POSITIONS_EACH = 0.04
 """Time between two position queries [s]: 25 Hz, unless someone wants them more often."""
 
 
 class Interrupted(Exception):  # noqa: N818 - an event that scripts unwind for
-    """An order that can't wait has come; the request was not sent."""
+    """Raised instead of sending a request when an urgent order of a person has come."""
 
 
 class MotorState(Protocol):
@@ -69,28 +69,28 @@ class Operation:
     """One run against one controller.
 
     Attributes:
-        state: see `yarclang.runtime.state`.
+        state: state of the run; see `yarclang.runtime.state`.
         orders: orders of people, oldest first.
         notices: notices to be sent, oldest first; the sender removes them.
         watch: kinds of orders that interrupt a script at its next request, so that a stop waits for at most
             one reply.
         override: requested override, 1 at 100 %; it stays from one job to the next.
-        longest_sleep: a jump of the clock by more than this [s] means that this process stood still.
+        longest_sleep: a jump of the clock by more than this [s] means that this process was suspended.
         slept: size of such a jump [s]; 0 once it was handled.
-        positions_each: time between two position queries [s], if the link allows.
-        silence: longest silence of this computer before its controller holds [s].
+        positions_each: time between two position queries [s], if the connection is fast enough.
+        silence: longest silence of this computer before its controller holds the motion [s].
         wanted_silence: the same time as chosen by a person [s]; None if nobody has chosen it.
-        slowest: slowest reply since the last inspection began [s].
+        slowest: duration of the slowest reply since the last inspection began [s].
         latest: duration of the last reply [s].
         motors: the motors' last reported states, in the robot's order.
         ahead: last count of lines in the controller's buffer; None if nothing is streamed.
         outputs: names of outputs, by their variables; only outputs with a name are listed.
         searches: True if a motor searches its home: no hold stops the search, only an abort.
-        wants: values that the program accepts from outside; None if it accepts none, or if they have come and
-            aren't handled yet.
+        wants: values that the program accepts from other programs; None if it accepts none, or if they have
+            come and aren't handled yet.
         asked_for: number of requests for values so far.
-        unattended: True if nobody is there to resume a hold that no person has ordered; such a hold ends
-            the run.
+        unattended: True if nobody is there to resume the motion after a hold that no person has ordered; such
+            a hold ends the run.
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -130,13 +130,13 @@ class Operation:
     def go(
         self, event: Event, reason: str = "", code: str = "", remedy: str = "", asks: Question | None = None
     ) -> None:
-        """Change the state according to the table, and report it.
+        """Change the state of the run according to the transition table, and report the new state.
 
         Args:
             event: the event that changes the state.
             reason: reason in words.
             code: code of the finding, if something went wrong.
-            remedy: what to do then.
+            remedy: what a person should do, if something went wrong.
             asks: question to the operator.
         """
         before, self.state = self.state, after(self.state, event)
@@ -154,13 +154,13 @@ class Operation:
         self.notices.append(Remark(self.now, text, warning, begins_pass))
 
     def want(self, wanted: Wanted | None) -> None:
-        """Accept values from outside from now on, or no longer (None)."""
+        """Accept values from other programs from now on, or no longer (None)."""
         if wanted is not None or self.wants is not None:
             self.wants = wanted
             self.notices.append(ValuesWanted(self.now, wanted))
 
     def give_way(self) -> None:
-        """Interrupt the script if an order in `watch` has come.
+        """Interrupt the script if a person has given an order of a kind in `watch`.
 
         Raises:
             Interrupted: there is such an order.

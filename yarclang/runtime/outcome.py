@@ -9,7 +9,9 @@ from yarclang.robot.model import Array
 
 @dataclass(frozen=True, slots=True)
 class Concerned:
-    """The command that a fault concerns: its place, name and source line in the controller's text."""
+    """The command that a fault concerns: its index in the program (such as P0020), its name, and its line in
+    the program's source, as the controller text states them.
+    """
 
     index: str
     name: str
@@ -18,11 +20,11 @@ class Concerned:
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Place of a command in the source: `file`, line and columns (from 1, the last one exclusive), and the
-    `text` of the line.
+    """Place of a command in the program's source: `file`, line and columns (from 1, the last one exclusive),
+    and the `text` of the line.
 
-    If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module, the
-    line is that of the call, and `note` names the module's line.
+    If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module of the
+    program, the line is that of the call, and `note` names the line in the module.
     """
 
     file: str = ""
@@ -39,17 +41,17 @@ class Ended:
 
     `what` is the reason if the run didn't end well, and `remedy` what to do. `joints` (n,) [rad or m] is the
     robot's commanded position (None if it isn't known), `command` the command that was executed, and `done`
-    the progress of the program [s], with the branches of a WHEN in sequence.
+    the progress of the program [s], counting both branches of each WHEN, one after the other.
 
     For a fault, `code` is the code of the finding, `concerns` the command, and `where` its place in the
     source, which callers that know the source fill in.
 
-    `ways` states for each passed WHEN, in order, if its first branch was taken. `barriers` counts the passed
-    barriers at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers`
-    are the names and values of registers. `finished` is True if the program has ended in one of its branches,
-    so that nothing after the branch is executed. `found` is True if an input has ended a motion early.
-    `leaves` names the way out by which the robot is to leave from its place on the path; empty if there is
-    none.
+    `ways` has, for each WHEN that the run has passed, in order, True if its first branch was taken.
+    `barriers` counts the passed barriers at which legs end, and `at_barrier` is True if the robot stands at
+    the next of these barriers. `registers` are the names and values of registers. `finished` is True if the
+    program has ended in one of its branches, so that nothing after the branch is executed. `found` is True if
+    an input has ended a motion early. `leaves` is the name of the SUB by which the robot is to retreat from
+    its place on the path; empty if it isn't to retreat.
     """
 
     well: bool
@@ -73,7 +75,7 @@ class Ended:
 
     @property
     def reached(self) -> float:
-        """Return the latest known time at which a run reaches its progress [s], with both branches of a WHEN
-        in parallel, as reported to people.
+        """Return the latest time at which a run reaches `done`, as reported to people [s]: counting only
+        the longer branch of each WHEN passed before, and without waits of unknown length.
         """
         return self.done if self.clock is None else self.clock

@@ -10,12 +10,12 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """The position of a robot: `actual` and `following` (n,) [counts] of its motors, at `time` [s] of the
-    host's clock.
+    """The position of a robot at one time: `actual` positions and `following` errors (n,) of its motors
+    [counts], at `time` on the host's clock [s].
 
     `program_time` [s] is the progress of the program. It is computed from the lines in the buffer, and so
-    accurate to a segment or two. It counts the branches of a WHEN in sequence; `clock` [s] counts them in
-    parallel (None: there are no branches).
+    accurate to a segment or two. It counts both branches of each WHEN, one after the other; `clock` [s]
+    counts only the longer branch of each WHEN passed before (None: there are no branches).
     """
 
     time: float
@@ -26,8 +26,8 @@ class Sample:
 
     @property
     def reached(self) -> float:
-        """Return the progress of the program [s], with both branches of a WHEN in parallel, as reported to
-        people.
+        """Return the progress of the program [s], counting only the longer branch of each WHEN passed before,
+        as reported to people.
         """
         return self.program_time if self.clock is None else self.clock
 

@@ -1,5 +1,5 @@
-"""The interface of a kind of controller: how bytes are exchanged with it, and the scripts that inspect it,
-move its robot and bring it to rest.
+"""The interface of a kind of controller: how bytes are exchanged with the controller, and the scripts that
+inspect it, move its robot and bring the robot to rest.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from yarclang.runtime.outcome import Ended
 
 
 class Exchange(Protocol):
-    """One connection, without a socket and without a clock: requests become bytes, and received bytes become
-    events.
+    """One connection to a controller, without a socket and without a clock: requests become bytes, and
+    received bytes become events.
 
-    One request is in flight at a time. Times are in s, on any clock that only goes forward.
+    One request waits for its reply at a time. Times are in s, on any clock that only goes forward.
     """
 
     @property
@@ -32,7 +32,7 @@ class Exchange(Protocol):
 
     @property
     def deadline(self) -> float | None:
-        """Return the time at which `check` is due [s]; None if no request is in flight."""
+        """Return the time at which `check` is due [s]; None if no request waits for its reply."""
 
     def send(self, request: Any, now: float, timeout: float) -> bytes:
         """Begin a request.
@@ -40,7 +40,7 @@ class Exchange(Protocol):
         Args:
             request: the request.
             now: the time [s].
-            timeout: longest wait for each part of its answer [s].
+            timeout: longest time to wait for each part of the reply [s].
 
         Returns:
             All bytes to send now.
@@ -61,7 +61,7 @@ class Exchange(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """The speed of the link, in sentences, and as numbers with units in their names."""
+    """The measured speed of the connection, in sentences, and as numbers with units in their names."""
 
     lines: tuple[str, ...]
     values: Mapping[str, Any]
@@ -69,8 +69,8 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class JointPlace:
-    """The position of a joint, in `unit`: `commanded`, and `actual` as computed by the controller, or None if
-    the controller can't be asked for it.
+    """The position of a joint, in `unit`: `commanded`, and `actual` as computed by the controller (None if
+    the controller refuses this question).
     """
 
     name: str
@@ -81,8 +81,8 @@ class JointPlace:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """The state of a controller: its kind, the state of the program, its pace [%], the guard as a value and
-    in words, and each motor in words.
+    """The state of a controller, as shown to people: its kind, the state of its program, the override [%],
+    the state of the guard as a value and in words, each motor's state in words, and the joint positions.
     """
 
     kind: str
@@ -120,8 +120,8 @@ class HomeSearch:
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """Number of settings lines that were sent, and total number of lines. If sending ended early, also the
-    reason (else empty) and what to do.
+    """Result of sending settings: the number of lines that were sent, and of all lines. If sending ended
+    early, also the reason (else empty) and what to do.
     """
 
     sent: int
@@ -132,14 +132,14 @@ class Sent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Services:
-    """Scripts that prepare a controller, at rest.
+    """Scripts that prepare a controller while its robot is at rest.
 
     Attributes:
         enable: closes the open loops of motors; returns the remaining problem in words.
         disable: opens all loops; returns the remaining problem in words.
         searches: returns the expected effects of home searches.
         home: lets a motor search its home.
-        end_search: ends a search that no script watches.
+        end_search: ends a home search that no script supervises any more.
         check_open: raises `Trouble` if settings may not be sent.
         send: sends settings, line by line.
         save: stores the settings in the controller.
@@ -159,7 +159,7 @@ class EndWhatRuns(Protocol):
     """Script that ends everything that a controller does, without a job of this process."""
 
     def __call__(self, operation: Any, robot: Robot, /, *, abort: bool) -> Script[Array | None]:
-        """Hold or abort the motion, and end the program at rest.
+        """Hold or abort the motion, and end the program at rest, whoever has started them.
 
         Returns:
             The robot's joint positions (n,) [rad or m]; None if they aren't known.
@@ -192,18 +192,18 @@ class Scripts:
             trusted any more.
         connect: makes a connection, and sets the format of its answers.
         look: checks everything that must be true before a motion; nothing moves.
-        idle: reports the robot's position, until something is wanted.
-        stands_at: returns the commanded position (n,) [rad or m].
+        idle: reports the robot's position, until something else is to be done.
+        stands_at: returns the commanded joint positions (n,) [rad or m].
         perform: performs a job, to its end or to rest.
-        perform_live: performs a live motion; None: the kind has none.
-        end_leftovers: ends a program that was interrupted in the middle, with the robot at its place; returns
-            True if there was one.
+        perform_live: performs a live motion; None: the kind has no such script.
+        end_leftovers: ends a program that was left unfinished on the controller, where the robot stands;
+            returns True if there was one.
         end_what_runs: see `EndWhatRuns`.
         picture: returns the controller's state without disturbing its work.
         patience: longest time that a controller may be busy without a fault [s].
-        read: returns the values of variables; None: the kind has none.
-        write: sets a variable, at rest; None: the kind has none.
-        measured: measures the link; None: not measured.
+        read: returns the values of variables; None: the kind has no such script.
+        write: sets a variable, at rest; None: the kind has no such script.
+        measured: measures the connection; None: the kind has no such script.
         services: scripts that prepare a controller; None: the kind has none.
     """
 
@@ -230,7 +230,7 @@ def scripts_of(kind: str = DEFAULT) -> Scripts:
     """Return the scripts of a kind of controller.
 
     Raises:
-        KeyError: there is no such kind.
+        KeyError: there is no kind of this name.
     """
     found: Scripts = import_module(module_of(kind)).BACKEND.scripts()
     return found

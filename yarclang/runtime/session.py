@@ -34,11 +34,11 @@ from yarclang.runtime.transports.tcp import Wire, connect
 T = TypeVar("T")
 Listener = Callable[[Notice], None]
 Connector = Callable[[str, int, float], Awaitable[Wire]]
-"""Opens a connection to a host and a port, within a time [s]."""
+"""Function that opens a connection to a host and a port, within a time [s]."""
 
 
 class Leash(Protocol):
-    """The clock of a simulator in this process. The simulator waits for its session
+    """The clock of a simulator in this process, whose time waits for the session that uses the simulator
     (`yarclang.simulator.network.leash`).
 
     Attributes:
@@ -52,15 +52,15 @@ class Leash(Protocol):
 
 
 _EXCHANGE = 0.02
-"""Longest step of a leashed simulator between two steps of a script, in addition to the time for which the
-script waits [s].
+"""Longest step of the time of a leashed simulator between two steps of a script, in addition to the time for
+which the script waits [s].
 
 In the longest sequence of questions between two restarts of the watchdog, these steps add up to less than
 half of the watchdog's time.
 """
 
 REPLY_TIME = 1.0
-"""Longest time for a reply [s]; a later reply is lost."""
+"""Longest time for a reply [s]; if it takes longer, the connection is lost."""
 
 _TURN = 0.005
 
@@ -75,25 +75,25 @@ CONNECT_TIME = 5.0
 
 
 class Session:
-    """One controller, and one script at a time.
+    """The use of one controller: runs one script at a time.
 
     Args:
         host: name or address of the controller.
         port: port of the controller.
         reply_time: longest time for a reply [s].
         pace: seconds of the controller per second: 1, except for a simulator.
-        connector: makes connections; TCP, except for a controller in this process.
+        connector: function that makes connections: by TCP, except for a controller in this process.
         leash: clock of a simulator that waits for this session, and which is then the session's clock, too;
             None if the controller doesn't wait for the session.
         scripts: scripts of the controller's kind; None: those of the default kind of a robot.toml.
 
     Attributes:
-        keeper: stores the value of a register for later runs; raises OSError if it can't. None: nothing is
-            stored.
-        teacher: stores a place, and returns the line that declares it; raises OSError if it can't. None:
-            places can't be stored here.
-        replanner: plans the rest after a search, from where the search has ended; None: the program isn't
-            known here.
+        keeper: function that stores the value of a register for later runs; raises OSError if it can't. None:
+            nothing is stored.
+        teacher: function that stores a robot position, and returns the program line that declares it; raises
+            OSError if it can't. None: positions can't be stored here.
+        replanner: function that plans what follows a search, or the lines of an OFFSET; None: the program
+            isn't known here.
     """
 
     def __init__(
@@ -139,13 +139,13 @@ class Session:
         self.wake()
 
     def wake(self) -> None:
-        """End the wait of the running script, because something has changed. Does nothing if the script
-        isn't waiting.
+        """End the wait of the running script, because something outside of it has changed. Does nothing if
+        the script isn't waiting.
         """
         self._woken.set()
 
     async def perform(self, script: Script[T]) -> T:
-        """Run a script.
+        """Run a script to its end: execute the actions that it yields, and send their outcomes back to it.
 
         Returns:
             The script's result.
@@ -183,7 +183,7 @@ class Session:
             self._allow(None)
 
     async def order_given(self, kind: type[Order]) -> None:
-        """Wait, with nothing moving, until an order of this kind is given. A stop or an abort also ends the
+        """Wait, with nothing moving, until an order of a given kind comes. A stop or an abort also ends the
         wait, and stays in the queue.
         """
         orders = self.operation.orders
@@ -194,17 +194,18 @@ class Session:
             orders.clear()
 
     def close(self) -> None:
-        """Close the connection. If something still moves, hold it."""
+        """Close the connection. If something still moves, hold the motion before."""
         if self._wire is not None:
             self._last_words()
             self._wire.close()
             self._wire = None
 
     def now(self) -> float:
-        """Return the host's clock at the controller's pace [s]; with a leashed simulator, the simulator's
-        time.
+        """Return the session's time: the host's clock at the controller's pace [s], or with a leashed
+        simulator, the simulator's time.
 
-        The time during which this process was prevented from working does not count.
+        A leashed simulator's time doesn't include the time during which this process was prevented from
+        working.
         """
         return self._passed() if self._leash is None else self._leash.now()
 
@@ -215,16 +216,15 @@ class Session:
         return asyncio.get_running_loop().time() * self.pace
 
     def _step(self) -> float:
-        """Return the time of a script's next step [s].
-
-        Until the following step, a leashed simulator advances by no more than `_EXCHANGE`.
+        """Return the time of a script's next step [s], and let a leashed simulator run until `_EXCHANGE`
+        after it.
         """
         now = self.now()
         self._allow(now + _EXCHANGE)
         return now
 
     def _allow(self, until: float | None) -> None:
-        """Let a leashed simulator run until a time [s], or without a leash (None)."""
+        """Let a leashed simulator run until a time [s], or without limit (None)."""
         if self._leash is not None:
             self._leash.until = until
 
@@ -264,7 +264,9 @@ class Session:
                 await self._woken.wait()
 
     async def _keep(self, register: str, value: int) -> Outcome:
-        """Store a register's value. A disk may be slow; everything else continues meanwhile."""
+        """Store a register's value for later runs. A disk may be slow; everything else continues
+        meanwhile.
+        """
         if self.keeper is None:
             return None
         try:
@@ -274,7 +276,7 @@ class Session:
         return None
 
     async def _teach(self, request: Teach) -> Outcome:
-        """Store a place. A disk may be slow; everything else continues meanwhile."""
+        """Store a robot position for later runs. A disk may be slow; everything else continues meanwhile."""
         if self.teacher is None:
             return "places are kept for programs in files"
         try:
@@ -283,8 +285,8 @@ class Session:
             return str(error)
 
     async def _replan(self, request: Replan) -> Outcome:
-        """Have an OFFSET, or the rest after a search, planned. The robot stands, and everything else
-        continues meanwhile.
+        """Have a part of the program planned: the lines of an OFFSET, or what follows a search. The robot
+        stands meanwhile; everything else continues.
         """
         if self.replanner is None:
             return None
@@ -336,8 +338,8 @@ class Session:
         return event
 
     def _last_words(self) -> None:
-        """Send the last bytes on a connection whose replies can't be trusted: a hold, or an abort if an abort
-        was ordered.
+        """Send a hold, or an abort if one was ordered, on a connection whose replies can't be trusted and
+        which is no longer used afterwards. Does nothing if no motion is in progress.
         """
         operation = self.operation
         if self._wire is None or not (operation.searches or operation.state in (State.MOVE, State.HOLD)):

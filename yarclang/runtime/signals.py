@@ -10,8 +10,8 @@ from typing import TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class OutputSet:
-    """The program has set an output. The notice is sent once the controller has taken the line with the
-    assignment, up to 50 ms later.
+    """Notice that the program has set an output. It is sent once the controller has executed the line with
+    the assignment, up to 50 ms later.
     """
 
     time: float
@@ -22,8 +22,8 @@ class OutputSet:
 
 @dataclass(frozen=True, slots=True)
 class WaitBegan:
-    """The robot stands at a WAIT, at `place` in the program. The input should become `wanted`; its value
-    is `value`.
+    """Notice that the robot stands at a WAIT, at `place` in the program. The WAIT ends when the input's
+    value, which is `value` now, is `wanted`.
     """
 
     time: float
@@ -36,8 +36,8 @@ class WaitBegan:
 
 @dataclass(frozen=True, slots=True)
 class WaitEnded:
-    """A WAIT is over, after `waited` [s]. If `met`, the input has the wanted value; otherwise the time of the
-    WAIT is over.
+    """Notice that a WAIT is over, after `waited` [s]. If `met`, the input has the wanted value; otherwise the
+    time limit of the WAIT is over.
     """
 
     time: float
@@ -51,7 +51,7 @@ class WaitEnded:
 
 @dataclass(frozen=True, slots=True)
 class InputChanged:
-    """An input of a simulated robot has changed. `cause` is script, sensor or hand."""
+    """Notice that an input of a simulated robot has changed. `cause` is script, sensor or hand."""
 
     time: float
     name: str
@@ -64,12 +64,12 @@ Signal: TypeAlias = OutputSet | WaitBegan | WaitEnded | InputChanged
 
 
 def state_text(value: float) -> str:
-    """Return ON, OFF or the number."""
+    """Return the value of an input or output in words: ON, OFF or the number."""
     return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:.15g}")
 
 
 def signal_text(signal: Signal) -> str:
-    """Return a signal in words.
+    """Return a notice about a signal in words.
 
     The start of a wait gives an empty text, since the notice at its end contains everything.
     """

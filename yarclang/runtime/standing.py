@@ -9,7 +9,8 @@ from yarclang.runtime.job import Job
 
 
 def off_the_start(job: Job, joints: Array) -> str:
-    """Return the distance of each joint from a job's start, in words; empty if all joints are near enough.
+    """Return the distance of each joint from a job's start, in words; empty if all joints are near enough to
+    it.
 
     Args:
         job: the job.

@@ -13,8 +13,8 @@ class State(Enum):
     """The state of the robot in a run; the value is the text for people."""
 
     DISCONNECTED = "disconnected"
-    """No connection: the controller works on its own, and its guard holds a motion that gets no more
-    lines.
+    """No connection. The controller works without this process; if the buffer gets no more lines, the
+    controller's guard holds the motion.
     """
     STOP = "stop"
     """Connected, without a motion of this process: the controller is being inspected, or is idle."""
@@ -25,11 +25,13 @@ class State(Enum):
     HOLD = "hold"
     """Held on the path; the motion can continue."""
     FAULT = "fault"
-    """Something went wrong: the program is ended, and nothing moves before a person has looked."""
+    """Something went wrong: the program is ended, and nothing moves before a person has looked at the
+    robot.
+    """
 
 
 class Event(Enum):
-    """Event that changes the state."""
+    """Event that changes the state of a run."""
 
     CONNECTED = "connected"
     LOAD = "load"
@@ -100,7 +102,7 @@ class TransitionError(RuntimeError):
 
 
 def after(state: State, event: Event) -> State:
-    """Return the state after an event.
+    """Return the state that follows a state after an event.
 
     Raises:
         TransitionError: the table has no such transition.

@@ -1,4 +1,6 @@
-"""Values from outside: checks of a message before any of its values is put into a register. No I/O."""
+"""Checks of a message with values for registers from other programs, before any of its values is put into a
+register. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +12,8 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Wanted
 
 NOT_WANTED, OUT_OF_RANGE, NOT_UNDERSTOOD = "Y1661", "Y1662", "Y1663"
-"""Codes for values that come early, late or again; for a value out of its register's range; and for an entry
-that isn't a register's value.
+"""Codes of the reasons to refuse a message: its values come early, late or again; a value is out of its
+register's range; an entry isn't a register's value.
 """
 
 _SHOWN = 60
@@ -31,7 +33,8 @@ def range_text(wanted: Wanted) -> str:
 def checked_values(
     wanted: Wanted | None, number: int | None, values: Mapping[str, Any]
 ) -> tuple[tuple[str, int], ...]:
-    """Return the values of a message by their registers, in the order of the message.
+    """Check a message with values for registers, and return its values by their registers, in the order of
+    the message.
 
     Args:
         wanted: values that the program accepts; None: none.

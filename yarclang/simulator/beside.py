@@ -14,12 +14,12 @@ _SYSTEM = 1
 
 
 class Beside:
-    """Access to a simulated controller for the machines around its robot.
+    """Access to the registers of a simulated controller for the machines around its robot.
 
     It implements `yarclang.simulated_cell.playing.SimulatedController`.
 
     Args:
-        machine: the controller.
+        machine: the simulated controller.
     """
 
     def __init__(self, machine: Machine) -> None:

@@ -18,18 +18,18 @@ _LARGEST = 8_388_607
 
 
 def commissioned(robot: Robot, settings: str, *, record: Recorder | None = None) -> Machine:
-    """Return a machine that is ready to move a robot.
+    """Return a simulated controller that is ready to move a robot.
 
     Its settings are loaded and saved, its PLCs are enabled, and its motors are activated, closed-loop and
     homed, at the robot's HOME.
 
     Args:
-        robot: the robot of the controller.
+        robot: the robot that the controller moves.
         settings: the output of `yarc settings`.
         record: records the motions.
 
     Raises:
-        ValueError: if the machine refuses a line of the settings.
+        ValueError: if the controller refuses a line of the settings.
     """
     machine = Machine(record=record)
     for motor, velocity in zip(robot.controller.motors, robot.actuation.velocity, strict=True):
@@ -57,7 +57,9 @@ def fatal_limit(velocity: float) -> int:
 
 
 def stand(machine: Machine, robot: Robot, q: Array) -> None:
-    """Place the motors of a machine at joint values `q` (n,) [rad or m], closed-loop and homed."""
+    """Place the motors of a simulated controller at joint values `q` (n,) [rad or m], closed-loop and
+    homed.
+    """
     for motor, counts in zip(robot.controller.motors, to_counts(robot, q), strict=True):
         found = machine.motors[motor]
         found.hold(machine.now)

@@ -1,4 +1,4 @@
-"""Faults that are injected on purpose between a program and a robot, and their notation.
+"""Faults of the controller and of its connection that are injected on purpose, and their notation.
 
     drop@12.5            close all connections after 12.5 s of the machine's time
     freeze@3:2           answer nothing from 3 s on, for 2 s (without :2 for ever)
@@ -29,7 +29,9 @@ MOTORS = 32
 """Number of motors of a Turbo PMAC."""
 
 HELD_BACK = 100_000.0
-"""Distance by which `following` displaces a motor [counts]: well beyond any sensible error limit."""
+"""Distance by which the fault `following` displaces a motor [counts]: well beyond any sensible error
+limit.
+"""
 
 Kind: TypeAlias = Literal[
     "drop", "freeze", "slow", "garble", "busy", "reset", "following", "limit", "amplifier"
@@ -58,15 +60,15 @@ class When:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One fault.
+    """One injected fault. Attributes that don't apply to its kind have no effect.
 
     Attributes:
-        kind: its kind.
-        when: its start.
-        seconds: duration (freeze, busy) or least delay (slow) [s].
-        most: largest delay (slow) [s].
-        share: share of the replies that are spoiled (garble).
-        motor: the motor (following, limit, amplifier).
+        kind: name of the fault, as in the notation.
+        when: start of the fault.
+        seconds: duration (freeze, busy) or least delay of a reply (slow) [s].
+        most: largest delay of a reply (slow) [s].
+        share: share of the replies that get a wrong byte (garble).
+        motor: number of the motor (following, limit, amplifier).
         side: +1 or -1, the limit switch of the motor (limit).
         counts: distance of the motor from its commanded position (following) [counts].
         text: the fault as it was written.
@@ -88,10 +90,10 @@ _SIDES = {"+": 1, "-": -1}
 
 
 def parse_fault(text: str) -> Fault:
-    """Parse a fault.
+    """Parse the notation of a fault, such as `drop@12.5`.
 
     Raises:
-        ValueError: if the text isn't a fault; the message says why.
+        ValueError: the text isn't a fault; the message says why.
     """
     shape = _SHAPE.fullmatch(text.strip().lower())
     if shape is None:
@@ -135,14 +137,14 @@ _READERS: dict[str, tuple[bool, str, re.Pattern[str]]] = {
 
 
 class Troubles:
-    """The faults of one session. This object injects them into the machine when they are due, and spoils
-    replies.
+    """The faults of one session. This object injects faults into the simulated controller when they are due,
+    and delays or garbles replies.
 
     Args:
-        machine: the machine, whose time is advanced by this object.
+        machine: the controller, whose time is advanced by this object.
         faults: the faults to inject.
         seed: equal seeds give equal delays and equal wrong bytes.
-        tell: called with a line of text for each fault that begins.
+        tell: function that is called with a line of text for each fault that begins.
     """
 
     def __init__(
@@ -169,7 +171,7 @@ class Troubles:
         return self._machine.now
 
     def advance(self, seconds: float) -> None:
-        """Advance the machine's time [s]. Faults that become due on the way begin at their exact times."""
+        """Advance the controller's time [s]. Faults that become due meanwhile begin at their exact times."""
         end = self.now + seconds
         while self._ahead:
             times = [fault.when.seconds for fault in self._ahead if fault.when.seconds is not None]
@@ -197,7 +199,7 @@ class Troubles:
 
     @property
     def frozen(self) -> bool:
-        """True if the machine doesn't answer anything now."""
+        """True if a fault keeps the controller from answering anything now."""
         return any(self._lasts("freeze"))
 
     @property

@@ -30,7 +30,7 @@ _MOST_WORDS = 1000
 
 
 class Companion(Protocol):
-    """A machine outside of the controller that runs in the controller's time, such as those around the
+    """A machine outside of the controller that runs in the controller's time, such as a machine around the
     robot.
     """
 
@@ -54,7 +54,8 @@ class Machine:
     Attributes:
         record: records the motions; None for no recording.
         variables: variables and memory.
-        under_way: motors with a motion of their own, outside a coordinate system's program, by number.
+        under_way: motors that jog, search their home or abort, outside a coordinate system's program, by
+            number.
         motors: by number, 1 to 32.
         systems: coordinate systems by number, 1 to 16.
         ports: ports by number.
@@ -62,7 +63,8 @@ class Machine:
         buffers: PROG, PLC and rotary buffers.
         programs: PROG buffers by number.
         background: interpreter of the lines that programs send (CMD).
-        unknown_words: number of uses of each word that programs skipped, in the order of first use.
+        unknown_words: for each word of programs that the simulator skips, how often it was met, in the order
+            of first use.
         companions: machines outside of the controller that run in its time.
     """
 
@@ -190,8 +192,8 @@ class Machine:
     # for programs
 
     def say(self, text: str) -> None:
-        """Execute SEND: send a text to every port (assumed; a controller sends it to the port that SEND
-        names).
+        """Execute SEND: send a text to every port of the controller (assumed; a real controller sends it only
+        to the port that SEND names).
         """
         for messages in self._messages.values():
             messages.append(text)
@@ -201,8 +203,8 @@ class Machine:
 
         Args:
             text: the line.
-            system: the coordinate system that the line addresses.
-            motor: the motor that the line addresses.
+            system: number of the coordinate system that the line addresses.
+            motor: number of the motor that the line addresses.
         """
         self.background.put(text, system, motor)
 
@@ -231,7 +233,9 @@ class Machine:
                 self.record.stands(self._now, motor.number, motor.stand)
 
     def defined(self) -> None:
-        """Update the coordinate systems in use after a change of axis definitions: those with motors."""
+        """Update the list of coordinate systems in use (those with motors) after a change of axis
+        definitions.
+        """
         self._used = tuple(system for system in self.systems.values() if system.motors)
 
     def system_of(self, motor: Motor) -> CoordinateSystem | None:
@@ -263,18 +267,18 @@ class Machine:
         self.motors[motor].amplifier_fault = False
 
     def set_limit_switch(self, motor: int, side: int, on: bool) -> None:
-        """Set the state of a limit switch of a motor. Ixx24 bit 17 disables the switches.
+        """Set the state of a limit switch of a motor. If Ixx24 bit 17 disables the switches, it stays off.
 
         Args:
-            motor: its number.
-            side: +1 or -1.
+            motor: number of the motor.
+            side: +1 or -1, the positive or the negative switch.
             on: True if the switch is hit.
         """
         trips.switch(self.motors[motor], side, on)
         trips.look(self, self.motors[motor])
 
     def disturb(self, motor: int, counts: float) -> None:
-        """Hold a motor a number of counts away from its commanded position. This causes a following error."""
+        """Keep a motor a number of counts away from its commanded position. This causes a following error."""
         self.motors[motor].disturbance = counts
         trips.look(self, self.motors[motor])
 
@@ -311,14 +315,14 @@ class Machine:
     # for observers
 
     def positions(self, times: Array | None = None, motors: Sequence[int] | None = None) -> Array:
-        """Return commanded positions of motors [counts].
+        """Return commanded positions of motors [counts], now or in the past.
 
         Args:
             times: (N,) [s], between the start of the recording and now; they need a recorder. None for now.
-            motors: their numbers; None for all motors with an axis.
+            motors: numbers of the motors; None for all motors with an axis.
 
         Returns:
-            (len(motors),), or (N, len(motors)) for `times`.
+            The positions as (len(motors),), or as (N, len(motors)) for `times`.
 
         Raises:
             ValueError: for times in the future, or for times without a recorder.

@@ -1,5 +1,5 @@
-"""Questions to the controller at a barrier, and the values that are computed from the answers. Each input is
-read once; groups are read until they are stable. No I/O.
+"""Questions to the controller at a barrier of the program, and the values that are computed from the answers.
+Each input is read once; groups of inputs are read until two readings agree. No I/O.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ _UNSTEADY = 1.0
 
 
 def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
-    """Read the inputs of a value once each, and groups until they are stable.
+    """Read each input on which a value depends once, and each group of inputs until two readings agree.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         barrier: the barrier at which the robot stands.
-        value: the value whose inputs are read.
+        value: the value (such as a condition) whose inputs are read.
 
     Returns:
-        The numbers, by the variables of the inputs and the names of groups.
+        The numbers that were read, by the controller variables of the inputs and the names of groups.
     """
     readings: dict[str, float] = {}
     for one in inputs_of(value):
@@ -48,11 +48,12 @@ def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[
 
 
 def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[float]:
-    """Read the bits of a group as one number.
+    """Read the bits of a group of inputs as one number.
 
     All bits are asked for in one question, but a PLC may change some of them while the controller answers, or
-    change them in different cycles. A number therefore counts only if a second read, `LOOK` later, returns
-    the same number. Orders stay in their queue meanwhile: a HOLD then applies to the motion that follows.
+    change them in different cycles. A number therefore counts only if a second reading, `LOOK` later, gives
+    the same number. Orders of people stay in their queue meanwhile: a HOLD then applies to the motion that
+    follows.
     """
     bits, since = bits_of(group), operation.now
     before: tuple[float, ...] | None = None
@@ -80,12 +81,12 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
 
 
 def said_of(variable: str, value: float) -> str:
-    """Return the value of an input, as people read it."""
+    """Return the value of an input in words."""
     return f"{value:.0f}" if is_group(variable) else state_text(value)
 
 
 def known_of(condition: Value, held: Held) -> str:
-    """Return the values that the registers and inputs of a condition had."""
+    """Return in words the values of the registers and inputs with which a condition was evaluated."""
     comparisons = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
     comparisons += [
         f"{shown_variable(one.variable)} is {said_of(one.variable, held.inputs[one.variable])}"
@@ -95,11 +96,11 @@ def known_of(condition: Value, held: Held) -> str:
 
 
 def value_of(barrier: Barrier, value: Value, held: Held) -> float:
-    """Compute a value from the values that were read last.
+    """Compute a value from the inputs and registers that were read last.
 
     Args:
         barrier: the barrier to which the value belongs.
-        value: the value.
+        value: the expression to be computed.
         held: registers and inputs of the run.
 
     Raises:

@@ -17,10 +17,11 @@ from yarclang.runtime.signals import OutputSet
 
 
 def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Assign the value to a register or an output. End the run if the value is out of range.
+    """Compute the value of an assignment, and give it to a register or an output. End the run if it is out of
+    range.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: the program with its registers.
         barrier: the `set` to carry out.
         held: registers and inputs of the run.
@@ -46,7 +47,7 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
 
 
 def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
-    """Store the value of a KEPT register for later runs.
+    """Store the value of a KEPT register for later runs; other registers aren't stored.
 
     The robot stands still until the value is on the disk; only then does the assignment count.
 

@@ -1,4 +1,5 @@
-"""The path of the controller's lines, and the distance of the motors' commanded positions from it. No I/O.
+"""The path of the lines that were sent to the controller, and the distance of the motors' commanded positions
+from this path. No I/O.
 
 Lines can't be read back from a rotary buffer. The positions that the controller computes from its lines are
 therefore compared with the points that were sent: the commanded positions are the actual positions plus the
@@ -21,21 +22,23 @@ from yarclang.runtime.pmac.feedback import groups_of
 from yarclang.runtime.sample import Sample
 
 _AROUND = 4
-"""Number of additional points that are compared, before and after the points that may be executed now."""
+"""Number of points that are compared in addition, before and after the points that the controller may be
+executing now.
+"""
 _KEPT = 512
 """Minimum number of points that are kept after the robot has passed them."""
 _ALLOWED = 8.0
-"""Allowed deviation of a motor [counts], in addition to the spline's own."""
+"""Allowed distance of a motor from the path [counts], in addition to that of a spline from its points."""
 _NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
 class Course:
-    """The points that a controller was sent.
+    """The path points that were sent to the controller.
 
     Args:
         robot: the robot with its axes, gears and couplings.
-        start: (n,) where the motion begins [rad or m].
-        slack: (n,) allowed deviation from the start [rad or m].
+        start: (n,) joint position where the motion begins [rad or m].
+        slack: (n,) allowed deviation of each joint from the start [rad or m].
         segment: shortest time between two points [s].
     """
 
@@ -52,7 +55,7 @@ class Course:
         self._following: Array = np.zeros(robot.size)
 
     def append(self, lines: Sequence[str]) -> None:
-        """Add lines to the end of the path."""
+        """Add the points of further lines to the end of the path."""
         rows = [row for row, line in enumerate(lines) if self._move.fullmatch(line)]
         if rows:
             values = [_NUMBER.findall(lines[row]) for row in rows]

@@ -1,5 +1,5 @@
-"""The transfer of lines into the rotary buffer, which must neither overflow nor run empty. No I/O: time is an
-argument.
+"""The transfer of program lines into the rotary buffer, which must neither overflow nor run empty. No I/O:
+the time is an argument.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ AHEAD = 2
 """Number of moves that are calculated before they are executed (TUM 339)."""
 
 AROUND = ("OPEN ROT", "CLOSE")
-"""Lines before and after the lines of a packet. The rotary is open only for these lines, so that variables
-can be asked for at any other time (facts 3).
+"""Lines that are sent before and after the program lines of a packet. The rotary is open only for these
+program lines, so that variables can be asked for at any other time (facts 3).
 """
 
 FASTEST = 2.5
@@ -35,12 +35,13 @@ _LATE = 0.1
 class Feed:
     """The transfer of a job's lines into the rotary buffer.
 
-    The number of lines in the buffer is known only from `PR`, and only for the moment of the reply. Between
-    two replies there are two bounds. The upper bound is that number plus the lines sent since. The lower
-    bound is the upper bound minus the lines that may have been executed since, at 100 %.
+    The number of lines in the buffer is known only from the controller's answer to `PR`, and only for the
+    moment of the answer. Between two answers there are two bounds of this number. The upper bound is the last
+    answer plus the lines sent since. The lower bound is the upper bound minus the lines that may have been
+    executed since, at 100 %.
 
     Attributes:
-        sent: lines that the controller has taken.
+        sent: number of lines that the controller has accepted.
     """
 
     def __init__(self, job: Job) -> None:
@@ -56,8 +57,8 @@ class Feed:
             loading_of(job).low + margin,
             max(loading_of(job).low + 1, (loading_of(job).low + loading_of(job).full) // 2),
         )
-        """If fewer lines are ahead, the motion is held. This happens earlier than the hold by the guard
-        PLC.
+        """Least number of lines ahead: with fewer lines in the buffer, this computer holds the motion. It
+        does so before the guard PLC would hold.
         """
         self.plenty = (loading_of(job).full + job.capacity) // 2
         """If fewer lines are ahead, sending more lines takes precedence over everything else."""
@@ -69,7 +70,7 @@ class Feed:
 
     @property
     def room(self) -> int:
-        """Return the number of lines that surely fit."""
+        """Return the number of lines that surely still fit into the buffer."""
         return self.job.capacity - self.at_most
 
     @property
@@ -78,8 +79,8 @@ class Feed:
         return self._ahead + self.sent - self._sent_then
 
     def at_least(self, now: float) -> int:
-        """Return the number of lines ahead if the controller executed as much as possible since the last
-        `PR`.
+        """Return the least number of lines that may still be in the buffer: the controller may have executed
+        as many as possible since the last `PR`.
 
         Each segment consumes one move, and two more moves may have been taken at once. Statements between
         moves take no time.
@@ -106,14 +107,14 @@ class Feed:
 
     @property
     def executed(self) -> int:
-        """Return the number of lines that had been executed when `PR` was answered last, without the two that
-        are calculated ahead.
+        """Return the number of lines that had been executed when `PR` was answered last. The two lines that
+        the controller calculates ahead don't count.
         """
         return max(0, self._sent_then - self._ahead - AHEAD)
 
     def executed_within(self, now: float) -> tuple[int, int]:
-        """Return the minimum and maximum number of lines executed by now, at any rate of the controller's
-        time.
+        """Return the minimum and the maximum number of lines that the controller may have executed by now, at
+        any override.
 
         Args:
             now: the host's clock [s].
@@ -125,9 +126,9 @@ class Feed:
         """Record the controller's answer to `PR`.
 
         Args:
-            ahead: lines ahead.
-            asked_at: when it was asked [s].
-            now: when it was answered [s].
+            ahead: number of lines in the buffer that aren't executed yet.
+            asked_at: time of the question [s].
+            now: time of the answer [s].
         """
         self._ahead, self._sent_then = ahead, self.sent
         self._asked_then, self._then = asked_at, now
@@ -146,7 +147,7 @@ class Feed:
 
     def worthwhile(self, now: float) -> bool:
         """Return True if a packet should be sent now: if a full packet fits, if the rest of the program fits,
-        or if few lines are ahead.
+        or if few lines are left in the buffer.
         """
         packet = self.packet()
         if not packet:
@@ -155,7 +156,9 @@ class Feed:
         return whole or self.at_least(now) < loading_of(self.job).full
 
     def hungry(self, now: float) -> bool:
-        """Return True if the free room must be asked for before anything else."""
+        """Return True if fewer than `plenty` lines may be in the buffer, so that their number is asked for
+        before anything else.
+        """
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
@@ -164,7 +167,7 @@ class Feed:
 
 
 def _moves(job: Job) -> IntArray:
-    """Return the rows of the lines that move.
+    """Return the numbers of the job's lines that move the robot.
 
     Of consecutive lines with the same time, only the last one moves. Dwells, and lines before the first
     motion, don't move.

@@ -1,5 +1,5 @@
-"""Reports of the controller while it moves: positions, following errors and status words, as
-values. No I/O.
+"""Parser of the reports that the controller sends while it moves: positions, following errors and status
+words. No I/O.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class MotorStatus:
-    """Both words of `#n?`."""
+    """Status of a motor: both words of the reply to `#n?`."""
 
     first: int
     second: int
@@ -39,8 +39,8 @@ class MotorStatus:
 
     @property
     def at_rest(self) -> bool:
-        """Return True if the motor has no desired velocity and no move of its own. This is also true for an
-        open loop, which has no desired velocity.
+        """Return True if the motor has no desired velocity or an open loop, and neither an abort nor a home
+        search is in progress.
         """
         still = self.has("desired velocity zero") or self.has("open loop")
         return still and not self.has("abort deceleration") and not self.has("home search in progress")
@@ -92,7 +92,7 @@ class MotorStatus:
 
 @dataclass(frozen=True, slots=True)
 class SystemStatus:
-    """The first two words of `&n??`."""
+    """Status of a coordinate system: the first two words of the reply to `&n??`."""
 
     first: int
     second: int
@@ -114,12 +114,12 @@ def groups_of(motors: Sequence[int]) -> tuple[int, ...]:
 
 
 def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
-    """Return the numbers of a report, by the motors' numbers.
+    """Return the positions or following errors in a report [counts], by the motors' numbers.
 
     Args:
         text: the report of ^P or ^F.
-        group: first motor of the reported group.
-        motors: motors that are wanted; those outside of the group are left out.
+        group: number of the first motor of the reported group.
+        motors: numbers of the wanted motors; those outside of the group are left out.
 
     Raises:
         ReportError: the text isn't eight numbers (on a controller with fewer motors: as many as there are).
@@ -131,12 +131,12 @@ def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
 
 
 def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, MotorStatus]:
-    """Return the status words of a report, by the motors' numbers.
+    """Return the status words in a report, by the motors' numbers.
 
     Args:
         text: the report of ^B.
-        group: first motor of the reported group.
-        motors: motors that are wanted; those outside of the group are left out.
+        group: number of the first motor of the reported group.
+        motors: numbers of the wanted motors; those outside of the group are left out.
 
     Raises:
         ReportError: the status words aren't 12 hexadecimal digits each.

@@ -1,7 +1,7 @@
 """Registers that other programs fill while the robot stands at a WAIT or a HOLD. No I/O.
 
-The script's process does nothing else between two of the script's questions. A decision and the end of
-accepting values are therefore atomic.
+While a script runs between two of its questions, this process does nothing else. The decision that a wait is
+over and the end of accepting values therefore can't be separated by another event.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ def needed_for(condition: Value, held: Held) -> tuple[str, ...]:
 
 
 def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
-    """Clear the registers that are waited for: values that were sent for an earlier wait don't count for
-    this one.
+    """Reset the registers for whose values the program waits: values that were sent for an earlier wait don't
+    count for this one.
     """
     for name in needed:
         held.registers[name] = held.outside[name].first
 
 
 def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
-    """Accept values from outside from now on.
+    """Accept values of registers from other programs from now on.
 
-    A remark is sent once; it is not repeated for further answers until something has moved.
+    A remark says so. It is not repeated for further messages at the same barrier until the robot has moved.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         barrier: the barrier at which the robot stands.
         held: registers of the run.
-        needed: registers that a message must have.
+        needed: registers for which a message must have values.
     """
     operation.asked_for += 1
     place = title(barrier)
@@ -50,25 +50,27 @@ def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tupl
 
 
 def is_given(operation: Operation) -> bool:
-    """Return True if values have come that aren't handled yet."""
+    """Return True if a message with values of registers has come that isn't handled yet."""
     return any(isinstance(order, Fill) for order in operation.orders)
 
 
 def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> None:
-    """Put values into their registers.
+    """Put the values of a message into their registers.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         barrier: the barrier at which the robot stands.
         held: registers of the run.
-        order: the values.
+        order: the message with the values.
     """
     held.registers.update(order.values)
     operation.remark(f"{title(barrier)}: {order.client} gives {values_text(order.values)}")
 
 
 def close(operation: Operation, barrier: Barrier, held: Held) -> None:
-    """Accept no more values. Values that were already accepted are still put into their registers."""
+    """Accept no more values from other programs. Values that were already accepted are still put into their
+    registers.
+    """
     operation.want(None)
     for order in [one for one in operation.orders if isinstance(one, Fill)]:
         operation.orders.remove(order)

@@ -1,4 +1,6 @@
-"""State of a run with barriers that the controller doesn't hold, and the titles of barriers. No I/O."""
+"""State of a run with barriers that is stored in this computer, not in the controller; and the titles of
+barriers. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,11 @@ COUNTED = ("REPEAT", "LOOP")
 
 @dataclass(slots=True)
 class Passes:
-    """A loop in progress.
+    """A loop of the program that is being repeated.
 
-    `number` is the number of the current pass. `ways` and `barriers` are the numbers of WHENs and barriers
-    that were passed before the first pass. `moved` is True once something was sent in the current pass.
+    `number` is the number of the current pass. `ways` and `barriers` are the numbers of WHENs and of barriers
+    that the run had passed before the first pass. `moved` is True once something was sent to the controller
+    in the current pass.
     """
 
     ways: int
@@ -27,8 +30,8 @@ class Passes:
 
 @dataclass(slots=True)
 class Held:
-    """State of a run that the controller doesn't hold: registers, the inputs that the last decision has read,
-    and loops.
+    """State of a run that is stored in this computer, not in the controller: registers, the inputs that the
+    last decision has read, and loops.
     """
 
     registers: dict[str, int]
@@ -36,9 +39,11 @@ class Held:
     loops: dict[int, Passes] = field(default_factory=dict)
     """Loops, by the number of the leg before them."""
     flags: frozenset[str] = frozenset()
-    """Registers that mark the results of searches and OFFSETs; no line of the program names them."""
+    """Registers in which the runtime records whether searches and OFFSETs succeeded; the program's text
+    doesn't contain them.
+    """
     said: dict[str, str] = field(default_factory=dict)
-    """The last remark of each place since the last motion."""
+    """For each place in the program, the last remark since the last motion, so that it isn't repeated."""
     outside: dict[str, Register] = field(default_factory=dict)
     """Registers that other programs fill, by their names."""
 

@@ -1,4 +1,4 @@
-"""Hold one job, report the reason, and resume it. No I/O."""
+"""Holds of the motion of one job: stop it on its path, report the reason, and resume it. No I/O."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ _STILL = 0.5
 
 
 class Holding:
-    """The holds of one job.
+    """All holds of the motion during one job: they stop the motion on its path, and resume it.
 
     Attributes:
-        refilling: True if the job is held only until its rotary is full again.
-        way_out: name of the way out by which the robot leaves when a person resumes; empty if the motion
+        refilling: True if the motion is held only until the rotary buffer is full again.
+        way_out: name of the SUB by which the robot retreats when a person resumes; empty if the motion
             continues.
     """
 
@@ -43,7 +43,7 @@ class Holding:
         self._told: set[str] = set()
 
     def hold(self, reason: str, *, secure: bool = True) -> Script[None]:
-        """Hold on the path, with outputs safe unless `secure` is False."""
+        """Hold the motion on its path. Outputs get their safe values, unless `secure` is False."""
         robot = self._job.robot
         yield from self.operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, reason)
@@ -55,7 +55,7 @@ class Holding:
         yield from self._outputs.remember(self.operation)
 
     def for_person(self) -> Script[None]:
-        """Hold until a person resumes. Orders that were given before the hold are dropped."""
+        """Hold the motion until a person resumes. Orders that were given before the hold are dropped."""
         orders = self.operation.orders
         last = max(place for place, order in enumerate(orders) if order == Hold())
         remaining = [
@@ -70,7 +70,8 @@ class Holding:
             yield from self.hold("a hold was asked for")
 
     def for_low_water(self) -> Script[None]:
-        """Hold because few lines are ahead; the next step refills the buffer and resumes.
+        """Hold the motion because few lines are left in the buffer. The next step refills the buffer and
+        resumes.
 
         If the guard PLC was faster and has held the motion, its hold is handled in the same way.
         """
@@ -81,14 +82,14 @@ class Holding:
         self.refilling = True
 
     def look_at(self, rests: bool) -> Script[None]:
-        """Check, some time after a hold, that no other client moves the robot. The first motion is answered
-        by another hold.
+        """Check, some time after a hold, that no other client moves the robot. If the robot moves, hold
+        again; if it moves after that, too, abort.
 
         Args:
             rests: True if no motor has a desired velocity.
 
         Raises:
-            Trouble: the robot still moves after the second hold, for example because of a jog. It was
+            Trouble: the robot still moved after the second hold, for example because of a jog, and was
                 aborted.
         """
         operation = self.operation
@@ -113,8 +114,8 @@ class Holding:
         )
 
     def for_others(self, changes: str) -> Script[None]:
-        """Hold because another client has changed a value that the proof depends on. The hold lasts until the
-        change is undone and a person resumes.
+        """Hold the motion because another client has changed a value that the proof depends on. The hold
+        lasts until the change is undone and a person resumes.
 
         Raises:
             Trouble: the run is unattended, so nobody can resume it.
@@ -157,12 +158,12 @@ class Holding:
         self.refilling = True
 
     def for_input(self, input_state: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
-        """Hold the motion for a watched input, or don't begin it. The hold lasts until the input allows
-        motion and a person resumes.
+        """Hold the motion because of a watched input, or don't begin the motion. The hold lasts until the
+        input allows motion again and a person resumes.
 
         Args:
             input_state: the input and its state, in words.
-            way_out: name of the way out by which the robot leaves instead of continuing; empty if there is
+            way_out: name of the SUB by which the robot retreats instead of continuing; empty if there is
                 none.
             moves: True if the program has begun.
 
@@ -188,10 +189,11 @@ class Holding:
         )
 
     def by_nobody(self) -> None:
-        """Report that nothing moves although lines are ahead, so that a person has to resume.
+        """Report that the motion was held, but not by this run: nothing moves although lines are in the
+        buffer. A person has to resume.
 
         Raises:
-            Trouble: nobody is there.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         operation = self.operation
         operation.go(Event.HOLD, "the motion is held, and not by this run")
@@ -199,19 +201,20 @@ class Holding:
         operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
 
     def _check_attended(self, reason: str) -> None:
-        """Check that a person can resume the hold.
+        """Check that a person can resume the motion.
 
         Raises:
-            Trouble: nobody is there.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         if self.operation.unattended:
             raise Trouble(reason, "nobody is here to resume it: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
-        """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R.
+        """Resume the motion from rest: compare the settings, refill the buffer, restore guard and outputs,
+        and send R.
 
         Raises:
-            Left: an input has held the motion, and the robot leaves instead.
+            Left: an input has held the motion, and the robot retreats instead of continuing.
         """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
         # A resume that came while an input holds the motion stays refused, even if the input changes
@@ -262,7 +265,9 @@ class Holding:
         return bool(told)
 
     def _stay_held(self, change: str) -> Script[None]:
-        """Stay held because a change was not undone, and report the change again."""
+        """Continue the hold because a change by another client was not undone, and report the change
+        again.
+        """
         self.refilling = False
         self._told.clear()
         yield from self.for_others(change)

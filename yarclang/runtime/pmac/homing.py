@@ -1,9 +1,9 @@
-"""The controller's own home search (HM) of one motor, watched from this computer and from inside the
+"""The controller's own home search (HM) of one motor, supervised by this computer and by a PLC in the
 controller. No I/O.
 
 A search isn't proved. It continues in the controller even if this computer fails, and no hold stops it. A PLC
-therefore stops the search if it has received nothing for the watchdog time of a run. The PLC is tested before
-each search.
+therefore stops the search if it has received nothing from this computer for the watchdog time of a run. The
+PLC is tested before each search.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from yarclang.runtime.scripts import HomeSearch
 from yarclang.runtime.state import Event
 
 LONGEST = 300.0
-"""Longest search [s]."""
+"""Longest duration of a home search [s]."""
 
 _UNBOUNDED = 120.0
-"""Longest search of a joint without limits [s]."""
+"""Longest duration of a home search of a joint without limits [s]."""
 
 _RESERVE, _MORE = 1.5, 5.0
 _TRIAL, _BITES = 0.06, 0.5
@@ -41,7 +41,7 @@ _RESTS = 5.0
 
 
 def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...]]:
-    """Ask for the speeds of home searches, and return what the search of each motor would do. Nothing
+    """Ask for the speeds of home searches, and return the expected effect of each motor's search. Nothing
     moves.
     """
     motors = robot.controller.motors
@@ -53,7 +53,7 @@ def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...
 
 
 def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
-    """Return speed, direction and longest duration of a search.
+    """Return the expected effect of a motor's home search: its speed, direction and longest duration.
 
     Args:
         robot: the robot.
@@ -101,10 +101,10 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
 
 
 def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Let a motor search its home, until the home is found or a person orders the end.
+    """Let a motor search its home, until the home is found or a person orders the end of the search.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot.
         motor: number of the motor.
 
@@ -144,8 +144,8 @@ def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
 
 
 def _check_free(operation: Operation) -> Script[None]:
-    """Check that the PLC number for stopping a search is free, or has a PLC that a failed computer has
-    left there.
+    """Check that the number of the PLC that stops home searches isn't used by somebody else's PLC. Such a PLC
+    of an earlier session that has failed may be there.
     """
     try:
         listing = yield from operation.ask(f"LIST PLC {HOMING_PLC}")
@@ -158,8 +158,8 @@ def _check_free(operation: Operation) -> Script[None]:
 
 
 def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Load the PLC that stops a search, and test that it acts when the timer has run down. The motor is at
-    rest, so nothing is stopped.
+    """Load the PLC that stops a home search, and test that it acts when its timer has run down. During the
+    test the motor is at rest, so nothing is stopped.
     """
     for line in (
         f"{HOMING}=0",
@@ -240,8 +240,8 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
 
 
 def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Stop the search, and wait for rest. If a fault has opened the loop, J/ or an abort would close it
-    again.
+    """Stop the home search, and wait for rest. If a fault has opened the motor's loop, do nothing: J/ or an
+    abort would close the loop again.
     """
     status = (yield from motor_statuses(operation, robot))[robot.controller.motors.index(motor)]
     if status.has("open loop"):
@@ -260,8 +260,8 @@ def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
 
 
 def end_search(operation: Operation) -> Script[None]:
-    """End a search on a new connection. Its PLC has already ended it, unless the connection was back at
-    once.
+    """End a home search after reconnecting. The PLC has already ended the search, unless the connection was
+    back at once.
     """
     yield from operation.abort()
     operation.searches = False

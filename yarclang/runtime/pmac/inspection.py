@@ -1,5 +1,5 @@
-"""Inspection of a controller before anything moves: questions, found and required values, and the remedy for
-each difference.
+"""Inspection of a controller before anything moves: the questions, the found value and the required value of
+each setting, and the remedy for each difference.
 """
 
 from __future__ import annotations
@@ -27,10 +27,12 @@ _GUARD_TIME = 0.5
 _TRIAL = 0.06
 """Time to which the watchdog is set for its test [s]."""
 _EARLIEST = 0.9
-"""Share of `_TRIAL` during which the PLC must not hold."""
+"""Share of `_TRIAL` during which the guard PLC must not hold yet."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
-"""Relative tolerance of the counts per unit; over a whole turn, it amounts to less than a count."""
+"""Relative tolerance of the counts per unit of an axis definition; over a whole turn, the error is less
+than a count.
+"""
 
 _BIT = re.compile(r"(?<=,\d\d),1$|(?<=,\d),1$")
 _NUMBER = re.compile(r"\$[0-9A-F]+|\d+\.?\d*|\.\d+")
@@ -39,14 +41,14 @@ _TERM = re.compile(r"([+-]?)(\d+\.?\d*|\.\d+|(?=[A-Z]))([A-CU-Z]?)")
 
 
 def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
-    """Inspect the controller: its kind, its settings, the motors, running programs, and the guard.
+    """Inspect the controller: its kind, its settings, the motors, running programs, and the guard PLC.
 
     Nothing moves. The guard is tested only if all motors are closed-loop and at rest, and no program runs.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot.
-        items: settings to compare.
+        items: the settings to compare, with their required values.
     """
     operation.slowest = 0.0
     with contextlib.suppress(Refused):
@@ -72,7 +74,7 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
 
 def _kind(operation: Operation) -> Script[Checked]:
-    """Ask for CID, and also for TYPE if the CID is unknown."""
+    """Ask for the kind of the controller: its CID, and also its TYPE if the CID is unknown."""
     try:
         identity = yield from operation.one("CID")
         name = yield from operation.one("TYPE")
@@ -86,7 +88,7 @@ def _kind(operation: Operation) -> Script[Checked]:
 
 
 def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
-    """Check that no program runs in the coordinate system, and that none was interrupted in the middle."""
+    """Check that no program runs in the coordinate system, and that no program was left unfinished."""
     status = yield from system_words(operation, robot)
     motors = yield from motor_statuses(operation, robot)
     subject = f"coordinate system {turbo_pmac(robot).coordinate_system}"
@@ -103,7 +105,7 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Group items into lines. Only questions with a number as answer can share a line."""
+    """Group settings into lines with questions. Only questions with a number as answer can share a line."""
     line: list[Item] = []
     for item in items:
         together = item.kind in ("number", "bits")
@@ -168,7 +170,9 @@ def _same_bits(actual: str, expected: str) -> bool:
 
 
 def _same_text(actual: str, expected: str) -> bool:
-    """Return True if the texts agree except for case, spaces, leading zeros and the format of numbers."""
+    """Return True if two texts of a setting agree except for case, spaces, leading zeros and the format of
+    numbers.
+    """
     one, other = _words(actual), _words(expected)
     if len(one) != len(other):
         return False
@@ -187,8 +191,8 @@ def _same_definition(actual: str, expected: str) -> bool:
 
 
 def _terms(text: str) -> dict[str, float]:
-    """Return the counts by axis, with the offset under ''. Text that isn't a term gets a key of its own, so
-    that it equals no other term.
+    """Return the terms of an axis definition: the counts by axis, with the offset under ''. Text that isn't a
+    term gets a key of its own, so that it equals no other term.
     """
     terms: dict[str, float] = {}
     text = re.sub(r"\s", "", text.upper())
@@ -256,8 +260,8 @@ def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
 def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     """Arm the guard PLC while the rotary is empty, and check that the PLC holds at once.
 
-    The abort afterwards lifts the hold; motors that are closed-loop and at rest aren't affected by it.
-    Leftover lines of a program that is no longer run are deleted.
+    The abort afterwards ends the hold; motors that are closed-loop and at rest aren't affected by it.
+    Leftover lines in the rotary, of a program that is no longer run, are deleted.
     """
     system = turbo_pmac(robot).coordinate_system
     subject = f"guard PLC {GUARD_PLC}"
@@ -286,11 +290,11 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
-    """Let the guard PLC watch this computer, and check that it holds.
+    """Let the guard PLC watch this computer, restart its timer only once, and check that the PLC then holds.
 
-    It must hold when the timer has run down, and not before, and PLC 0 must see its heartbeat. Then the
-    longest silence of this computer is chosen from the slowest reply of the inspection, unless a person has
-    set it.
+    It must hold when the timer has run down, and not before, and PLC 0 must see the guard's heartbeat. Then
+    the longest silence of this computer is chosen from the slowest reply of the inspection, unless a person
+    has set it.
     """
     controller = turbo_pmac(robot)
     remedy = f"download `yarc settings {robot.name}` and SAVE"

@@ -1,4 +1,6 @@
-"""Stream the legs of a program with barriers. At a barrier the robot stands until it may continue. No I/O."""
+"""Streaming of the legs of a program: its parts between barriers, at which the robot stands until it may
+continue. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -44,13 +46,13 @@ Perform = Callable[[Operation, Job], Script[Ended]]
 
 @frozen(eq=False)
 class _Standing:
-    """The position of a robot that stands at a barrier.
+    """The place at which a robot stands: its barrier, position and time in the program.
 
     Attributes:
         barrier: the barrier.
         joints: (n,) joint positions [rad or m].
-        done: program time, with the branches of a WHEN in sequence [s].
-        clock: program time, with both branches of a WHEN in parallel [s].
+        done: program time, counting both branches of each WHEN, one after the other [s].
+        clock: program time, counting only the longer branch of each WHEN passed before [s].
     """
 
     barrier: Barrier
@@ -63,9 +65,9 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
     """Stream the legs of a job; at each barrier, wait or choose a branch.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: a job with legs.
-        perform: runs a job without legs.
+        perform: script that runs a job without legs, such as one leg.
     """
     place: int | None = 0
     held = Held.of(job)
@@ -144,7 +146,9 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
 
 
 def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
-    """Report the registers of a run that ends early, since only KEPT registers keep their values."""
+    """Report the values of the registers when a run ends early: a later run begins with the values of KEPT
+    registers only.
+    """
     if held.in_words():
         kept = [one.name for one in job.registers if one.kept]
         but = f", but for {', '.join(kept)}" if kept else ""
@@ -156,11 +160,11 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
 def _pass(
     operation: Operation, job: Job, place: int, barrier: Barrier, held: Held, stands: Array
 ) -> Script[int]:
-    """Pass a barrier at which the robot stands: wait, decide, begin another pass of a loop, teach, or change
-    a register.
+    """Pass a barrier at which the robot stands: wait, decide, begin another pass of a loop, store the robot's
+    position, or change a register.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: the job with its legs.
         place: number of the leg that ends at the barrier.
         barrier: the barrier.
@@ -213,8 +217,8 @@ def _pass(
 
 
 def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Script[int]:
-    """Go back to the first leg of a loop, and carry out orders. A pass without motion waits for `LOOK`, so
-    that an empty loop doesn't keep this process busy.
+    """Go back to the first leg of a loop for its next pass, after carrying out orders. If the last pass had
+    no motion, wait for `LOOK`, so that an empty loop doesn't keep this process busy.
     """
     holds = any(isinstance(order, Hold) for order in operation.orders)
     if not (yield from obey(operation)) and holds:
@@ -247,8 +251,8 @@ def _in_front(legs: tuple[Leg, ...], place: int) -> int:
 
 
 def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
-    """Decide a WHEN. Each input is read once; all branches of a CASE are decided by the values read for the
-    first branch.
+    """Decide a WHEN: return True if its first branch is taken. Each input is read once; all branches of a
+    CASE are decided by the values read for the first branch.
     """
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
     if barrier.timeout is not None:
@@ -285,8 +289,8 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
 
 
 def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
-    """Report a decision. In a loop, it is reported only if it has changed or something has moved since the
-    last pass.
+    """Report a decision at a barrier. In a loop, it is reported only if its text has changed or the robot has
+    moved since the last report.
     """
     place = f"{barrier.label} {barrier.source_line}"
     if held.said.get(place) != text:
@@ -295,8 +299,8 @@ def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
 
 
 def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
-    """Return the number of the leg after the next barrier of the same block that is of one of the given
-    kinds.
+    """Search the legs for the next barrier of the same block that is of one of the given kinds, and return
+    the number of the leg after it.
 
     Args:
         legs: the legs of the job.
@@ -320,7 +324,9 @@ def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
 def _ended(
     operation: Operation, job: Job, standing: _Standing, event: Event, cause: Trouble
 ) -> Script[Ended]:
-    """End the run at rest: leave the controller in a known state, and set outputs to their safe values."""
+    """End the run at rest after a fault or a stop: leave the controller in a known state, and set outputs to
+    their safe values.
+    """
     operation.orders.clear()
     barrier, joints, problem = standing.barrier, standing.joints, cause.what
     try:

@@ -1,4 +1,4 @@
-"""Measurement of the speed of the link and of the controller, and of how the controller numbers refused
+"""Measurement of the speed of the connection and of the controller, and of how the controller numbers refused
 lines.
 """
 
@@ -15,7 +15,7 @@ _SCRATCH = "P8180"
 """A variable that no one uses: values written to it have no effect."""
 
 _SHARE = 0.7
-"""Share of the link's capacity that a program may need."""
+"""Share of the connection's speed that a program may need."""
 
 _ASKED = 20
 _PACKETS = 5
@@ -23,7 +23,7 @@ _PACKETS = 5
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """Results of the measurement.
+    """Results of the measurement of the connection.
 
     `round_trips` are the times of single questions [s], in ascending order. `lines_per_second` is the rate of
     WRITEBUFFER for lines as long as a move line. `first_line` is the number that the controller gives the
@@ -49,10 +49,11 @@ class Link:
 
 
 def measure(operation: Operation, axes: int) -> Script[Link]:
-    """Measure the link, with no buffer open on this port. Writes only to unused variables from P8180 on.
+    """Measure the connection, with no buffer open on our port of the controller. Writes only to unused
+    variables from P8180 on.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         axes: number of values in a move line.
     """
     yield from operation.ask("CLOSE")

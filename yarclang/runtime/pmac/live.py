@@ -1,13 +1,13 @@
 """Streaming of a motion whose lines are computed while the robot moves: jogs, velocities, and following a
 master. No I/O.
 
-The buffer always holds as many lines as the guard PLC needs for a hold on the path, plus an allowance for a
-late host. It therefore never runs empty in motion, and a new order takes effect later by the duration of
-these lines. A stop doesn't wait: it is a hold, and the remaining lines are discarded.
+The rotary buffer always has as many lines as the guard PLC needs for a hold on the path, plus an allowance
+for a late host. It therefore never runs empty in motion, and a new order takes effect later by the duration
+of these lines. A stop doesn't wait: it is a hold, and the remaining lines are discarded.
 
 The motion begins at the commanded position of the motors, and was proved from there; no RAPID leads to a
-start. The last question before R therefore asks for that position again. There is one reply between the two,
-and R is refused while a motor jogs (ERR011).
+start. The last question before R therefore asks for that position again. There is one reply between this
+question and R, and R is refused while a motor jogs (ERR011).
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ from yarclang.runtime.pmac.watching import look_at_motors, look_whether_astray, 
 from yarclang.runtime.state import Event
 
 _LATE = 1
-"""Number of lines above the guard's minimum at which this host holds, so that it holds earlier than the
-guard.
+"""This computer holds the motion when the number of lines in the buffer is less than the guard's minimum plus
+this number, so that it holds earlier than the guard.
 """
 
 _SHORTEST, _SEGMENTS, _LONGEST = 0.008, 1.5, 0.016
-"""Time between two reads of the buffer: `_SEGMENTS` segments, within the bounds `_SHORTEST` and `_LONGEST`
-[s].
+"""Time between two questions for the lines in the buffer: `_SEGMENTS` segments, within the bounds `_SHORTEST`
+and `_LONGEST` [s].
 
 Waking up costs this process more time than a reply does. Questions that are due within half of this time are
 therefore asked in the same turn.
@@ -48,10 +48,10 @@ therefore asked in the same turn.
 
 
 class LiveStream:
-    """A live motion that is streamed through the rotary.
+    """A live motion that is streamed through the rotary buffer.
 
     Attributes:
-        job: the job as performed; after the end, it has the place and time of the end.
+        job: the job as performed; after the end, it has the position and the time of the end.
         begun: True once something has moved.
     """
 
@@ -82,13 +82,13 @@ class LiveStream:
 
     @property
     def left(self) -> int:
-        """Return the number of lines that the controller hasn't received yet. It isn't known before the
-        source has ended; until then the result is 1.
+        """Return 1 if lines of the motion are still to be sent, 0 if there are none. Their number isn't known
+        before the motion ends.
         """
         return 0 if self._source.ended else 1
 
     def run(self) -> Script[None]:
-        """Load the first lines, then carry out orders until the text ends.
+        """Load the first lines, then move and carry out orders until the motion ends.
 
         Raises:
             Stopped: a person has ended the motion, which may still be in progress.
@@ -173,8 +173,8 @@ class LiveStream:
         yield from look_whether_astray(operation, job.robot, off)
 
     def _fill(self, lead: int) -> Script[None]:
-        """Keep `lead` lines ahead. At the end of the text, add lines, so that the guard is disarmed before
-        the number of lines falls to its limit.
+        """Keep `lead` lines in the buffer. At the end of the motion, add lines, so that the guard is disarmed
+        before the number of lines falls to the guard's limit.
         """
         source = self._source
         wanted = lead - self._ahead
@@ -216,7 +216,8 @@ class LiveStream:
         return flow
 
     def _look_at(self, flow: Flow) -> Script[None]:
-        """Check that nothing has changed. A live motion that the controller holds isn't continued.
+        """Check that neither the controller nor another client has interfered with the motion. A live motion
+        that the controller holds isn't continued.
 
         Raises:
             Stopped: the guard or the watchdog has held the motion.
@@ -234,7 +235,11 @@ class LiveStream:
         yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
 
     def _stop_for_others(self, changes: str) -> Script[None]:
-        """Hold because something was changed."""
+        """Hold the motion if another client has changed something.
+
+        Raises:
+            Trouble: something was changed.
+        """
         if changes:
             if slew := self.supervision.hold_again(changes):
                 yield from self.operation.ask(slew)
@@ -251,8 +256,8 @@ class LiveStream:
             raise Stopped(abort=False)
 
     def _obey(self) -> Script[None]:
-        """Carry out orders. A hold ends a live motion, as a stop does: an old order must not be resumed
-        later.
+        """Carry out orders. A hold ends a live motion, as a stop does, so that an old jog or velocity can't
+        be resumed later.
         """
         operation, orders = self.operation, self.operation.orders
         while orders:

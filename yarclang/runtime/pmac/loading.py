@@ -1,4 +1,4 @@
-"""Facts about a job that only a rotary buffer needs."""
+"""Data of a job that only a rotary buffer needs."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from yarclang.runtime.job import Job
 class Loading:
     """Data for loading a rotary buffer.
 
-    `setup` are the lines before the buffer is opened, one command each. `words` is its size. `low` is the
-    number of lines below which the guard PLC holds (I16), and `full` the number from which the buffer counts
-    as full (I17).
+    `setup` are the lines that are sent before the buffer is opened, one command each. `words` is the size of
+    the buffer. `low` is the number of lines below which the guard PLC holds (I16), and `full` the number from
+    which the buffer counts as full (I17).
     """
 
     setup: tuple[str, ...]
@@ -30,7 +30,7 @@ def loading_of(job: Job) -> Loading:
 
 
 def capacity_of(robot: Robot, words: int) -> int:
-    """Return the number of lines that surely fit into a rotary of `words` words. A line takes a word per
-    axis, and two words for statements between the lines.
+    """Return the number of lines that surely fit into a rotary buffer of `words` words. A line takes a word
+    per axis, and two words for statements between the lines.
     """
     return words // (len(robot.controller.axes) + 2)

@@ -7,26 +7,28 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """A question in one line. Each part of it has a name and a text."""
+    """A line that asks for one value or several. Each part of the line has a subject in words and a text."""
 
     subjects: tuple[str, ...]
     parts: tuple[str, ...]
 
     @property
     def line(self) -> str:
-        """Return the line."""
+        """Return the line with all its parts."""
         return "".join(self.parts)
 
 
 @dataclass(frozen=True, slots=True)
 class Remembered:
-    """A question, and the answer at inspection."""
+    """A question to the controller, and its answer at inspection."""
 
     question: Question
     reply: tuple[str, ...]
 
     def compared(self, reply: tuple[str, ...]) -> str:
-        """Return the differences, with the old and the new value; empty if there are none."""
+        """Return the differences of a later reply from the answer at inspection, with both values; empty
+        if there are none.
+        """
         if reply == self.reply:
             return ""
         if len(self.question.parts) == 1:
@@ -43,8 +45,8 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Answers of the controller at inspection. All questions of `often` are repeated every second, and one
-    question of `seldom`.
+    """Answers of the controller at inspection, with which later answers are compared. While the robot moves,
+    all questions of `often` are repeated every second, together with one question of `seldom`.
     """
 
     often: tuple[Remembered, ...] = ()

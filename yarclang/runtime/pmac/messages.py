@@ -31,8 +31,8 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """Execute lines up to the first error (WRITEBUFFER). Answered by `Written`. `fitting` returns how many
-    lines fit.
+    """Send lines of which the controller executes all up to the first error (WRITEBUFFER). Answered by
+    `Written`. `yarclang.runtime.pmac.packets.fitting` returns how many lines fit.
     """
 
     lines: tuple[str, ...]
@@ -92,8 +92,8 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Busy:
-    """A single NUL instead of a reply: the controller is busy (for example with SAVE), or no reply was
-    waiting.
+    """The controller has sent a single NUL instead of a reply: it is busy (for example with SAVE), or has no
+    reply waiting.
     """
 
     request: Request
@@ -101,8 +101,8 @@ class Busy:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """The controller has taken all lines (`error` is None), or the lines before `line`, and has refused
-    `line`.
+    """Answer to `Write`: the controller has accepted all lines (`error` is None); or only the lines before
+    `line`, and has refused `line`.
 
     `line` is the controller's number of the line. It isn't known if a real controller begins with 0 or 1; the
     simulator begins with 1.

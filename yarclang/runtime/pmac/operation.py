@@ -41,11 +41,11 @@ class Operation(operation.Operation):
 
     Attributes:
         patience: longest time that the controller may be busy [s].
-        settled: time before which a motor at rest doesn't count as at rest [s]: the time base may still be
-            changing to 0.
+        settled: time before which a motor without desired velocity doesn't count as at rest [s]: a hold may
+            still be bringing the time base to 0.
         memory: answers of the controller at inspection.
         motors: the motors' last status words, in the robot's order.
-        beat: time between two beats of the guard PLC [s].
+        beat: time between two heartbeats of the guard PLC [s].
     """
 
     motors: tuple[MotorStatus, ...]
@@ -58,7 +58,8 @@ class Operation(operation.Operation):
         self.beat = 0.0
 
     def ask(self, line: str) -> Script[tuple[str, ...]]:
-        """Return the items of a reply. If the controller is busy, the question is repeated.
+        """Send a line with questions or commands, and return the items of its reply. If the controller is
+        busy, the line is sent again.
 
         Raises:
             Interrupted: an order in `watch` has come; the line isn't executed.
@@ -139,8 +140,8 @@ class Operation(operation.Operation):
     # stops: they are sent even if an order in `watch` has come
 
     def hold(self, system: int, within: float) -> Script[None]:
-        """Send H to a coordinate system, which brings its time base to 0 on the path. If the controller
-        doesn't accept H, hold all coordinate systems.
+        """Send H to a coordinate system, which stops the motion on the path by bringing its time base to 0.
+        If the controller doesn't accept H, hold all coordinate systems.
 
         Args:
             system: number of the coordinate system.

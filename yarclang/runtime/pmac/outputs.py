@@ -1,5 +1,5 @@
-"""Outputs of a program: their safe values at any stop, hold or fault, and their values before the program.
-No I/O.
+"""Outputs of a program: their safe values at any stop, hold or fault, and the values that they get back when
+the motion continues. No I/O.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from yarclang.runtime.pmac.operation import Operation
 
 
 class Outputs:
-    """The outputs that a job has declared with a safe value.
+    """The outputs for which a job has declared a safe value.
 
-    The value of an output is derived from the executed lines. Asking the controller wouldn't help: its guard
-    may already have set the output to its safe value.
+    The value of an output in the program is derived from the executed lines. Asking the controller wouldn't
+    help: its guard may already have set the output to its safe value.
     """
 
     def __init__(self, job: Job) -> None:
@@ -23,19 +23,23 @@ class Outputs:
         self._secured = False
 
     def remember(self, operation: Operation) -> Script[None]:
-        """Ask for the values of the outputs before the job. No buffer may be open on this port."""
+        """Ask for the values of the outputs before the job. No buffer may be open on our port of the
+        controller.
+        """
         for variable in self._safe:
             (value,) = yield from operation.numbers(variable, 1)
             self._before[variable] = value
 
     def secure(self, operation: Operation) -> Script[None]:
-        """Set all outputs to their safe values. No buffer may be open on this port."""
+        """Set all outputs to their safe values. No buffer may be open on our port of the controller."""
         self._secured = True
         for variable, value in self._safe.items():
             yield from operation.ask(f"{variable}={value:g}")
 
     def restore(self, operation: Operation, executed: int) -> Script[None]:
-        """Set all outputs to the values that the first `executed` lines of the program have given them."""
+        """After `secure`, set all outputs to the values that they have after the first `executed` lines of
+        the program.
+        """
         if not self._secured:
             return
         values = dict(self._before)

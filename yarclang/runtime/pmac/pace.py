@@ -1,5 +1,5 @@
-"""Measure how fast the controller's time passes: as fast as this computer's, except on a simulator at another
-rate. No I/O.
+"""Measurement of how fast the controller's time passes: as fast as this computer's, except on a simulator at
+another rate. No I/O.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ OTHER_PACE_REMEDY = (
 )
 
 _WOUND_UP = 60.0
-"""Time to which the watchdog is set for the measurement [s of the controller]. It is so long that no
-simulator's clock reaches its end meanwhile.
+"""Time to which the watchdog timer is set for the measurement [s of the controller]. It is so long that the
+timer doesn't run down meanwhile, even in a fast simulator.
 """
 
 _MEASURED = 0.2
@@ -28,8 +28,8 @@ _MEASURED = 0.2
 
 
 def pace_of(operation: Operation, controller: TurboPmac) -> Script[float]:
-    """Measure the seconds of the controller per second of this computer, by the watchdog's timer. The
-    watchdog must be off.
+    """Return the seconds of the controller's time per second of this computer, measured with the watchdog's
+    timer. The watchdog must be off.
     """
     timer = watchdog(controller.coordinate_system)
     yield from operation.ask(wound_up(controller, _WOUND_UP))

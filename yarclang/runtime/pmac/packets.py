@@ -35,7 +35,7 @@ class ProtocolError(ValueError):
 
 
 def encode(request: Request) -> bytes:
-    """Return the packet of a request.
+    """Return the packet of a request as bytes.
 
     Raises:
         ProtocolError: a line or a packet is too long, or has characters that would end it early.
@@ -75,8 +75,8 @@ def encode(request: Request) -> bytes:
 
 
 def fitting(lines: Sequence[str], first: int = 0, beside: Sequence[str] = ()) -> int:
-    """Return the number of lines, from number `first` on, that one `Write` can carry together with the lines
-    `beside` them.
+    """Return how many of `lines`, from number `first` on, fit into one `Write` together with the lines
+    `beside`.
     """
     size = sum(len(line) + 1 for line in beside)
     for count, line in enumerate(lines[first : first + pmac.MOST_LINES // 2]):

@@ -57,11 +57,11 @@ _MOTOR_FAULT = "Y1602"
 """Code of the finding that a motor can't move; another client may have changed the motor's limits."""
 
 _PATIENCE_AT_REST = 10.0
-"""Longest time that a controller may be busy when it is only asked where the robot stands [s]."""
+"""Longest time that a controller may be busy while only the robot's position is asked for [s]."""
 
 
 def connect(operation: Operation) -> Script[None]:
-    """Make a connection and set the format of its replies.
+    """Connect to the controller, and set the format of its replies.
 
     Raises:
         Trouble: the controller can't be reached, or doesn't answer as a PMAC does.
@@ -87,20 +87,21 @@ def connect(operation: Operation) -> Script[None]:
 
 
 def _greet(operation: Operation) -> Script[None]:
-    """Close the rotary, and set the format of replies. A rotary that a dead run has left open would store
-    the line.
+    """Close the rotary, and set the format of replies. The order matters: a rotary that a failed run has left
+    open would store the line that sets the format.
     """
     yield from operation.control(CLOSE_ROTARY)
     yield from operation.ask(GREETING)
 
 
 def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
-    """Inspect the controller before anything moves. If nothing is wrong, a fault is cleared.
+    """Inspect the controller before anything moves. If nothing is wrong, the state Fault of the run is
+    cleared.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot.
-        items: settings to compare.
+        items: the settings to compare, with their required values.
 
     Raises:
         Trouble: the controller can't be inspected.
@@ -115,10 +116,10 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
 
 
 def measured(operation: Operation, robot: Robot) -> Script[Measured]:
-    """Measure the link.
+    """Measure the speed of the connection.
 
     Raises:
-        Trouble: the link can't be measured.
+        Trouble: the connection can't be measured.
     """
     try:
         return figures((yield from measure(operation, len(robot.controller.axes))))
@@ -129,7 +130,7 @@ def measured(operation: Operation, robot: Robot) -> Script[Measured]:
 def perform(operation: Operation, job: Job) -> Script[Ended]:
     """Run a job on a controller that was inspected.
 
-    At the end the robot is at rest, or the result states that this isn't known.
+    At the end the robot is at rest, or the result states that the robot's state isn't known.
     """
     if operation.state is not State.STOP:
         problem = f"nothing is begun in state {operation.state.value}"
@@ -162,7 +163,7 @@ def perform_live(operation: Operation, live: Live) -> Script[Ended]:
 
 
 def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """Run a stream to its end. If it is ended early, bring the robot to rest."""
+    """Run the stream of a motion to its end. If it is ended early, bring the robot to rest."""
     try:
         yield from stream.run()
     except (Found, Left) as reason:
@@ -185,12 +186,12 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
 
 
 def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -> Script[Ended]:
-    """Come to rest on the path after an input has ended the motion, and discard the remaining lines.
+    """Come to rest on the path after an input has ended or held the motion, and discard the remaining lines.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         stream: the motion.
-        way: name of the way out by which the robot leaves; empty if a search has found its input.
+        way: name of the SUB by which the robot is to retreat; empty if the input has ended a search.
     """
     try:
         joints, aborted = yield from _end_at_rest(operation, stream.job.robot)
@@ -219,7 +220,7 @@ def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -
 
 
 def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, cause: Trouble) -> Script[Ended]:
-    """Come to rest, and leave the controller in a known state."""
+    """Come to rest after a stop or a fault, and leave the controller in a known state."""
     robot = stream.job.robot
     problem, remedy = cause.what, cause.remedy
     try:
@@ -249,11 +250,11 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, cau
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
-    """Wait for rest, and end the program. If an abort is ordered meanwhile, abort.
+    """Wait for rest, and end the program on the controller. If a person orders an abort meanwhile, abort.
 
     Returns:
-        The robot's joint positions, and True if it was aborted. The positions are None after a reset, because
-        the registers count from the position at the reset.
+        The robot's joint positions, and True if the motion was aborted. The positions are None after a reset,
+        because the registers count from the position at the reset.
     """
     aborted = False
     operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
@@ -279,7 +280,7 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
 
 
 def _recover(operation: Operation, stream: Stream | LiveStream, reason: str) -> Script[Ended]:
-    """Recover from a lost connection: make another one, hold, and inspect.
+    """Recover from a lost connection: make another one, hold the motion, and read the robot's position.
 
     The guard PLC holds the motion when the buffer runs low.
     """
@@ -332,7 +333,7 @@ def _reason(outcome: object) -> str:
 
 
 _LOST = Trouble("", code=LOST)
-"""The fault of a lost connection."""
+"""The fault that the connection was lost."""
 
 
 def _ended(
@@ -357,7 +358,8 @@ def _ended(
 
 
 def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
-    """End a program that a failed computer has left in the middle, held or starved.
+    """End a program that a failed computer has left unfinished on the controller, in a hold or with an empty
+    buffer.
 
     This is done only if the robot is at rest with all loops closed. A controller on which something moves, or
     has an open loop, is left unchanged.
@@ -376,13 +378,13 @@ def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
 
 
 def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
-    """Hold or abort everything that the coordinate system does, and end it at rest. No job of this process
-    runs.
+    """Hold or abort everything that the coordinate system does, and end its program at rest. For a controller
+    on which no job of this process runs.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot.
-        abort: True: abort, without regard to the path; False: hold.
+        abort: True: abort, and leave the path if necessary; False: hold.
 
     Returns:
         The robot's joint positions (n,) [rad or m]; None if the controller was reset, so that the position

@@ -1,4 +1,4 @@
-"""The state of a controller, no matter who uses it. No I/O."""
+"""The state of a controller, as shown to people, whoever uses the controller. No I/O."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _GUARD = {
 
 
 def picture(operation: Operation, robot: Robot) -> Script[Picture]:
-    """Return the controller's state. A killed run may have left its rotary open; only questions that an open
-    buffer doesn't store are therefore asked.
+    """Return the controller's state. A killed run may have left its rotary buffer open; only questions that
+    an open buffer doesn't store are therefore asked.
     """
     kind = yield from operation.one("TYPE")
     identity = yield from operation.one("CID")
@@ -48,7 +48,9 @@ def picture(operation: Operation, robot: Robot) -> Script[Picture]:
 
 
 def _places(operation: Operation, robot: Robot) -> Script[tuple[JointPlace, ...]]:
-    """Return the joint positions, by ^P and ^F: an open buffer would store a question for M161."""
+    """Return the commanded joint positions, by ^P and ^F, and the actual ones as the controller computes
+    them. The position register M161 isn't asked for, because an open buffer would store this question.
+    """
     motors = robot.controller.motors
     counts: dict[int, float] = {}
     for group in groups_of(motors):

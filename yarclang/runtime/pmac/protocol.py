@@ -1,8 +1,9 @@
 """The client's end of the controller's Ethernet protocol, without a socket and without a clock.
 
-A `Connection` turns requests into bytes to send, and received bytes into events. One request is in flight at
-a time. Replies longer than a packet are fetched to their end; the necessary requests are in `outgoing()`, so
-send its bytes after each call. The controller must run with I3=2 and I6=1: ask `GREETING` first.
+A `Connection` turns requests into bytes to send, and received bytes into events. One request waits for its
+reply at a time. Replies longer than a packet are fetched to their end; the necessary requests are in
+`outgoing()`, so send its bytes after each call. The controller must run with I3=2 and I6=1: ask `GREETING`
+first.
 
 A late reply doesn't identify its request. A connection on which a reply is missing, or whose bytes can't be a
 reply, is therefore lost: open another one. `last_words` gives the bytes for a stop on a lost connection.
@@ -103,7 +104,7 @@ class Connection:
 
     @property
     def deadline(self) -> float | None:
-        """Return the time at which `check` is due [s]; None if no request is in flight."""
+        """Return the time at which `check` is due [s]; None if no request waits for its reply."""
         return self._deadline
 
     def send(self, request: Request, now: float, timeout: float) -> bytes:
@@ -118,8 +119,8 @@ class Connection:
             All bytes to send now.
 
         Raises:
-            ProtocolError: another request is in flight, the reply to a `Send` still waits, the connection is
-                lost, or the request can't be encoded.
+            ProtocolError: another request waits for its reply, the reply to a `Send` still waits, the
+                connection is lost, or the request can't be encoded.
         """
         if self._lost:
             raise ProtocolError("the connection is lost")
@@ -142,7 +143,7 @@ class Connection:
         return data
 
     def receive(self, data: bytes, now: float) -> tuple[Event, ...]:
-        """Process received bytes. Send `outgoing()` afterwards.
+        """Process received bytes, and return the events in them. Send `outgoing()` afterwards.
 
         Args:
             data: the bytes, however they are split.
@@ -179,7 +180,7 @@ class Connection:
 
     def last_words(self, character: str) -> bytes:
         """Return the bytes that send a control character before the connection is closed, even if a request
-        is in flight.
+        waits for its reply.
 
         Used for a stop while a reply is missing. Any bytes of that reply are then ignored.
         """
@@ -188,8 +189,8 @@ class Connection:
         return packet
 
     def _text(self, request: Ask | Fetch, data: bytes, now: float) -> tuple[Event, ...]:
-        """Parse text up to ACK, or up to CR after BEL. If a packet is full and has no end, more packets
-        follow.
+        """Parse the text of a reply up to ACK, or up to CR after BEL. If a packet is full and has no end,
+        more packets follow.
         """
         if self._first_piece and not self._piece and len(data) <= pmac.MOST_REPLY and _WHOLE.fullmatch(data):
             return self._finish(Answer(request, tuple(data[:-2].decode("ascii").split("\r"))), b"")

@@ -1,4 +1,4 @@
-"""Checks that the robot stands, and where it stands."""
+"""Checks that the robot is at rest, and questions for its position."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Standing:
 
 
 def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStatus, ...]]:
-    """Return the status words of all motors of a robot, in their order. This works even if a buffer is
+    """Return the status words of all motors of a robot, in the robot's order. This works even if a buffer is
     open.
     """
     motors = robot.controller.motors
@@ -70,11 +70,11 @@ def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
 def come_to_rest(
     operation: Operation, robot: Robot, longest: float = LONGEST
 ) -> Script[tuple[MotorStatus, ...]]:
-    """Wait until no motor has a desired velocity in two consecutive reads, and no hold can still be in
-    progress.
+    """Wait until no motor has a desired velocity in two consecutive readings, and no hold can still be in
+    progress. Return the motors' status words.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot.
         longest: longest time to wait [s].
 
@@ -103,11 +103,11 @@ def come_to_rest(
 
 
 def leave(operation: Operation, robot: Robot) -> Script[None]:
-    """Clean up at rest.
+    """Leave the controller in a known state, with the robot at rest.
 
-    Close all buffers, disarm the guard and the watchdog, end a program that runs (such as a starved or held
-    rotary), lift a hold, discard the remaining lines, and set the override to 100 %. The command A ends
-    programs and lifts holds. It would also close the loops of killed motors; it is therefore omitted if a
+    Close all buffers, disarm the guard and the watchdog, end a program that runs (such as one in a hold or
+    with an empty rotary), end a hold, discard the remaining lines, and set the override to 100 %. The command
+    A ends programs and holds. It would also close the loops of killed motors; it is therefore omitted if a
     loop is open and no program runs.
     """
     system = turbo_pmac(robot).coordinate_system
@@ -123,8 +123,8 @@ def leave(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
-    """Return the commanded joint positions (n,) [rad or m], from M161 and so on. No buffer may be open on
-    this port.
+    """Return the commanded joint positions (n,) [rad or m], read from the controller's registers (M161 and so
+    on). No buffer may be open on our port of the controller.
     """
     motors = robot.controller.motors
     asked = "".join(commanded_position(motor)[0] for motor in motors)
@@ -144,9 +144,9 @@ def away_from_start(
     """Check that the robot stands at the start of a job.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: the job.
-        remedy: what people should do if it doesn't.
+        remedy: what people should do if the robot isn't there.
 
     Raises:
         Trouble: a joint is further from the start than the first segment allows.

@@ -1,7 +1,7 @@
-"""The rotary buffer: feeding it, asking how full it is, and checking that it is large enough. No I/O.
+"""The rotary buffer: sending lines, asking how full it is, and checking that it is large enough. No I/O.
 
-The buffer is open on our port only within the packet that feeds it. An open buffer stores every line that it
-can, including questions for variables (facts 3).
+The buffer is open on our port only within the packet that carries lines to it. An open buffer stores every
+line that it can, including questions for variables (facts 3).
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from yarclang.runtime.pmac.watching import look_at_motors
 from yarclang.units import MS
 
 _SHARE = 0.7
-"""Share of the link's capacity that a program may need."""
+"""Share of the connection's speed that a program may need."""
 
 _WITHIN_RESERVE = 12
-"""Minimum number of exchanges during which a full buffer runs down to low water. With fewer exchanges, some
-refills come too late (found by experiment).
+"""Minimum number of exchanges with the controller while a full buffer runs down to its low mark. If there is
+time for fewer exchanges, some refills come too late (found by experiment).
 """
 
 _SHORTEST = 1.0
@@ -34,9 +34,9 @@ class Rotary:
     """The rotary buffer of one job.
 
     Attributes:
-        feed: progress of the job's lines.
+        feed: progress of the job's lines: how many were sent and executed.
         supervision: supervision of the controller with the buffer.
-        course: path of the buffer's lines.
+        course: path of the lines that were sent, with which the motors' positions are compared.
     """
 
     def __init__(self, operation: Operation, job: Job) -> None:
@@ -64,7 +64,7 @@ class Rotary:
             yield from self.operation.ask(line)
 
     def write(self) -> Script[None]:
-        """Write the lines that fit into the buffer and into a packet.
+        """Send the next lines: as many as fit into the buffer and into a packet.
 
         Raises:
             Trouble: the controller refuses a line.
@@ -88,10 +88,10 @@ class Rotary:
         )
 
     def ask(self) -> Script[Flow]:
-        """Ask how many lines are ahead, together with the other values of a `Flow`.
+        """Ask how many lines are in the buffer, together with the other values of a `Flow`.
 
         Raises:
-            Lost: the answer has more lines ahead than were sent.
+            Lost: the answer has more lines in the buffer than were sent.
         """
         operation, feed = self.operation, self.feed
         asked = operation.now
@@ -119,15 +119,15 @@ class Rotary:
             )
 
     def check_prefilled(self, spent: float, packets: int) -> None:
-        """Check that the buffer was filled fast enough. If not, it couldn't be kept filled during the motion
-        either.
+        """Check that the buffer was filled fast enough before the start. If not, it couldn't be kept filled
+        during the motion either.
 
         Args:
             spent: duration of the filling [s].
             packets: number of packets.
 
         Raises:
-            Trouble: it was too slow. Nothing has moved yet.
+            Trouble: the filling was too slow. Nothing has moved yet.
         """
         job, feed = self.job, self.feed
         if feed.at_most != feed.sent:

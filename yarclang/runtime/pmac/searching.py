@@ -1,5 +1,5 @@
-"""Have the steps after a search planned and proved from the position at which the search has ended. No
-I/O.
+"""What follows a search (a motion that an input ends): it is planned and proved from the position at which
+the search has ended. No I/O.
 """
 
 from __future__ import annotations
@@ -17,24 +17,26 @@ from yarclang.runtime.state import Event
 from yarclang.units import MM
 
 _STEP = 0.01
-"""Unit of a register for a depth [mm]."""
+"""Unit of a register that gets the distance covered by a search [mm]."""
 
 
 def found_at(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
-    """Store the depth at which a search has ended, and have the next steps planned from there.
+    """Store the distance that a search has covered in its register, and have the next steps planned from the
+    robot's position.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: a job with legs.
-        place: number of the leg that was ended.
+        place: number of the leg that the input has ended.
         joints: (n,) the robot's joint positions [rad or m].
-        held: its registers receive the results.
+        held: registers of the run, which receive the results of the search.
 
     Returns:
-        The jobs to stream instead of the next legs, up to the first leg whose end the text fixes.
+        The jobs to stream instead of the next legs, up to the first leg whose end position doesn't depend on
+        the search.
 
     Raises:
-        Trouble: the next steps can't be proved from here, or the depth is out of its register's range.
+        Trouble: the next steps can't be proved from here, or the distance is out of its register's range.
     """
     leg = job.legs[place]
     assert leg.job is not None
@@ -80,7 +82,7 @@ def held_meanwhile(operation: Operation, place: str) -> Script[None]:
     person resumes.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         place: where the robot stands, in words.
     """
     holds = any(isinstance(order, Hold) for order in operation.orders)
@@ -92,7 +94,7 @@ def held_meanwhile(operation: Operation, place: str) -> Script[None]:
 
 
 def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
-    """Return True if each job has the same outputs, dwells and commands as one of the next legs."""
+    """Return True if each replanned job has the same outputs, dwells and commands as one of the next legs."""
     behind = [leg.job for leg in legs if leg.job is not None]
     return all(deeds(one) in [deeds(other) for other in behind] for one in jobs)
 

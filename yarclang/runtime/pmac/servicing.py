@@ -1,7 +1,7 @@
-"""Service at rest, without a job: closing and opening loops, sending and saving settings. No I/O.
+"""Service of a robot at rest, without a job: closing and opening loops, sending and saving settings. No I/O.
 
-After each of these actions, a complete inspection decides if a motion is possible; until then the state is a
-fault.
+After each of these actions, a complete inspection decides if a motion is possible; until then the run is in
+state Fault.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ _SETTLES = 0.1
 _POLL = 0.02
 
 STAYS = 0.2
-"""Largest motion and following error of a motor after its loop is closed, as motion of a joint [deg or
-mm].
+"""Largest motion and largest following error that a motor may have after its loop was closed, as motion of a
+joint [deg or mm].
 """
 
 _SAVES = 30.0
@@ -46,10 +46,10 @@ def is_ended(operation: Operation) -> bool:
 
 
 def check_rest(operation: Operation, robot: Robot) -> Script[None]:
-    """Check that nothing moves, and that no program was interrupted in the middle.
+    """Check that nothing moves, and that no program was left unfinished.
 
     Raises:
-        Trouble: something moves, or a program is in the middle.
+        Trouble: something moves, or there is an unfinished program.
     """
     motors = yield from motor_statuses(operation, robot)
     for number, motor in zip(robot.controller.motors, motors, strict=True):
@@ -62,7 +62,7 @@ def check_rest(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def enable(operation: Operation, robot: Robot) -> Script[str]:
-    """Close the open loops of the motors, one after the other, and check that each motor stays at its place.
+    """Close the open loops of the motors, one after the other, and check that each motor stays where it is.
 
     Returns:
         The problem in words; empty if all loops are closed. After the first motor with a problem, no further
@@ -155,7 +155,7 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
     If a loop were closed, a change of a scale, a limit or a PLC would move the motor.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot whose settings are sent.
 
     Raises:
@@ -186,13 +186,13 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
-    """Send settings line by line, after `check_open` has found no problem.
+    """Send settings to the controller line by line, after `check_open` has found no problem.
 
     Sending ends at the first line that the controller refuses, or when a person orders the end.
 
     Args:
-        operation: the run.
-        lines: lines without comments.
+        operation: state of the run, and access to the controller.
+        lines: lines of the settings without comments.
 
     Raises:
         Lost: the connection is no longer usable.

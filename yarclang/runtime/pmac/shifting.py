@@ -1,5 +1,5 @@
-"""Have the lines of an OFFSET planned and proved for the place to which registers have shifted its frame.
-No I/O.
+"""The lines of an OFFSET: planned and proved at run time with their frame where the values of registers have
+shifted it. No I/O.
 """
 
 from __future__ import annotations
@@ -16,17 +16,18 @@ from yarclang.runtime.pmac.waiting import hold_with
 
 
 def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
-    """Have the first branch of an OFFSET planned, and set its flag to 1 if the branch can be carried out.
+    """Have the first branch of an OFFSET planned with the present values of its registers. Set the OFFSET's
+    flag to 1 if the branch can be carried out.
 
     If an OFFSET without an ELSE can't be carried out, the program holds and reports the reason. When a person
     resumes, the OFFSET is planned again with the values that the registers have then.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: a job with legs.
         place: number of the leg with the OFFSET at its end.
         joints: (n,) the robot's joint positions [rad or m].
-        held: the registers; receives the flag.
+        held: registers of the run; the flag is one of them.
 
     Returns:
         The jobs to stream instead of the legs of the branch; empty if the branch can't be carried out.
@@ -74,8 +75,8 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
 def _planned(
     job: Job, place: int, joints: Array, values: tuple[int, ...]
 ) -> Script[tuple[Job, ...] | str | None]:
-    """Return the jobs of an OFFSET's first branch, the reason why it can't be carried out, or None if the
-    program that planning needs isn't known.
+    """Plan the first branch of an OFFSET and return its jobs. Return the reason (str) if it can't be carried
+    out, or None if the program's source, which planning needs, isn't known.
     """
     barrier = job.legs[place].barrier
     assert barrier is not None
@@ -96,8 +97,8 @@ def _planned(
 
 
 def _has_no_else(legs: tuple[Leg, ...], place: int) -> bool:
-    """Return True if the second branch of an OFFSET was added by the compiler. Such a branch ends the
-    program.
+    """Return True if the OFFSET has no ELSE in the program, so that the compiler has added a second branch
+    that ends the program.
     """
     first, barrier = legs[place].barrier, legs[_end_of_branch(legs, place)].barrier
     assert first is not None
@@ -110,7 +111,9 @@ def _values(offset: Shifted, held: Held) -> tuple[int, ...]:
 
 
 def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:
-    """Return a sentence about the register that is out of its range; empty if all are within their ranges."""
+    """Return a sentence about the first of an OFFSET's registers that is out of its range; empty if there
+    is none.
+    """
     ranges = {one.name: (one.low, one.high) for one in job.registers}
     for name, value in zip(offset.registers, values, strict=True):
         if name and not ranges[name][0] <= value <= ranges[name][1]:
@@ -119,8 +122,8 @@ def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:
 
 
 def _end_of_branch(legs: tuple[Leg, ...], place: int) -> int:
-    """Return the number after the last leg of the first branch; the barrier of that leg is the ELSE. The
-    branch contains no other branch.
+    """Return the number of the leg after the first branch of an OFFSET. The barrier of the branch's last leg
+    is the ELSE. The branch contains no other branch.
     """
     for number in range(place + 1, len(legs)):
         barrier = legs[number].barrier

@@ -1,5 +1,5 @@
-"""Stream one job through the rotary buffer: load it, keep the buffer filled, carry out orders, and wait for
-the end of the motion. No I/O.
+"""Streaming of one job through the rotary buffer: load the first lines, keep the buffer filled, carry out
+orders, and wait for the end of the motion. No I/O.
 """
 
 from __future__ import annotations
@@ -42,22 +42,24 @@ _EXCHANGES = 3
 
 _LINES_EACH = 0.05
 _WATCH_EACH = 0.005
-"""Time between two questions for the lines ahead while inputs are watched [s]. The same question reads the
-inputs.
+"""Time between two questions for the number of lines in the buffer while inputs are watched [s]. The same
+question reads the inputs.
 """
 _PROGRESS_EACH = 0.25
 _STILL = 0.5
-"""Time without motion after which a program with lines ahead counts as held by another client, in addition to
-the duration of segments [s].
+"""Part of the time without motion after which a program with lines in the buffer counts as held by another
+client [s]. The other part is a multiple of the longest segment's duration.
 """
 
 _LOOK = 0.01
 
 _DOUBT = 0.02
-"""Time to the next question if the guard's heartbeat hasn't changed [s]."""
+"""Time to the next question if the guard's heartbeat hasn't changed since the last one [s]."""
 
 _END = 1.0
-"""Largest distance of a motor from the program's end at which the program counts as ended [counts]."""
+"""Largest distance of a motor from the program's end position at which the program counts as ended
+[counts].
+"""
 
 
 @dataclass
@@ -72,16 +74,16 @@ class _Due:
 
 
 class Stream:
-    """One job that is streamed through the rotary.
+    """One job that is streamed through the rotary buffer.
 
-    Orders that can't wait interrupt the current question (`Operation.watch`); each step can therefore be
+    Urgent orders of people interrupt the current question (`Operation.watch`); each step can therefore be
     repeated.
 
     Attributes:
         rotary: the buffer.
-        feed: progress of the lines.
+        feed: progress of the job's lines.
         supervision: supervision of the controller.
-        holding: holds of the job.
+        holding: holds of the motion.
         begun: True once something has moved.
     """
 
@@ -129,10 +131,10 @@ class Stream:
         return begins + motion + min(passed - slowed, seconds)
 
     def _dwells_on(self) -> bool:
-        """Return True if the job ends with a dwell that may not be over.
+        """Return True if the job ends with a dwell that may still be in progress.
 
-        The motors are at rest both during the dwell and after it; this is therefore called whenever they are
-        at rest.
+        The motors are at rest both during the dwell and after it. The first call, which must be at rest,
+        therefore starts the clock.
         """
         job = self.job
         if not job.dwells or job.dwells[-1][0] < len(job.lines) - 1:
@@ -296,8 +298,8 @@ class Stream:
         """Compare the controller's state with the state in which this run has left it, and react to a
         difference.
 
-        A searched or watched input is handled first. After a hold by guard or watchdog, the buffer is
-        refilled and the motion continues. After any other change a person has to resume the motion.
+        An input that ends or holds the motion is handled first. After a hold by guard or watchdog, the buffer
+        is refilled and the motion continues. After any other change a person has to resume the motion.
         """
         moving = self.operation.state is State.MOVE
         if moving and self.supervision.found(flow):
@@ -317,8 +319,8 @@ class Stream:
         return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
 
     def _ask_settings(self) -> Script[None]:
-        """Compare the controller's settings with those found before the run, and hold if a setting has
-        changed.
+        """Compare the controller's settings with those found before the run, and hold the motion if a
+        setting has changed.
         """
         self._due.settings = self.operation.now + SETTINGS_EACH
         if told := (yield from self.supervision.compare()):
@@ -384,8 +386,8 @@ class Stream:
 
     @property
     def _patience(self) -> float:
-        """Time without motion after which a program with lines ahead counts as held [s]. It is longer than
-        any segment.
+        """Time without motion after which a program with lines in the buffer counts as held [s]. It is longer
+        than any segment.
         """
         return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
 
@@ -433,8 +435,8 @@ class Stream:
             orders.popleft()
 
     def _wake_up(self) -> Script[None]:
-        """Hold after this process was suspended. The guard PLC has held too, and a person has to look at the
-        robot before resuming.
+        """Hold the motion after this process was suspended. The guard PLC has held it too, and a person has
+        to look at the robot before resuming.
         """
         operation, feed = self.operation, self.feed
         if feed.heard_at < operation.now:
@@ -453,7 +455,7 @@ class Stream:
     # after the motion
 
     def _end(self) -> Script[bool]:
-        """Carry out one step; return True if the motion has ended.
+        """Do one step of waiting for the end of the motion; return True if the motion has ended.
 
         The motion has ended when no motor has a desired velocity and all motors are at the program's end.
         """

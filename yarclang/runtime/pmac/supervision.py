@@ -1,9 +1,10 @@
-"""Supervision of a run: the watchdog, and comparison of values that must stay as they were proved. Some
-values are read with each question about the flow, the others once a second. No I/O.
+"""Supervision of a run: the watchdog, and the comparison of settings with those of the inspection, on which
+the proof depends. Some settings are read with each question about the buffer, the others once a second. No
+I/O.
 
 Other clients may use the same controller. If one of them changes something (the override, the guard, a limit,
-a PLC, an axis definition), the proof no longer holds. The motion is then held, and the old and the new value
-are reported.
+a PLC, an axis definition), the proof is no longer valid. The motion is then held, and the old and the new
+value are reported.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ _MOTOR_VARIABLES = {
     24: "flags and limit switches",
 }
 """Variables of each motor that no robot description sets, and that no other client may change during motion:
-Ixx00, Ixx11, Ixx24.
+Ixx00, Ixx11, Ixx24. The values are their names.
 """
 _MARKS = ("I16, lines below which the guard holds", "I17, lines from which on the rotary counts as full")
 _HOLD_SLEW = 95
@@ -55,17 +56,19 @@ _HOLD_SLEW = 95
 _TIME_BASE = 93
 """Isx93: source of the coordinate system's time base."""
 _STANDS_STILL = 0.045
-"""Time after which an unchanged heartbeat counts as stopped [s], unless `_BEATS` beats take longer."""
+"""Time after which an unchanged heartbeat of the guard counts as stopped [s], unless `_BEATS` beats take
+longer.
+"""
 _BEATS = 8.0
 _BEHIND = 3.0
-"""Number of beats of the guard by which PLC 0 may be behind before it counts as stopped. PLC 0 is scanned
+"""Number of the guard's heartbeats that PLC 0 may miss before it counts as stopped. PLC 0 is scanned
 more often than the guard.
 """
 _RACE = 3
-"""Number of lines that may be calculated while the controller prints two values of one reply."""
+"""Number of lines that the controller may calculate while it prints two values of one reply."""
 _SLEWING, _LONGEST_SLEW = 0.02, 1.0
-"""Time between two checks while the override changes, and longest duration of the change, in addition to two
-hold times [s].
+"""Time between two checks while the override changes [s]; and longest duration of the change in addition to
+two hold times [s].
 """
 _SAME_PACE = 0.01
 """Tolerance of the override as printed [%]."""
@@ -74,15 +77,17 @@ _LONGEST_TIMER = 8_388_607
 """Largest value of a 24-bit timer, in servo cycles."""
 
 LEAST_PATIENCE = 0.4
-"""Minimum of the silence after which the controller holds [s]."""
+"""Least silence of this computer after which the controller holds [s]."""
 
 AT_REST_WITHIN = 0.95
-"""Time within which the robot should be at rest after the streaming computer has died [s], if the link
-allows.
+"""Time within which the robot should be at rest after the streaming computer has failed [s], if the
+connection is fast enough.
 """
 
 _SHORTEST_PATIENCE = 0.25
-"""Shortest silence that is used [s]. With a shorter one, a busy computer would be held too often."""
+"""Shortest silence of this computer after which the controller may be told to hold [s]. With a shorter one, a
+busy computer would cause holds too often.
+"""
 
 _REPLIES, _LEAST_REPLIES = 4.0, 3.0
 _ONE_MORE = 0.1
@@ -92,12 +97,12 @@ def patience_for(slowest: float, hold_time: float) -> float:
     """Return the longest silence of this computer before its controller holds [s].
 
     The result is four times the slowest reply, at least `LEAST_PATIENCE`, but so short that the robot is at
-    rest within `AT_REST_WITHIN`. This isn't possible in two cases, in which the result is longer: if three
-    replies, as many as there are between two messages of a run, take longer; and if the robot's hold time
-    alone is nearly that long, since no computer is punctual within less than `_SHORTEST_PATIENCE`.
+    rest within `AT_REST_WITHIN`. In two cases the result must be longer than that. First, if three replies
+    take longer: as many replies may lie between two messages of a run. Second, if the robot's hold time alone
+    takes nearly all of `AT_REST_WITHIN`: no computer is punctual within less than `_SHORTEST_PATIENCE`.
 
     Args:
-        slowest: slowest reply during the inspection [s].
+        slowest: duration of the slowest reply during the inspection [s].
         hold_time: hold time of the robot [s].
     """
     wanted = max(LEAST_PATIENCE, _REPLIES * slowest)
@@ -105,10 +110,10 @@ def patience_for(slowest: float, hold_time: float) -> float:
 
 
 def needed(slowest: float) -> float:
-    """Return the silence that a link itself may cause [s].
+    """Return the silence of this computer that a slow connection alone may cause [s].
 
     Args:
-        slowest: slowest reply of the link [s].
+        slowest: duration of the slowest reply on the connection [s].
     """
     return _LEAST_REPLIES * slowest + _ONE_MORE
 
@@ -120,13 +125,14 @@ def wound_up(controller: TurboPmac, seconds: float) -> str:
 
 
 def remember(operation: Operation, robot: Robot, settings: Sequence[tuple[str, str, str]]) -> Script[Memory]:
-    """Ask for the values that are compared from now on. No buffer may be open on this port.
+    """Ask for the present settings, with which later answers are compared. No buffer may be open on this
+    port.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot with its motors and coordinate system.
-        settings: the inspected settings: the subject, the question, and its kind, `number`, `definition` or
-            `listing`.
+        settings: the inspected settings: of each its subject in words, the question for it, and its kind,
+            `number`, `definition` or `listing`.
     """
     controller = turbo_pmac(robot)
     numbers = [(subject, question) for subject, question, kind in settings if kind == "number"]
@@ -156,8 +162,8 @@ def _lines(parts: Sequence[tuple[str, str]]) -> list[Question]:
 
 
 def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[list[Remembered]]:
-    """Return the current answers. If the controller refuses a line with several questions, they are asked
-    separately.
+    """Ask questions, and return them with the current answers. If the controller refuses a line with several
+    questions, they are asked separately.
     """
     answers: list[Remembered] = []
     for question in questions:
@@ -177,10 +183,11 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """One answer about the flow.
+    """One answer of the controller about the flow of lines through the rotary buffer.
 
-    Its values are the lines `ahead` in the rotary, the override [%], the guard's flag and heartbeat, the
-    watchdog's flag, the heartbeat as seen by PLC 0, and the inputs that the job watches.
+    Its values are the number of lines `ahead` in the buffer, the override [%], the guard's flag and
+    heartbeat, the watchdog's flag, the heartbeat as seen by PLC 0, and the inputs that hold or end the
+    motion.
     """
 
     ahead: int
@@ -193,8 +200,8 @@ class Flow:
 
 
 class Supervision:
-    """Supervision of one controller while one job is streamed to it. It also lets the controller watch this
-    computer.
+    """Supervision of one controller while one job is streamed to it: this computer watches the controller's
+    settings, and the controller watches if this computer still sends messages.
     """
 
     def __init__(self, operation: Operation, job: Job) -> None:
@@ -224,9 +231,10 @@ class Supervision:
     # the watchdog
 
     def begin(self) -> Script[None]:
-        """Wait until the override has its value, and let the controller watch this computer from now on.
+        """Wait until the override has its wanted value, and let the controller watch this computer from now
+        on.
 
-        No buffer may be open on this port. The next command is R.
+        No buffer may be open on our port of the controller. The next command is R.
 
         Raises:
             Trouble: the override doesn't reach the wanted value.
@@ -263,19 +271,19 @@ class Supervision:
         self._slews_until = operation.now + way * self._robot.controller.hold_time + _ONE_MORE
 
     def lines_sent(self, lines: Sequence[str]) -> None:
-        """Record that these lines are in the rotary."""
+        """Record that lines were sent to the rotary buffer."""
         for row, line in enumerate(lines):
             if line.startswith(f"{ARMED}="):
                 self._arms.append((self._sent + row, float(line.partition("=")[2])))
         self._sent += len(lines)
 
     def rearmed(self, flow: Flow, all_in: bool) -> str:
-        """Return the assignment that sets the guard's flag to the value that the continued motion needs;
-        empty if the flag has this value.
+        """Return the assignment that gives the guard's flag the value that it must have when the motion
+        continues; empty if the flag has this value.
 
         Args:
-            flow: the last answer, at rest.
-            all_in: True if all lines were sent. The buffer may then hold fewer lines than the guard requires,
+            flow: the last answer about the buffer, at rest.
+            all_in: True if all lines were sent. The buffer may then have fewer lines than the guard requires,
                 and no more lines come.
         """
         if all_in and (
@@ -289,7 +297,8 @@ class Supervision:
     # questions
 
     def ask(self) -> Script[Flow]:
-        """Ask for the flow, and restart the watchdog. No buffer may be open on this port.
+        """Ask about the flow of lines, and restart the watchdog. No buffer may be open on our port of the
+        controller.
 
         Raises:
             Lost: the answer can't be parsed.
@@ -336,8 +345,8 @@ class Supervision:
         words; empty if there is none.
 
         Args:
-            flow: the answer.
-            moving: True if the program runs at its pace.
+            flow: the answer about the flow of lines.
+            moving: True if the program runs at the wanted override.
         """
         if moving and (told := self._other_pace(flow.percent)):
             return told
@@ -360,8 +369,9 @@ class Supervision:
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:
-        """Return the values that the guard's flag may have while `ahead` lines are ahead: those set by the
-        last lines that may have been calculated.
+        """Return the values that the guard's flag may have while `ahead` lines are in the buffer: the value
+        after the lines that have left the buffer, and the value after `_RACE` more lines, which the
+        controller may have calculated meanwhile.
         """
         if self._disarmed:
             return (0.0,)
@@ -380,8 +390,10 @@ class Supervision:
     # inputs that hold the motion
 
     def held_by(self, flow: Flow) -> str:
-        """Return the inputs whose states forbid motion, in words, according to an answer; empty if there
-        are none.
+        """Return the watched inputs whose states forbid motion, in words; empty if there are none.
+
+        Args:
+            flow: the answer with the states of the inputs.
         """
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         return ", ".join(
@@ -389,7 +401,9 @@ class Supervision:
         )
 
     def way_out(self, flow: Flow) -> str:
-        """Return the way out of the first of these inputs that has one; empty if none has."""
+        """Return the name of the SUB by which the robot is to retreat, for the first input that forbids
+        motion and has one; empty if none has.
+        """
         return next((one.then for one in self._open(flow) if one.then), "")
 
     def _open(self, flow: Flow) -> list[Watch]:
@@ -411,7 +425,7 @@ class Supervision:
     # settings
 
     def check(self) -> Script[None]:
-        """Check, before anything moves, that nothing was changed since the inspection.
+        """Check, before anything moves, that no setting was changed since the inspection.
 
         Raises:
             Trouble: something was changed.
@@ -424,8 +438,8 @@ class Supervision:
             )
 
     def hold_again(self, changes: str) -> str:
-        """Return the assignment that restores the rate of a hold (Isx95), if another client has changed it;
-        empty otherwise. With another rate, a hold would not come to rest as proved.
+        """Return the assignment that restores the slew rate of a hold (Isx95), if another client has changed
+        it; empty otherwise. With another rate, a hold would not come to rest as proved.
 
         Args:
             changes: the changes by other clients, in words.
@@ -435,8 +449,8 @@ class Supervision:
         return f"{slew}={was}" if was and slew in changes else ""
 
     def compare(self, *, all_: bool = False) -> Script[str]:
-        """Ask for the settings again, and return the differences from the inspection; empty if there are
-        none.
+        """Ask for the settings again, and return the first difference from the inspection, in words; empty if
+        there is none.
 
         Args:
             all_: True to ask for all settings; False to ask for those that are compared every second, and for

@@ -1,4 +1,4 @@
-"""Store the robot's place for later runs, under a name that the program gives. No I/O."""
+"""Storing of the robot's position for later runs, under a name that the program gives. No I/O."""
 
 from __future__ import annotations
 
@@ -11,19 +11,20 @@ from yarclang.runtime.pmac.held import title
 from yarclang.runtime.pmac.operation import Operation
 
 TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pose"}
-"""Form in which a command stores the place, by its word."""
+"""For each teaching command, the form in which it stores the robot's position."""
 
 
 def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:
-    """Store the robot's place for later runs. The robot stands still until the place is on the disk.
+    """Store the robot's present position for later runs. The robot stands still until the position is on the
+    disk.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         barrier: the JPOS or LPOS that is carried out.
         stands: (n,) the robot's joint positions [rad or m].
 
     Raises:
-        Trouble: the place can't be stored.
+        Trouble: the position can't be stored.
     """
     told = yield Teach(TEACHING[barrier.word], barrier.name, stands)
     if not isinstance(told, Told):

@@ -24,7 +24,11 @@ from yarclang.runtime.state import Event
 
 
 def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
-    """Wait until the input has its wanted value, or until the time of the WAIT is over."""
+    """Wait until an input has its wanted value.
+
+    Raises:
+        Trouble: the time limit of the WAIT is over.
+    """
     since = operation.now
     (value,) = yield from operation.numbers(barrier.variable, 1)
     place = barrier.label or f"line {barrier.source_line}"
@@ -53,19 +57,19 @@ def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
 
 
 def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[bool]:
-    """Wait until a condition holds, or until the time of the WAIT is over.
+    """Wait until a condition is satisfied, or until the time limit of the WAIT is over.
 
-    Each step reads every input once. Registers of the condition that other programs fill are cleared first,
+    Each step reads every input once. Registers of the condition that other programs fill are reset first,
     and values for them are accepted until the end of the wait.
 
     Args:
-        operation: the run.
-        barrier: the WAIT, with its time.
+        operation: state of the run, and access to the controller.
+        barrier: the WAIT, with its time limit.
         condition: the condition.
         held: registers and inputs of the run.
 
     Returns:
-        False if the time is over.
+        True if the condition is satisfied; False if the time limit is over.
     """
     since, place = operation.now, barrier.label or f"line {barrier.source_line}"
     name = awaited(barrier, condition)
@@ -106,7 +110,7 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
 
 
 def awaited(barrier: Barrier, condition: Value) -> str:
-    """Return the condition of a wait, with the program's own names if the text has them."""
+    """Return the condition of a wait in words, with the program's own names if the text has them."""
     compared = simple(condition)
     if barrier.kind == "when" and compared is not None and barrier.name:
         return f"{barrier.name} is {state_text(compared[1])}"
@@ -114,10 +118,10 @@ def awaited(barrier: Barrier, condition: Value) -> str:
 
 
 def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:
-    """Report that a WAIT is over.
+    """Send the notice that a WAIT is over.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         barrier: the WAIT.
         value: value of the input.
         waited: duration of the wait [s].
@@ -130,10 +134,11 @@ def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: floa
 
 
 def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Wait until a person resumes, with an answer if there is a question; outputs are safe meanwhile.
+    """Wait at a HOLD until a person resumes, with an answer if the HOLD asks a question. Outputs have their
+    safe values meanwhile.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: the program with its outputs and registers.
         barrier: the HOLD.
         held: registers of the run.
@@ -154,13 +159,13 @@ def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: He
 
 
 def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, reason: str) -> Script[None]:
-    """Wait until a person resumes; outputs are safe meanwhile.
+    """Wait for a given reason until a person resumes; outputs have their safe values meanwhile.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         job: the program with its outputs.
         barrier: where the robot stands.
-        held: registers of the run; values from outside are accepted meanwhile.
+        held: registers of the run; values from other programs are accepted meanwhile.
         reason: the reason, and how the program continues, for people.
     """
     outputs = Outputs(job)
@@ -176,7 +181,7 @@ def _hold(
     operation: Operation, barrier: Barrier, held: Held, answers: list[int | None] | None = None
 ) -> Script[None]:
     """Wait until a person resumes. Values for registers that other programs fill are accepted meanwhile, but
-    don't continue the program.
+    don't make the program continue.
     """
     try:
         while True:
@@ -217,13 +222,13 @@ def obey(
     """Carry out orders while the robot stands at a barrier.
 
     Args:
-        operation: the run.
-        answers: answers of people are added here.
-        filling: the barrier that accepts values from outside, and the run's state; None: no values are
-            accepted.
+        operation: state of the run, and access to the controller.
+        answers: list to which answers of people are added.
+        filling: the barrier that accepts values from other programs, and the registers of the run; None: no
+            values are accepted.
 
     Returns:
-        True if the program may continue.
+        True if a person has resumed the program.
     """
     resumed = False
     while operation.orders:

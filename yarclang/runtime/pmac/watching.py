@@ -1,5 +1,5 @@
-"""Checks during motion: motors, the program, positions. An open rotary stores none of these questions. No
-I/O.
+"""Checks during motion of the motors, the program and the positions. They use only questions that an open
+rotary buffer doesn't store. No I/O.
 """
 
 from __future__ import annotations
@@ -27,19 +27,21 @@ RESET_REMEDY = "find out why; look at the robot, home it, and run `yarc doctor`"
 
 
 def were_reset(motors: tuple[MotorStatus, ...]) -> bool:
-    """Return True if no motor is closed-loop or homed, as after a reset. Positions are then invalid."""
+    """Return True if no motor is closed-loop or homed, as after a reset of the controller. Positions are
+    then invalid.
+    """
     return all(motor.has("open loop") and not motor.has("home complete") for motor in motors)
 
 
 def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
-    """Raise the fault that keeps a motor from moving.
+    """Raise the fault that keeps a motor from moving, if there is one.
 
     If a motor has a fault, the controller also kills other motors. The fault itself is therefore reported,
     and not a loop that the fault has opened.
 
     Raises:
         Trouble: a reset, which opens all loops; else the first motor with a fault; else the first motor with
-            an open loop.
+            an open loop; else the first motor that isn't homed.
     """
     if were_reset(motors):
         raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY, "Y1602")
@@ -55,14 +57,14 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
 
 
 def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, int]) -> Script[None]:
-    """Raise a fault if the controller commands the motors off the path of its lines.
+    """Raise a fault if the motors' commanded positions are off the path of the lines that were sent.
 
     If a fault or a limit has stopped a motor, that is reported instead.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot whose motors are checked.
-        off: largest deviation [counts], and the row of its motor.
+        off: largest distance from the path [counts], and the row of its motor.
 
     Raises:
         Trouble: the motors are off the path.
@@ -79,7 +81,7 @@ def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, in
 
 
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
-    """Check that the program runs, when nothing moves.
+    """Check, when nothing moves, that the program still runs.
 
     Raises:
         Trouble: the program doesn't run, or has met an error.
@@ -102,13 +104,13 @@ def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
 def sample(
     operation: Operation, robot: Robot, program_time: float, clock: float | None = None
 ) -> Script[Sample]:
-    """Return the robot's position, by ^P and ^F.
+    """Ask for the robot's position, by ^P and ^F, and return it as a sample.
 
     Args:
-        operation: the run.
+        operation: state of the run, and access to the controller.
         robot: the robot whose motors are asked.
-        program_time: progress of the program [s], with the branches of a WHEN in sequence.
-        clock: progress of the program [s], with the branches of a WHEN in parallel.
+        program_time: progress of the program [s], counting both branches of each WHEN, one after the other.
+        clock: progress of the program [s], counting only the longer branch of each WHEN passed before.
 
     Raises:
         Lost: a report can't be parsed.

@@ -1,8 +1,9 @@
-"""The lock of a controller: one for all users and sessions of this machine.
+"""The lock of a controller, for all users and sessions of this machine: only one process at a time may use
+the controller.
 
 The lock is an abstract Unix socket: a name in the kernel, without a file, which is bound as long as the
-process lives. A process that finds the name taken learns from the kernel which process holds it, and from
-this process how long it has held the lock.
+process lives. A process that finds the name taken learns from the kernel which process has bound it, and from
+that process how long it has had the lock.
 """
 
 from __future__ import annotations
@@ -49,7 +50,9 @@ from its work.
 """
 
 _PATIENCE = 0.5
-"""Longest time to wait for a holder's answer, or for a holder that has just begun or ended [s]."""
+"""Longest time to wait for the answer of the process with the lock, or for a process that is just taking or
+leaving the lock [s].
+"""
 
 _LONGEST = 4096
 """Longest answer [bytes]."""
@@ -141,8 +144,8 @@ def _prefix() -> str:
 
 
 def _names(host: str, port: int) -> list[bytes]:
-    """Return a lock's names, one for each address of the controller, in an order that is the same for all
-    processes.
+    """Return the socket names of a controller's lock, one for each address of the controller, in an order
+    that is the same for all processes.
     """
     names = (f"{address}:{port}" for address in _addresses(host, port))
     plain = (
@@ -175,7 +178,7 @@ def _addresses(host: str, port: int) -> set[str]:
 def _is_here(
     family: int, place: tuple[object, ...], address: ipaddress.IPv4Address | ipaddress.IPv6Address
 ) -> bool:
-    """Return True for an address of this machine. Packets to such an address are sent from the same
+    """Return True for an address of this machine. Test: packets to such an address are sent from the same
     address.
     """
     if address.is_loopback or address.is_unspecified:
@@ -190,7 +193,7 @@ def _is_here(
 
 @contextlib.contextmanager
 def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
-    """Hold one name as long as the context lasts.
+    """Bind one socket name of a lock as long as the context lasts.
 
     Raises:
         ControlError: another process has the name.
@@ -207,7 +210,7 @@ def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
 
 
 def _bound(name: bytes) -> socket.socket | None:
-    """Return a socket that listens at a name; None if the name is taken.
+    """Return a socket that listens at a lock's name; None if the name is taken.
 
     Raises:
         ControlError: the kernel refuses the name.
@@ -234,7 +237,7 @@ def _refusal(holder: Holder, host: str, port: int) -> ControlError:
 
 
 def _listener(name: bytes, *, ours: bool = False) -> Holder | None:
-    """Return the process that listens at a name; None if no process does.
+    """Return the process that listens at a lock's name; None if no process does.
 
     Args:
         name: the name of a lock.
@@ -260,8 +263,8 @@ def _listener(name: bytes, *, ours: bool = False) -> Holder | None:
 
 
 def _with_facts(peer: Peer, line: bytes) -> Holder:
-    """Return a holder with the facts from its own answer. The answer can't be trusted: it appears only in
-    messages, and only the holder's own user relies on it.
+    """Return the holder of a lock, with the facts that its process has sent. These facts can't be trusted:
+    they appear only in messages, and only the same user's processes rely on them.
     """
     try:
         content = json.loads(line)
@@ -273,7 +276,9 @@ def _with_facts(peer: Peer, line: bytes) -> Holder:
 
 
 class _Answering(threading.Thread):
-    """A thread that tells callers since when the lock is held, and where this process's control socket is."""
+    """A thread that tells processes that ask since when this process has the lock, and where its control
+    socket is.
+    """
 
     def __init__(self, wires: list[socket.socket]) -> None:
         super().__init__(name="controller lock", daemon=True)

@@ -1,5 +1,5 @@
-"""Unix sockets for one user: the folder that only its owner may enter, listeners, and the identity of the
-user at the other end.
+"""Unix sockets for one user: the folder that only its owner may enter, listening sockets, and the identity of
+the user at the other end of a connection.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ MASTERS = ".follow"
 """Suffix of the sockets by which other processes (masters) guide a live motion."""
 
 _ALIVE_TIME = 0.5
-"""Longest time to wait for a listener to accept a caller [s]. A listener that takes longer is busy, but
-alive.
+"""Longest time to wait for a listening process to accept a connection [s]. A process that takes longer is
+busy, but alive.
 """
 
 _CREDENTIALS = struct.Struct("3i")
@@ -29,8 +29,8 @@ _CREDENTIALS = struct.Struct("3i")
 
 
 class ControlError(Trouble):
-    """A run's socket, its folder or a controller's lock can't be used. The arguments are what is wrong, and
-    what to do about it.
+    """A run's socket, the folder of the sockets, or a controller's lock can't be used. The arguments are what
+    is wrong, and what to do about it.
     """
 
 
@@ -48,7 +48,7 @@ class Peer:
 
     @property
     def is_trusted(self) -> bool:
-        """Return True if the process belongs to our own user or to root, who may do everything anyway."""
+        """Return True if the process belongs to our own user, or to root, who may do everything anyway."""
         return self.uid in (os.getuid(), 0)
 
 
@@ -64,7 +64,7 @@ def peer_of(wire: socket.socket) -> Peer:
 
 
 def folder() -> Path:
-    """Return the folder of our sockets. It is created if it is missing.
+    """Return the folder of our user's sockets. It is created if it is missing.
 
     Raises:
         ControlError: other users may enter the folder, it isn't ours, or it can't be created.
@@ -84,10 +84,10 @@ def folder() -> Path:
 
 
 def check_private(path: Path) -> None:
-    """Check that only our own user owns and may enter a folder.
+    """Check that a folder belongs to our own user, and that no other user may enter it.
 
     Raises:
-        ControlError: it is a link or no folder, belongs to another user, or others may enter it.
+        ControlError: the path is a link or no folder, belongs to another user, or others may enter it.
     """
     try:
         status = path.lstat()
@@ -104,7 +104,7 @@ def check_private(path: Path) -> None:
 
 
 def private_listener(path: Path) -> socket.socket:
-    """Return a socket that listens at a path, with rights for its owner alone.
+    """Return a socket that listens at a path, and to which only its owner may connect.
 
     The socket of a dead process is replaced; any other file is left untouched.
 
@@ -127,7 +127,7 @@ def private_listener(path: Path) -> socket.socket:
 
 
 def answers(path: Path) -> bool:
-    """Return True if a process listens at a path."""
+    """Return True if a process listens at the path of a socket."""
     with socket.socket(socket.AF_UNIX) as wire:
         wire.settimeout(_ALIVE_TIME)
         try:
@@ -140,7 +140,9 @@ def answers(path: Path) -> bool:
 
 
 def own_name(robot: str) -> str:
-    """Return the base name of this process's sockets, without their suffix: the robot and the process."""
+    """Return the base name of this process's sockets, without their suffix: the robot's name and the
+    process number.
+    """
     return f"{re.sub(r'[^a-z0-9_.]+', '_', robot.lower())}-{os.getpid()}"
 
 

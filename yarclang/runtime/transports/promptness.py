@@ -19,16 +19,16 @@ and something moves [s]. Python's default is ten times as long.
 """
 
 _GARBAGE = (2_000, 20, 1_000)
-"""Garbage collection thresholds while something moves: number of new objects and of rounds before Python
-searches for garbage.
+"""Garbage collection thresholds while something moves: the number of new objects after which Python searches
+the first generation, and the numbers of searches after which it searches the second and the third one.
 
 The third generation contains all objects of a long program. Searching it takes 0.1 s, during which no thread
 runs.
 """
 
 _SLICE = 100_000
-"""Length of a thread's time slice [ns], the minimum of Linux. A thread with short slices that needs little
-time runs soon.
+"""Length of a thread's time slice [ns], the minimum of Linux. The kernel runs a thread with short slices
+sooner after it wakes up.
 """
 
 _ATTRIBUTES = struct.Struct("IIQiIQQQII")
@@ -52,11 +52,11 @@ it.
 
 @dataclass(slots=True)
 class _Process:
-    """State of this process.
+    """State of this process with regard to the promptness of its threads.
 
     Attributes:
         moving: number of robots that move.
-        beside: threads that plan or log.
+        beside: numbers of the threads that plan or log.
         first: True if the streaming thread has priority over ordinary threads.
         frozen: True if other code has excluded objects from garbage collection (gc.freeze) before something
             moved.
@@ -99,10 +99,10 @@ def prompt_thread() -> Iterator[None]:
 
 @contextlib.contextmanager
 def shares_the_interpreter() -> Iterator[None]:
-    """Mark the calling thread as one that works beside the streaming thread and shares the interpreter with
-    it.
+    """Mark the calling thread as one that plans or logs in the process of the streaming thread, and shares
+    Python's interpreter with it.
 
-    While something moves, this thread gets priority over ordinary processes, so that it releases the
+    While something moves, the calling thread gets priority over ordinary processes, so that it releases the
     interpreter soon.
     """
     number = threading.get_native_id()
@@ -141,8 +141,8 @@ def _ask_for_slices(length: int) -> None:
 
 @contextlib.contextmanager
 def prompt_while_moving() -> Iterator[None]:
-    """Let planning threads yield sooner, and postpone garbage collection, as long as the context lasts.
-    Afterwards, restore everything.
+    """Make planning threads release the interpreter sooner, and postpone garbage collection, as long as the
+    context lasts. Afterwards, restore the former settings.
     """
     _PROCESS.moving += 1
     if _PROCESS.moving > 1:  # another robot of this process moves already

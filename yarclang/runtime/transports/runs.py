@@ -15,8 +15,8 @@ _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})")
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run on this computer: its `name`, such as `industrial6-4711`, its robot and process, and
-    its socket.
+    """A run on this computer: its `name`, such as `industrial6-4711`; its robot and process number; and the
+    path of its control socket.
     """
 
     name: str
@@ -26,10 +26,11 @@ class Run:
 
 
 def find_runs() -> tuple[Run, ...]:
-    """Return the runs of this user that are alive, in the order of their names.
+    """Return the runs of this user whose processes are alive, in the order of their names.
 
-    They are searched for in our own folder, and in the folders of runs that were started with another
-    XDG_RUNTIME_DIR or TMPDIR: each run reports its folder to processes that ask for its controller's lock.
+    They are searched for in our own folder of sockets, and in the folders of runs that were started with
+    another XDG_RUNTIME_DIR or TMPDIR: each run reports its folder to processes that ask for its controller's
+    lock.
 
     Raises:
         ControlError: our own folder can't be trusted.
@@ -43,7 +44,7 @@ def the_run(name: str | None = None) -> Run:
     """Return the only run, or the run that `name` selects by its full name, its robot, or its process number.
 
     Raises:
-        ControlError: there is none, or several.
+        ControlError: there is no such run, or several.
     """
     runs = find_runs()
     if not runs:
@@ -92,7 +93,7 @@ def _folder_of(holder: Holder) -> Path | None:
 
 
 def _runs_in(place: Path) -> list[Run]:
-    """Return all sockets of a folder, alive or not."""
+    """Return a run for each socket in a folder, even if its process is dead."""
     named = [(path, _NAME.fullmatch(path.stem)) for path in sorted(place.glob("*.sock"))]
     return [Run(path.stem, name["robot"], int(name["pid"]), path) for path, name in named if name]
 

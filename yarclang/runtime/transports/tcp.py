@@ -6,8 +6,8 @@ import asyncio
 
 
 class Wire(asyncio.Protocol):
-    """Bytes to and from a controller. `arrived` is set when bytes have arrived, or the connection has
-    ended.
+    """A connection to a controller that carries bytes. The event `arrived` is set when bytes have arrived, or
+    the connection has ended.
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class Wire(asyncio.Protocol):
 
 
 async def connect(host: str, port: int, timeout: float) -> Wire:
-    """Make a connection.
+    """Make a TCP connection.
 
     Args:
         host: name or address of the controller.

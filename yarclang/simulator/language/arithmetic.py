@@ -8,7 +8,9 @@ from collections.abc import Callable
 from typing import Protocol
 
 LARGEST = 2.0**100
-"""Largest absolute value. Larger values saturate (assumed; the controller's behaviour isn't known)."""
+"""Largest absolute value of a result. Larger values saturate (assumed; the controller's behaviour isn't
+known).
+"""
 
 
 class Scope(Protocol):
@@ -63,7 +65,9 @@ def _quotient(left: float, right: float) -> float:
 
 
 def _modulo(left: float, right: float) -> float:
-    """Return the remainder for n = `right`: from 0 to n for n > 0, from -|n| to |n| for n < 0 (PUM 233)."""
+    """Return the remainder of a division by n = `right`: from 0 to n for n > 0, from -|n| to |n| for n < 0
+    (PUM 233).
+    """
     if right == 0.0:
         return 0.0
     if right > 0.0:

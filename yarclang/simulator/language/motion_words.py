@@ -1,4 +1,6 @@
-"""Words of motion programs and rotaries only: moves, modes, pauses, jumps (TSRM 421-424 and index)."""
+"""Parser of the statements that only motion programs and rotaries have: moves, modes, pauses, jumps (TSRM
+421-424 and index).
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,7 @@ _LABEL = re.compile(r"\d{1,6}")
 
 
 def motion_word(reader: Reader) -> Statement | None:
-    """Read the statement that begins here; None if there is none.
+    """Read the statement that begins at the reader's position; None if no such statement begins there.
 
     Raises:
         Refusal: ERR003 if a statement begins correctly but continues wrongly.
@@ -77,7 +79,9 @@ def motion_word(reader: Reader) -> Statement | None:
 
 
 def _with_arguments(reader: Reader, jump: Jump) -> Jump:
-    """Read the arguments of a subprogram (for READ), which are letters with data. They have no effect."""
+    """Read the arguments after a subprogram call, which are letters with data (for READ). They have no
+    effect.
+    """
     while not reader.ended and reader.rest[0].isalpha() and not reader.match(_ASSIGNED):
         here = reader.at
         reader.at += 1

@@ -1,6 +1,7 @@
-"""Reader of constants, lists, expressions and conditions in a text (TSRM 23, PUM 233).
+"""Reader of constants, lists, expressions and conditions in a line of the controller's language (TSRM 23, PUM
+233).
 
-The text is in upper case, without blanks. Expressions become functions of a `Scope`, so that a program
+The line is in upper case, without blanks. Expressions become functions of a `Scope`, so that a program
 is parsed only once, however often it is executed.
 """
 

@@ -1,6 +1,6 @@
-"""The statements of motion programs, rotaries and PLCs (TSRM 31, 421-424 and index).
+"""The statements of motion programs, rotaries and PLCs as data (TSRM 31, 421-424 and index).
 
-`programs` executes them.
+The package `programs` executes them.
 """
 
 from __future__ import annotations
@@ -113,8 +113,8 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Say:
-    """SEND (a text to the host; SEND^ a control character) or CMD (a line to the interpreter); `text` has no
-    quotes.
+    """SEND (a text to the host; SEND^ a control character) or CMD (a line to the interpreter of on-line
+    commands). `text` has no quotes.
     """
 
     name: str
@@ -176,7 +176,9 @@ _NOT_IN_ROTARY = ("ELSE", "ENDIF", "ENDWHILE", "WAIT", "RETURN")
 
 
 def cost(statement: Statement) -> int:
-    """Return the words of a buffer that a statement takes: 1 per value (TUM 337), 1 per keyword (assumed)."""
+    """Return the number of words that a statement takes in a buffer: 1 per value (TUM 337), 1 per keyword
+    (assumed).
+    """
     match statement:
         case Move(words=words):
             return sum(1 if velocity is None else 2 for _, _, velocity in words)

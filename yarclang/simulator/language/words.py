@@ -1,6 +1,6 @@
 """Parser of lines: removes blanks and comments, and reads statements of motion programs, rotaries and PLCs.
 
-Words of motion programs only are in `motion_words`.
+Statements that only motion programs have are in `motion_words`.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def cleaned(line: str) -> str:
 
 
 def simple_move(text: str) -> Move | None:
-    """Return the move of a line that has only axis letters with constants, as most lines do; None for
+    """Return the move in a line that consists of axis letters with constants, as most lines do; None for
     other lines.
     """
     if not _SIMPLE_MOVE.match(text):
@@ -69,7 +69,8 @@ def simple_move(text: str) -> Move | None:
 
 
 def read_statement(reader: Reader, plc: bool) -> Statement | None:
-    """Read the statement that begins here. If there is none, return None and read nothing.
+    """Read the statement that begins at the reader's position. If there is none, return None and read
+    nothing.
 
     Args:
         reader: the text and the position in it.

@@ -20,10 +20,10 @@ _GROUPS = ("XYZ", "UVW")
 
 @dataclass(frozen=True, slots=True)
 class AxisDefinition:
-    """Position of a motor as a sum of axis positions.
+    """Axis definition of a motor: its position as a linear function of axis positions.
 
     Attributes:
-        terms: axis and counts per axis unit of each term.
+        terms: for each term, the axis and the counts per axis unit.
         offset: constant term [counts].
     """
 
@@ -40,7 +40,7 @@ class AxisDefinition:
 
 
 def axis_definition(text: str) -> AxisDefinition | None:
-    """Parse the text after `#1->`; None for 0, which removes a definition.
+    """Parse an axis definition, which is the text after `#1->`; None for 0, which removes a definition.
 
     Raises:
         Refusal: ERR003 for a text that isn't a definition, or for axes that may not be summed.
@@ -75,8 +75,8 @@ class Axes:
 
     Attributes:
         motors: numbers of the n motors.
-        matrix: (n, 9) [counts per axis unit].
-        offset: (n,) [counts].
+        matrix: (n, 9) coefficients of the axis positions [counts per axis unit].
+        offset: (n,) constant terms [counts].
     """
 
     motors: tuple[int, ...]
@@ -89,7 +89,7 @@ class Axes:
         return counts
 
     def matched(self, counts: Array, axes: Array) -> Array:
-        """Return the axis positions (9,) for motor positions (PMATCH).
+        """Return the axis positions (9,) that give motor positions, as PMATCH does.
 
         Args:
             counts: (n,) motor positions [counts].

@@ -1,4 +1,6 @@
-"""The drive of a coordinate system, which moves its motors piece by piece at the rate of its time base."""
+"""The drive of a coordinate system, which moves the system's motors piece by piece at the rate of the time
+base. A piece is a part of the motion in which all positions are cubics in time.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +15,13 @@ from yarclang.simulator.motion.pieces import Array, Motion, Piece, Standing, Tra
 from yarclang.simulator.motion.timebase import TimeMap, slew
 
 _PIECES = 4
-"""Number of pieces that a control point of a spline affects. After a piece that may trip a motor, as many
-pieces are examined.
+"""Number of pieces of a spline motion that depend on one control point. After a piece on which a motor may
+trip, as many pieces are examined.
 """
 
 
 class Surroundings(Protocol):
-    """The machine as seen by a drive."""
+    """The controller as seen by a drive."""
 
     @property
     def now(self) -> float:
@@ -36,7 +38,9 @@ class Surroundings(Protocol):
 
 
 class Watch:
-    """Finds the pieces on which motors of a coordinate system trip. Bounds exclude most pieces quickly."""
+    """Finds the pieces of a motion on which motors of a coordinate system trip (stop at a limit or by a
+    following error). Simple bounds exclude most pieces quickly.
+    """
 
     def __init__(self, motors: list[Motor]) -> None:
         self.motors = motors
@@ -49,7 +53,9 @@ class Watch:
         self._suspect = _PIECES
 
     def first_trip(self, piece: Piece) -> tuple[float, Motor, str] | None:
-        """Return the first time [s] in a piece at which a motor trips, the motor, and the cause; or None."""
+        """Return the first time in a piece at which a motor trips [s], the motor, and the cause; None if
+        no motor trips.
+        """
         least, most, fastest = self._bounds or self._bound()
         low, high, speed = piece.reach()
         if ((low < least) | (high > most) | (speed > fastest)).any():
@@ -60,7 +66,9 @@ class Watch:
         return first_trip(piece, self.motors)
 
     def _bound(self) -> tuple[Array, Array, Array]:
-        """Return bounds (n,) within which no motor trips: least and most [counts], speed [counts/s]."""
+        """Return bounds within which no motor trips, as (n,) each: least and largest position [counts],
+        largest speed [counts/s].
+        """
         limits = [motor.limits() for motor in self.motors]
         slack = [
             motor.fatal_limit() - abs(motor.disturbance) if not any(motor.switches.values()) else 0.0
@@ -76,16 +84,17 @@ class Watch:
 
 
 class Drive:
-    """Executes pieces with the motors of coordinate system `number`. The commands %, H and R set its rate.
+    """Executes pieces of motion with the motors of coordinate system `number`. The commands %, H and R set
+    the rate.
 
     Attributes:
-        motors: its motors, in the order of their numbers.
+        motors: motors of the coordinate system, in the order of their numbers.
         percent: the override [%].
         map: program time as a function of real time.
         piece: the piece that is executed; None if there is none.
         begin: start of that piece in program time [s].
         end: positions of the motors after the last piece (n,) [counts].
-        held: True in a hold (H), and on the way to it.
+        held: True in a hold (H), and while the motors slow down for it.
         held_at: positions at which the motors came to rest in a hold (n,) [counts]; None before.
     """
 
@@ -133,7 +142,9 @@ class Drive:
         return found
 
     def places(self) -> Array:
-        """Return the commanded positions of all motors now (n,) [counts], including motions of their own."""
+        """Return the commanded positions of all motors now (n,) [counts], including those of jogs, home
+        searches and aborts.
+        """
         now = self._outside.now
         return np.array([motor.place(now)[0] for motor in self.motors])
 
@@ -163,7 +174,7 @@ class Drive:
                 motor.driver = self, index
 
     def _time(self) -> None:
-        """Compute the times at which the piece ends, and at which a motor trips on it."""
+        """Compute the time at which the current piece ends, and the time at which a motor trips on it."""
         if self.piece is not None:
             self._ends_at = self.map.instant(self.begin + self.piece.duration)
             self._trips_at = math.inf if self._trip is None else self.map.instant(self.begin + self._trip[0])
@@ -178,7 +189,9 @@ class Drive:
         self._outside.changed(self.motors)
 
     def leave(self) -> None:
-        """Release the motors for another motion. A hold ends, and the time base returns to the override."""
+        """Stop moving the motors, so that another motion may use them. A hold ends, and the time base returns
+        to the override.
+        """
         self._forget()
         self.held, self.held_at = False, None
         rate = self.percent / 100.0
@@ -243,7 +256,9 @@ class Drive:
         return when
 
     def handle(self) -> bool:
-        """Handle the events that are due. Return True if the piece has ended, so that another may begin."""
+        """Handle the events that are due. Return True if the present piece has ended, so that another may
+        begin.
+        """
         now = self._outside.now
         if self.held and self.held_at is None and now >= self.map.settled:
             self._stand_held()

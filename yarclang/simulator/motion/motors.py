@@ -1,4 +1,4 @@
-"""A motor: its commanded and actual position, and the motions of its own (jog, home, abort).
+"""A motor: its commanded and actual position, and the motions outside a program (jog, home, abort).
 
 The motor follows with a lag: its following error is the commanded velocity times `LAG`, plus a `disturbance`.
 At rest, without a disturbance, it stands at its commanded position.
@@ -27,7 +27,7 @@ LAG = 0.5e-3
 """Following error divided by velocity [s]: about one servo cycle, as with feedforward (assumed)."""
 
 WATCHED = frozenset({11, 13, 14})
-"""Numbers of the Ixx whose change may trip a motor. Ixx24 isn't one of them: it is read when a switch
+"""Numbers of the Ixx whose change may trip a motor. Ixx24 isn't one of them: it is read when a limit switch
 changes.
 """
 
@@ -46,15 +46,16 @@ class Driver(Protocol):
 
 
 class Motor:
-    """One motor.
+    """One motor. Jogs, home searches and aborts are its own motions; its coordinate system's drive executes
+    the others.
 
     Attributes:
         number: 1 to 32.
         variables: all I-variables.
-        under_way: the motors with a motion of their own, by number.
-        stand: position at which it stands without a motion [counts].
+        under_way: all motors with a motion of their own, by number.
+        stand: commanded position without a motion [counts].
         profile: motion of its own: jog, home or abort.
-        driver: drive of its coordinate system that moves it, and its index there.
+        driver: drive of the coordinate system that moves this motor, and the motor's index there.
         closed: True in closed loop.
         enabled: True if the amplifier is enabled.
         homed: True after a home search.
@@ -64,10 +65,10 @@ class Motor:
         fatal_error: True after a fatal following error.
         limit_stop: True after a stop at a limit.
         data_error: status bit "data block error".
-        disturbance: distance at which it is held from its commanded position [counts].
-        switches: states of its limit switches, by side (+1, -1).
+        disturbance: distance at which the motor is kept from its commanded position [counts].
+        switches: states of the limit switches, by side (+1, -1).
         before_jog: position before the last jog [counts].
-        trip: time at which its own motion trips [s], and the cause.
+        trip: time at which the motor trips in its own motion [s], and the cause.
     """
 
     def __init__(self, number: int, variables: list[float], under_way: dict[int, Motor]) -> None:
@@ -135,7 +136,9 @@ class Motor:
         return LAG * self.place(time)[1] + self.disturbance
 
     def limits(self) -> tuple[float, float]:
-        """Return the least and largest position [counts]: Ixx14 and Ixx13; 0 is no limit (TSRM 96-97)."""
+        """Return the least and the largest allowed position [counts], from Ixx14 and Ixx13; 0 means no
+        limit (TSRM 96-97).
+        """
         most, least = self.tuning(13), self.tuning(14)
         return least or -math.inf, most or math.inf
 
@@ -144,10 +147,10 @@ class Motor:
         return self.tuning(11) / 16.0 or math.inf
 
     def tripped(self, position: float, velocity: float) -> str | None:
-        """Return the reason why the motor stops at a commanded position [counts] and velocity [counts/s], or
-        None.
+        """Return the cause for which the motor trips at a commanded position [counts] and velocity
+        [counts/s], or None.
 
-        The reason is "limit" if the motor moves beyond a limit, and "fatal" for a fatal following error.
+        The cause is "limit" if the motor moves beyond a limit, and "fatal" for a fatal following error.
         """
         error = LAG * velocity + self.disturbance
         if abs(error) > self.fatal_limit():
@@ -197,7 +200,7 @@ class Motor:
         Args:
             time: start [s].
             target: the position [counts].
-            speed: [counts/s]; None for the jog speed.
+            speed: speed of the jog [counts/s]; None for the jog speed in Ixx22.
         """
         position, velocity = self.place(time)
         pieces: list[Piece] = []
@@ -274,7 +277,9 @@ class Motor:
         return min(end, self.trip[0]) if self.trip else end
 
     def jog_ramp(self) -> tuple[float, float, float]:
-        """Return acceleration [counts/s^2], time and S-curve time [s] of jogs: Ixx19, Ixx20, Ixx21."""
+        """Return the parameters of jogs: acceleration [counts/s^2], acceleration time and S-curve time [s],
+        from Ixx19, Ixx20 and Ixx21.
+        """
         return self.tuning(19) * 1e6, self.tuning(20) * 1e-3, self.tuning(21) * 1e-3
 
     def rapid_speed(self) -> float:
@@ -302,7 +307,9 @@ class Motor:
             self.arrive()
 
     def look_again(self) -> None:
-        """Compute the next trip again after a change of limits or switches. An abort continues unchanged."""
+        """Compute again when the motor will trip, after a change of limits or switches. An abort continues
+        unchanged.
+        """
         if self.profile is not None and not self.aborting:
             self.trip = self._first_trip(self.profile)
 
@@ -330,11 +337,12 @@ def _end(pieces: list[Piece], position: float) -> float:
 
 
 def first_trip(piece: Piece, motors: list[Motor], samples: int = 64) -> tuple[float, Motor, str] | None:
-    """Return the first time [s] in a piece at which a motor trips, the motor, and the cause; or None.
+    """Return the first time in a piece of motion at which a motor trips [s], the motor, and the cause; or
+    None.
 
     Args:
         piece: the piece.
-        motors: its motors.
+        motors: motors that the piece moves.
         samples: number of intervals that are sampled. The time is then refined by bisection.
     """
 

@@ -1,4 +1,4 @@
-"""Motion as cubics: pieces for all motors of a move, and motions composed of pieces, evaluated at any time.
+"""Motions as sequences of pieces, each a cubic in time for all motors, evaluated at any time.
 
 Nothing is integrated step by step: a position is the value of a polynomial.
 """
@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 
 
 class Piece:
-    """A cubic of n motor positions over its own time.
+    """A piece of a motion: the positions of n motors as cubics in the time since its start.
 
     Args:
-        duration: its duration [s].
+        duration: duration of the piece [s].
         coefficients: (4, n) coefficients of the powers 0 to 3, in counts and s.
     """
 
@@ -35,7 +35,8 @@ class Piece:
 
     @classmethod
     def spline(cls, duration: float, control: tuple[Array, Array, Array, Array]) -> Piece:
-        """Return a segment of a uniform cubic B-spline with four control points (n,) [counts] (TUM 290).
+        """Return one segment of a uniform cubic B-spline as a piece, from its four control points, each (n,)
+        [counts] (TUM 290).
 
         The polynomial is computed when it is needed.
         """
@@ -90,10 +91,11 @@ class Piece:
         )
 
     def reach(self) -> tuple[Array, Array, Array]:
-        """Return bounds (n,) of each motor: least and largest position [counts], largest speed [counts/s].
+        """Return bounds of each motor in this piece, as (n,) each: least and largest position [counts],
+        largest speed [counts/s].
 
-        For a spline segment, they cover only the change by its last control point. If these bounds exceed a
-        limit, the caller has to examine three more segments.
+        For a spline segment, the bounds cover only what its last control point adds to the segment before. If
+        they exceed a limit, the caller has to examine three more segments.
         """
         if self._coefficients is None:
             last, newest = self._control[2], self._control[3]
@@ -112,7 +114,7 @@ def standing(duration: float, position: Array) -> Piece:
 
 
 def ramp(position: Array, before: Array, after: Array, time: float, s_time: float) -> list[Piece]:
-    """Return pieces that change the velocity, with S-curves at both ends.
+    """Return the pieces of a change of velocity, with S-curves at both ends.
 
     The distance is the mean of both velocities times `time`, for any S-curve (TSRM 189: TA is the whole time,
     TS the time of each S-curve).
@@ -158,9 +160,9 @@ def trapezoid(
     Args:
         start: position at the start [counts].
         end: position at the end [counts].
-        speed: [counts/s]; lower if the distance is too short for it.
-        acceleration: its limit [counts/s^2], which may lengthen the acceleration (TSRM 73: Ixx19 limits Ixx20
-            and Ixx21).
+        speed: wanted speed [counts/s]; the jog is slower if the distance is too short for it.
+        acceleration: limit of the acceleration [counts/s^2], which may lengthen the acceleration (TSRM 73:
+            Ixx19 limits Ixx20 and Ixx21).
         time: time of the acceleration, or twice `s_time` if that is longer [s].
         s_time: time of each S-curve [s].
     """
@@ -183,12 +185,14 @@ def trapezoid(
 
 
 def ramp_time(change: float, acceleration: float, time: float, s_time: float) -> float:
-    """Return the time [s] of a change of velocity [counts/s]; other arguments as in `trapezoid`."""
+    """Return the duration [s] of a change of velocity by `change` [counts/s]; other arguments as in
+    `trapezoid`.
+    """
     return max(time, 2.0 * s_time, change / acceleration + s_time if acceleration > 0.0 else 0.0, 1e-6)
 
 
 def reached(way: float, speed: float, acceleration: float, time: float, s_time: float) -> float:
-    """Return the largest speed [counts/s] that can be reached on a distance [counts] from rest to rest."""
+    """Return the largest speed that a motor can reach on a distance [counts] from rest to rest [counts/s]."""
     if speed * ramp_time(speed, acceleration, time, s_time) <= way:
         return speed
     fixed = max(time, 2.0 * s_time, 1e-6)
@@ -202,7 +206,7 @@ def together(parts: Sequence[list[Piece]], stands: Array) -> list[Piece]:
     """Join motions of single motors to pieces of all motors. A motor that has arrived stands still.
 
     Args:
-        parts: the pieces of each motor.
+        parts: for each motor, the pieces of its motion.
         stands: (n,) positions of motors without pieces [counts].
     """
     ends = sorted({0.0, *(t for part in parts for t in _ends(part))})
@@ -240,7 +244,7 @@ class Motion(Protocol):
 
 
 class Standing:
-    """A standstill."""
+    """A motion of zero velocity: the motors stand."""
 
     __slots__ = ("_position", "_velocity")
 
@@ -254,11 +258,11 @@ class Standing:
 
 
 class Travel:
-    """A piece of a program, at the rate of the time base.
+    """A piece of a program's motion, executed at the rate of the time base.
 
     Attributes:
         piece: the piece.
-        begin: its start in program time [s].
+        begin: start of the piece in program time [s].
         map: program time as a function of real time.
     """
 
@@ -280,7 +284,7 @@ class Profile:
 
     Attributes:
         begin: start [s].
-        pieces: its pieces; the last one may have no end.
+        pieces: pieces of the motion; the last one may have no end.
         end: end [s].
         target: position after the last piece [counts].
     """

@@ -21,7 +21,7 @@ class Recorder:
 
         Args:
             time: start [s].
-            motor: its number.
+            motor: number of the motor.
             motion: the motion.
             index: index of the motor in the motion.
         """

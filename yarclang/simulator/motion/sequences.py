@@ -1,4 +1,4 @@
-"""Conversion of moves to pieces.
+"""Conversion of the moves of a program to pieces (cubics in time).
 
 Moves of SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend into each other; RAPID
 moves (TSRM 98) don't.
@@ -31,10 +31,11 @@ class Sequence(Protocol):
     end: Array
 
     def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
-        """Return the next piece and the events at its start; None after the last piece.
+        """Return the next piece of the motion and the events at its start; None after the last piece.
 
         Args:
-            steps: the calculated steps. The steps that the piece needs are removed from it.
+            steps: the calculated steps of the program. Those that the piece needs are removed from this
+                queue.
         """
         ...
 
@@ -43,8 +44,8 @@ class SplineSequence:
     """SPLINE1 moves: N moves of equal time t take (N + 2) t.
 
     The control points are S, S, S, P1 ... PN, PN, PN, where S is the position at which the motors stand.
-    Segment k needs move k + 1 when it begins. If this move is missing, or has another time, the sequence ends
-    with the end pieces.
+    Segment k needs move k + 1 when it begins. If this move is missing, or has another time, the controller
+    adds two end segments, and the motors come to rest.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:

@@ -13,16 +13,16 @@ StepKind = Literal["move", "dwell", "home", "stop", "end"]
 
 @dataclass(slots=True)
 class Step:
-    """One calculated step of a motion program.
+    """One calculated step of a motion program: a move, a pause, or a home search.
 
     Attributes:
-        kind: its kind.
-        mode: LINEAR, RAPID, SPLINE1, PVT or DELAY, for a move.
-        target: (n,) positions of the motors at its end [counts].
+        kind: kind of the step.
+        mode: for a move, LINEAR, RAPID, SPLINE1, PVT or DELAY.
+        target: (n,) positions of the motors at the end of the step [counts].
         time: duration of the move or pause [s]; negative for HOMEZ.
         ramp: TA [s].
         s_ramp: TS [s].
-        velocity: (n,) at its end, for PVT [counts/s]; None for a stop.
+        velocity: for PVT, the velocities at the end of the step (n,) [counts/s]; None for a stop.
         motors: numbers of the motors of a home step.
         events: synchronous assignments, which are made when the move begins to blend in.
     """

@@ -35,7 +35,7 @@ _AWAY = 1.0
 
 
 class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
-    """The machine as seen by a coordinate system."""
+    """The controller as seen by a coordinate system."""
 
     def defined(self) -> None:
         """Report to the machine that axis definitions have changed."""
@@ -43,13 +43,13 @@ class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
 
 
 class CoordinateSystem:
-    """One coordinate system.
+    """One coordinate system of the controller.
 
     Attributes:
         number: 1 to 16.
         outside: the machine.
         definitions: axis definitions by motor.
-        calculation: execution of its program.
+        calculation: calculation of the system's program, which yields steps.
         ahead: steps that are calculated but not begun.
         drive: executes the steps.
         running: True while a program runs (R or S).
@@ -57,7 +57,7 @@ class CoordinateSystem:
         resume_error: True if R was refused because motors were moved away in a hold.
         limit_stop: True after a stop at a limit.
         dwell_until: end of a DWELL [s]; infinite without one.
-        homing: motors for which a HOME of the program waits.
+        homing: motors for whose home search the program waits.
     """
 
     def __init__(self, number: int, variables: list[float], scope: Seen, outside: Outside) -> None:
@@ -107,7 +107,7 @@ class CoordinateSystem:
     # axes
 
     def define(self, motor: Motor, definition: AxisDefinition | None) -> None:
-        """Define the axes of a motor, or remove its definition (None).
+        """Set the axis definition of a motor, or remove it (None).
 
         Raises:
             Refusal: ERR001 while a program runs.
@@ -174,7 +174,7 @@ class CoordinateSystem:
             raise Refusal(MOVE_IN_PROGRESS)
 
     def _resume(self) -> None:
-        """Resume after a hold.
+        """Resume the program after a hold.
 
         Raises:
             Refusal: if a motor moves, isn't where it was held, or is open-loop.
@@ -263,7 +263,7 @@ class CoordinateSystem:
     # the program
 
     def _go_on(self) -> None:
-        """Begin the next action: a piece, a pause, the end, or nothing."""
+        """Begin what comes next: a piece of motion, a pause, the end of the program, or nothing."""
         if self.drive.held_at is not None:
             # In a hold the motors may be jogged, and so the next piece has to wait for R.
             return

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class TimeMap:
-    """Program time as a function of real time, whose rate changes once.
+    """Program time as a function of real time. Its rate, which is 1 at 100 %, changes once, along a ramp.
 
     Attributes:
-        since: start [s].
+        since: real time at the start [s].
         program: program time at the start [s].
-        first: rate at the start; 1 is 100 %.
+        first: rate at the start.
         last: rate after the change.
-        slope: slope of the change [1/s].
+        slope: slope of the rate during the change [1/s].
     """
 
     since: float = 0.0
@@ -62,18 +62,18 @@ class TimeMap:
         return self.since + 2.0 * ahead / (self.first + root)
 
     def towards(self, time: float, rate: float, slope: float) -> TimeMap:
-        """Return the map that applies after a time at which another rate is requested.
+        """Return the map of time that applies after another rate was requested.
 
         Args:
             time: start of the change [s].
             rate: the new rate.
-            slope: slope of the change [1/s].
+            slope: slope of the rate during the change [1/s].
         """
         return TimeMap(time, self.program_time(time), self.rate(time), rate, max(slope, 1e-9))
 
 
 def slew(i10: float, variable: float) -> float:
-    """Return the slope of the rate [1/s].
+    """Return the slope of the time base's rate [1/s].
 
     The rate changes by Isx94 or Isx95 (`variable`) in each servo interrupt, in units of I10 (TSRM 177-193).
     """

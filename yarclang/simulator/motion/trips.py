@@ -1,4 +1,4 @@
-"""Stops of motors by limits, following errors and amplifier faults. Other motors stop with them."""
+"""Trips: stops of motors by limits, following errors and amplifier faults. Other motors stop with them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _NO_SWITCHES = 0x20000
 
 
 class Surroundings(drive.Surroundings, Protocol):
-    """Motors and coordinate systems that stop each other."""
+    """The controller as trips see it: motors and coordinate systems that stop each other."""
 
     motors: dict[int, Motor]
     systems: dict[int, CoordinateSystem]
@@ -24,7 +24,9 @@ class Surroundings(drive.Surroundings, Protocol):
 
 
 def tripped(outside: Surroundings, motor: Motor, cause: str) -> None:
-    """Stop a motor. For the cause "limit" its coordinate system aborts; for another cause it is killed."""
+    """Stop a motor that has tripped. For the cause "limit" its coordinate system aborts; for another cause
+    the motor is killed.
+    """
     system = outside.system_of(motor)
     motor.trip = None
     if cause != "limit":
@@ -41,7 +43,7 @@ def tripped(outside: Surroundings, motor: Motor, cause: str) -> None:
 
 
 def kill(outside: Surroundings, motor: Motor) -> None:
-    """Kill a motor after a fault.
+    """Kill a motor (open its loop) after a fault.
 
     Ixx24 bits 22 and 21 select the other motors to kill: 0 all, 1 those of its coordinate system, otherwise
     none (assumed).
@@ -69,7 +71,9 @@ def switch(motor: Motor, side: int, on: bool) -> None:
 
 
 def look(outside: Surroundings, motor: Motor) -> None:
-    """Check, after a change of limits or switches, if a motor trips now or later in its motion."""
+    """Check, after a change of limits or switches, if a motor trips now, and compute again if it trips later
+    in its motion.
+    """
     if motor.closed and (cause := motor.tripped(*motor.place(outside.now))):
         tripped(outside, motor, cause)
         return

@@ -1,4 +1,6 @@
-"""A simulator within the process that uses it: a machine on a free loopback port, served by a thread."""
+"""A simulator within the process that uses it: a simulated controller on a free loopback port, served by a
+thread.
+"""
 
 from __future__ import annotations
 
@@ -19,18 +21,19 @@ _STOP_TIME = 1.0
 
 
 class EmbeddedSimulator:
-    """Serves a machine as long as the context lasts. Meanwhile no other code may use the machine.
+    """Serves a simulated controller as long as the context lasts. Meanwhile no other code may use the
+    controller.
 
     Args:
-        machine: the machine.
+        machine: the controller.
         rate: seconds of the machine's time per second; None is as fast as possible.
         faults: the faults to inject.
         seed: seed of the faults.
-        tell: called with a line of text for each unusual event, in the simulator's thread.
+        tell: function that is called with a line of text for each unusual event, in the simulator's thread.
         leashed: True if the machine's time waits for its client on a busy computer (`leash.py`).
 
     Attributes:
-        port: the port on which it listens.
+        port: the port on which the server listens.
         leash: leash for the client that supervises the robot; None if the machine isn't leashed, or runs as
             fast as possible.
     """
@@ -60,7 +63,7 @@ class EmbeddedSimulator:
         """Start to listen on `port`.
 
         Raises:
-            OSError: if the loopback address can't be listened on.
+            OSError: the loopback address can't be listened on.
         """
         self._thread.start()
         self.port = self._listens.result()
@@ -69,12 +72,12 @@ class EmbeddedSimulator:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close all connections and stop.
+        """Close all connections and stop the server.
 
         Raises:
-            Exception: an error inside the machine, as in `check`. It replaces errors that are its
-                consequences.
-            RuntimeError: if the server doesn't stop.
+            Exception: an error inside the machine, as in `check`. It is raised instead of any error in the
+                context that it has caused.
+            RuntimeError: the server doesn't stop.
         """
         with contextlib.suppress(RuntimeError):  # the server's loop has ended with an error
             self._loop.call_soon_threadsafe(self._ending.set)

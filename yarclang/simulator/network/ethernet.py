@@ -1,9 +1,9 @@
 """The controller's end of its Ethernet protocol, without a socket: bytes become packets, packets get replies.
 
-The effects of packets follow pmac-facts 6. The manuals leave some points open. There the simulator makes
-these assumptions: packets that arrive before the reply to an earlier packet wait for their turn; an unknown
-code has no reply; an impossible length ends the connection; the rest of a reply waits for GETBUFFER until
-FLUSH, and is sent before later replies; lines of a WRITEBUFFER count from 1.
+The effects of packets follow pmac-facts 6. Where the manuals are silent, the simulator makes these
+assumptions: packets that arrive before the reply to an earlier packet wait for their turn; an unknown code
+has no reply; an impossible length ends the connection; the rest of a reply waits for GETBUFFER until FLUSH,
+and is sent before later replies; lines of a WRITEBUFFER count from 1.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Packet(NamedTuple):
 
     Attributes:
         up: True if the client wants `length` bytes. Otherwise it sends `data`.
-        code: the request.
-        value: wValue.
-        second: wIndex.
+        code: code of the request, such as GETRESPONSE.
+        value: the field wValue.
+        second: the field wIndex.
         length: number of bytes that are wanted, or sent.
         data: the bytes that are sent.
     """
@@ -60,7 +60,9 @@ class PacketReader:
         """Reason why the stream can't be read any further: an impossible header. None if it can."""
 
     def receive(self, data: bytes) -> list[Packet]:
-        """Return the packets that these bytes complete, in order. At most one incomplete packet is kept."""
+        """Return the packets that further received bytes complete, in order. At most one incomplete packet
+        is kept.
+        """
         if self.broken is not None:
             return []
         if not self._in and len(data) >= pmac.HEADER_SIZE:
@@ -93,12 +95,13 @@ class PacketReader:
 
 
 class Station:
-    """One client's connection to the machine: its port, and replies that wait to be fetched.
+    """One client's connection to the simulated controller: the client's port, and replies that wait to be
+    fetched.
 
     Args:
-        machine: the machine.
-        port: the machine's port of this client.
-        memory: dual-ported memory, which is shared by all connections. The machine itself doesn't see it.
+        machine: the controller.
+        port: number of the controller's port that belongs to this client.
+        memory: dual-ported memory, which is shared by all connections. The controller itself doesn't see it.
     """
 
     def __init__(self, machine: Machine, port: int, memory: bytearray | None = None) -> None:
@@ -131,7 +134,9 @@ class Station:
         return b"\x00"
 
     def _get_line(self, packet: Packet) -> bytes:
-        """Return waiting bytes up to and including the first CR. If an ACK is next, return only the ACK."""
+        """Return waiting bytes of replies up to and including the first CR. If an ACK is next, return only
+        the ACK.
+        """
         self._listen()
         end = self._waiting.find(b"\r") + 1
         return self._next(min(packet.length or pmac.MOST_REPLY, end or pmac.MOST_REPLY)) or b"\x00"
@@ -164,8 +169,8 @@ class Station:
         return b"".join(item.encode("ascii", "replace") + b"\r" for item in reply.items)
 
     def _write_buffer(self, packet: Packet) -> bytes:
-        """Execute lines up to the first refused one (TUM 418). If there are too many bytes, all of them are
-        refused (assumed).
+        """Execute the lines of a packet up to the first refused one (TUM 418). If there are too many bytes,
+        all lines are refused (assumed).
         """
         lines = packet.data.split(b"\0")
         if not lines[-1]:

@@ -1,8 +1,8 @@
 """A leash, which limits the time by which a simulator may run ahead of the client in its process.
 
-Both share one computer. If it is busy, neither makes progress. With the wall clock, the simulated controller
-would catch up as soon as it runs again, use up its lines, and hold. On a leash, it waits for its client, and
-the waiting time doesn't count: the simulation is slower, but otherwise unchanged.
+Simulator and client share one computer. If it is busy, neither makes progress. With the wall clock, the
+simulated controller would catch up as soon as it runs again, use up its lines, and hold. On a leash, it waits
+for its client, and the waiting time doesn't count: the simulation is slower, but otherwise unchanged.
 
 A client that controls the leash (`Leash`) uses the machine's time as its own clock, and sets the time up to
 which the machine may run. For any other client, the machine runs at most `AHEAD` beyond the last request.
@@ -32,7 +32,8 @@ _FINEST = 0.0005
 
 
 def tick(rate: float) -> float:
-    """Return the period at which time is advanced while no packets arrive [s of the wall clock].
+    """Return the period at which the machine's time is advanced while no packets arrive [s of the wall
+    clock].
 
     At a high rate the period is shorter, so that at most `EXCHANGE` passes at once, if the computer is fast
     enough.
@@ -41,13 +42,14 @@ def tick(rate: float) -> float:
 
 
 class Leash:
-    """The time of a machine, shared by the thread of the machine and that of the client with the leash.
+    """The time of a simulated controller, shared by the controller's thread and the thread of the client that
+    controls this time.
 
     Each attribute is written by only one of the two threads.
 
     Args:
         rate: seconds of the machine's time per second.
-        clock: returns the time of the wall clock [s], which all threads share.
+        clock: function that returns the time of the wall clock [s], which all threads share.
 
     Attributes:
         until: time up to which the machine may run, set by the client [s]; None if no client has the leash.
@@ -67,11 +69,13 @@ class Leash:
         self._told = now, self._clock()
 
     def stop(self) -> None:
-        """Let `now` follow the wall clock, since the machine has stopped. For the machine's thread."""
+        """Let `now` follow the wall clock, since the machine has stopped. To be called in the machine's
+        thread.
+        """
         self._stopped = True
 
     def now(self) -> float:
-        """Return the machine's time [s]. For the client's thread.
+        """Return the machine's time [s]. To be called in the client's thread.
 
         This time also advances between two ticks of the machine, and never goes back.
         """

@@ -1,4 +1,4 @@
-"""Ports, which send lines to the machine."""
+"""Ports of the controller: each client sends its lines to one of them."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Port:
-    """State of a port.
+    """State of a port of the controller, from which lines come.
 
     Attributes:
-        motor: the motor that it addresses (#).
-        system: the coordinate system that it addresses (&).
-        open: kind of the buffer that it has open: `rotary`, `prog`, `plc`, or empty for none.
+        motor: number of the motor that the port addresses (#).
+        system: number of the coordinate system that the port addresses (&).
+        open: kind of the buffer that the port has open: `rotary`, `prog`, `plc`, or empty for none.
         number: number of the open PROG or PLC.
     """
 

@@ -40,7 +40,7 @@ class Refusal(Exception):  # noqa: N818 - behaviour of the controller, not an er
 
 
 def framed(reply: Reply, i3: int, i6: int) -> bytes:
-    """Return the bytes of a reply.
+    """Return a reply as bytes, framed as the controller's settings require.
 
     I3 selects the framing of data and acknowledgment: 0 DATA CR; 1 LF DATA CR ... LF; 2 DATA CR ... ACK;
     3 LF DATA CR ... ACK. I6 selects that of an error: 0 and 2 BEL alone, 1 BEL ERRnnn CR, 3 BEL CR ERRnnn CR.

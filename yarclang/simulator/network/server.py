@@ -1,4 +1,5 @@
-"""The simulator's socket and clock: serves a machine to clients, and advances its time with the wall clock.
+"""The simulator's socket and clock: serves a simulated controller to clients, and advances its time with the
+wall clock.
 
 This is the only module of the simulator that uses clocks and the network.
 """
@@ -30,11 +31,13 @@ _FINE = 0.0005
 """Largest delay of the machine's time when a packet is executed [s of the machine]."""
 
 _SLACK = 0.25
-"""Longest wall time that is made up at once after the process couldn't run [s]. The rest is skipped."""
+"""Longest wall time for which the machine catches up at once after this process couldn't run [s]. The rest is
+skipped.
+"""
 
 _STRIDE = 0.02
-"""Largest step of the machine's time [s of the machine]. Without a rate, each turn of the loop makes one
-such step.
+"""Largest step of the machine's time [s of the machine]. Without a rate, each turn of the server's loop makes
+one such step.
 """
 
 _BURST = 0.005
@@ -59,16 +62,17 @@ def wall_clock() -> float:
 
 
 class SimulatorServer:
-    """A machine on a TCP port, in the running event loop.
+    """Serves a simulated controller on a TCP port, in the running event loop.
 
     Args:
-        machine: the machine. While it is served, no other code may advance it.
+        machine: the controller. While it is served, no other code may advance it.
         host: address to listen on.
         port: port to listen on; 0 for any free port. The attribute `port` has the port that is used.
         rate: seconds of the machine's time per second; None is as fast as possible.
         faults: the faults to inject.
         seed: seed of the faults.
-        tell: called with a line of text for each unusual event, and for each event not caused by a client.
+        tell: function that is called with a line of text for each unusual event, and for each event not
+            caused by a client.
         leash: makes the machine's time wait for its clients; the waiting time doesn't count. If None, the
             machine follows the wall clock. It has no effect if the rate is None.
     """
@@ -103,7 +107,7 @@ class SimulatorServer:
         self.loop: asyncio.AbstractEventLoop
 
     async def start(self) -> None:
-        """Start to listen, and to advance the time.
+        """Start to listen, and to advance the machine's time.
 
         Raises:
             OSError: if the address can't be listened on.
@@ -136,7 +140,7 @@ class SimulatorServer:
             await self._server.wait_closed()
 
     async def serve(self) -> None:
-        """Wait until cancelled.
+        """Wait until the task is cancelled or the machine fails.
 
         Raises:
             Exception: an error inside the machine, which is a bug of the simulator.
@@ -293,7 +297,8 @@ class _Client(asyncio.Protocol):
             data = self._at_once() if time.perf_counter() - begun < _TICK else b""
 
     def _at_once(self) -> bytes:
-        """Return the bytes that the client sends immediately after a reply; empty if there are none.
+        """Wait briefly after a reply, and return the bytes that the client sends in this time; empty if there
+        are none.
 
         Waking up from the event loop takes longer than answering. Without this short wait, there would be
         only a third as many round trips.
@@ -343,7 +348,9 @@ class _Client(asyncio.Protocol):
             self._transport.abort()
 
     def work(self) -> None:
-        """Answer the packets that can be answered now. Reading continues only if no packet is left."""
+        """Answer the packets that can be answered now. More bytes are read from the client only if no
+        packet is left.
+        """
         try:
             self._answer()
         except Exception as error:

@@ -14,7 +14,7 @@ _LONGEST_QUEUE = 64
 
 
 class Interpreter(Protocol):
-    """The machine as seen by the background interpreter: it executes lines, and has ports and buffers."""
+    """The controller as seen by the background interpreter: it executes lines, and has ports and buffers."""
 
     ports: dict[int, Port]
     buffers: Buffers
@@ -29,7 +29,9 @@ class Interpreter(Protocol):
 
 
 class Background:
-    """Executes lines on a port of its own. Replies and errors are discarded (as with I6 = 2 and 0)."""
+    """Executes the lines that programs send (CMD) on a port of its own. Replies and errors are discarded (as
+    with I6 = 2 and 0).
+    """
 
     def __init__(self, interpreter: Interpreter) -> None:
         self._interpreter = interpreter

@@ -58,7 +58,7 @@ def delete(line: Line, match: re.Match[str]) -> None:
 
 
 def listing(line: Line, match: re.Match[str]) -> None:
-    """Execute LIST PROG n, with the first line and the number of lines, LIST PLC n or LIST ROT."""
+    """Execute LIST PROG n (with the first line and the number of lines, if given), LIST PLC n or LIST ROT."""
     reader, machine = line.reader, line.machine
     lines: Sequence[program.Line]
     first, count = 0, None

@@ -9,15 +9,17 @@ from yarclang.simulator.online import buffers, controller, motors, systems, vari
 from yarclang.simulator.online.line import Line
 
 Action = Callable[[Line, "re.Match[str]"], None]
-"""Function that executes a command after its form was read. The line's reader is at the end of that form."""
+"""Function that executes a command, after the pattern of the command has matched. The line's reader is at the
+end of the match.
+"""
 
 _LONE = r"(?![A-Z\d(.$+\-=])"
 """Pattern after a single letter that isn't the start of a longer word."""
 
 
 def command_at(text: str, at: int) -> tuple[Action, re.Match[str]] | None:
-    """Return the command that begins at index `at` of a text, and its match; None if no command begins
-    there.
+    """Return the function of the command that begins at index `at` of a text, and the match of its pattern;
+    None if no command begins there.
     """
     for pattern, action in _BY_FIRST.get(text[at], ()):
         if found := pattern.match(text, at):
@@ -77,7 +79,7 @@ _COMMANDS: tuple[tuple[str, re.Pattern[str], Action], ...] = tuple(
         ("PVF", rf"[PVF](?=[PVF]*{_LONE})", motors.report),
     )
 )
-"""First characters, form and function of each command. The first form that matches applies."""
+"""First characters, pattern and function of each command. The first pattern that matches applies."""
 
 _BY_FIRST: dict[str, tuple[tuple[re.Pattern[str], Action], ...]] = {
     first: tuple((pattern, action) for firsts, pattern, action in _COMMANDS if first in firsts)

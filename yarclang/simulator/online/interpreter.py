@@ -1,7 +1,8 @@
 """Execution of lines of on-line commands, one command after the other (TSRM 259-424).
 
-A line may hold several commands without separators. While a buffer is open on the port, statements that the
-buffer can hold are stored. The first error ends the line; commands before it keep their effect.
+A line may have several commands without separators. While a buffer is open on the port from which the line
+comes, statements that the buffer can hold are stored there. The first error ends the line; commands before it
+keep their effect.
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ def _execute(line: Line) -> None:
 
 
 def _stored(line: Line) -> bool:
-    """Store the next statements in the open buffer. Return False if the buffer can't hold the next
-    statement.
+    """Store the next statements of a line in the open buffer. Return False if the line continues with a
+    command or with a word that no buffer can store.
     """
     reader, port = line.reader, line.port
     at = reader.at

@@ -19,11 +19,11 @@ LEGAL = re.compile(r"[\t\r\n -~]*").fullmatch
 
 
 class Line:
-    """A line from a port while it is executed.
+    """A line from a port while the controller executes it.
 
     Attributes:
-        machine: the controller that executes it.
-        port: the port from which it comes, with its addressing.
+        machine: the controller.
+        port: the port from which the line comes, with the motor and the coordinate system that it addresses.
         reader: the line and the position in it.
         items: the answers so far.
     """

@@ -58,7 +58,8 @@ def jog(line: Line, match: re.Match[str]) -> None:
 
 
 def _free(line: Line) -> Motor:
-    """Return the addressed motor, if no program runs in its coordinate system, or if the program is held.
+    """Return the addressed motor, after checking that it is free for a command: no program runs in its
+    coordinate system, or the program is held.
 
     Raises:
         Refusal: ERR001 while a program runs.

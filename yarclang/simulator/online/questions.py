@@ -1,5 +1,5 @@
-"""Lines that only contain questions: `P1`, `#1P#2P`, `&1?`. Clients repeat them, so the parsed lines are
-cached.
+"""Lines that only contain questions: `P1`, `#1P#2P`, `&1?`. Clients repeat such lines, so the parsed lines
+are cached.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from yarclang.simulator.state.registers import printed
 from yarclang.simulator.state.wiring import Shown
 
 Question = Callable[[Shown, Port], str | None]
-"""Function that returns the answer to a question; None if the question only addresses a motor or
-coordinate system.
+"""Function that answers one part of a line. It returns the answer; None for a part that only addresses a
+motor or a coordinate system.
 """
 
 _REMEMBERED = 1024
@@ -31,7 +31,9 @@ _PART = re.compile(
 
 @lru_cache(_REMEMBERED)
 def questions(line: str) -> tuple[Question, ...]:
-    """Return the questions of a line, in order; empty if the line does anything else, or is refused."""
+    """Return the parts of a line that only asks and addresses, as functions in order; empty for any other
+    line, or if the line is refused.
+    """
     if len(line) > LONGEST or not LEGAL(line):
         return ()
     text = cleaned(line)
@@ -57,7 +59,9 @@ def answered(machine: Shown, port: Port, line_questions: tuple[Question, ...]) -
 
 
 def _question(part: re.Match[str]) -> Question | None:
-    """Return the question in one part of a line; None if its motor, system or variable doesn't exist."""
+    """Return the function for one part of a line; None if its motor, coordinate system or variable doesn't
+    exist.
+    """
     match part.lastgroup:
         case "motor":
             return _motor(int(part[1])) if 1 <= int(part[1]) <= MOTORS else None

@@ -21,7 +21,7 @@ class Controller(Shown, Protocol):
         """Execute R, or S for a single step, in a coordinate system.
 
         Raises:
-            Refusal: if the program can't run.
+            Refusal: the program can't run.
         """
         ...
 

@@ -48,8 +48,8 @@ def axes(line: Line, match: re.Match[str]) -> None:
 
 
 def undefine(line: Line, match: re.Match[str]) -> None:
-    """Execute UNDEFINE or UNDEFINE ALL: remove the axis definitions of the coordinate system, or of all of
-    them.
+    """Execute UNDEFINE: remove the axis definitions of the addressed coordinate system; or UNDEFINE ALL:
+    remove those of all coordinate systems.
     """
     for system in line.machine.systems.values() if match[1] else [line.system]:
         for motor in list(system.motors):

@@ -1,7 +1,7 @@
 """Motion programs, rotaries and PLCs: their storage, linking and execution.
 
 `buffers.py` stores the lines that ports send, and `program.py` links them. `calculation.py` turns a motion
-program into steps, with its modal state (`moves.py`); `ahead.py` keeps some of them calculated ahead of the
-motion. `plc.py` is one PLC, and `plcs.py` schedules the scans. `surroundings.py` is the machine as programs
-see it.
+program into steps, with its modal state (`moves.py`); `ahead.py` calculates some steps before the motion
+needs them. `plc.py` is one PLC, and `plcs.py` schedules the scans. `surroundings.py` is the controller as
+programs see it.
 """

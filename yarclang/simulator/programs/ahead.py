@@ -10,7 +10,9 @@ from yarclang.simulator.motion.steps import Step
 from yarclang.simulator.programs.calculation import Calculation
 
 _AHEAD = 2
-"""Moves that are calculated ahead (TUM 339: two in SPLINE, and in LINEAR without segmentation)."""
+"""Number of moves that are calculated ahead of the motion (TUM 339: two in SPLINE, and in LINEAR without
+segmentation).
+"""
 
 
 class Clock(Protocol):
@@ -28,7 +30,7 @@ class Clock(Protocol):
 
 
 class Ahead:
-    """The steps that are calculated but not begun.
+    """The steps of a motion program that are calculated but not begun.
 
     Attributes:
         steps: the steps, in the order of the program.
@@ -65,7 +67,9 @@ class Ahead:
         self.retry_at = math.inf
 
     def fill(self) -> None:
-        """Calculate until enough steps are ahead, or until no further step can be calculated for now."""
+        """Calculate steps until enough of them are ahead, or until no further step can be calculated for
+        now.
+        """
         steps = self.steps
         while self.calculating and len(steps) < _AHEAD and not (steps and steps[-1].breaks):
             if not self._left:

@@ -1,4 +1,4 @@
-"""The buffers of the machine: their contents, and the buffer that a port has open (TSRM 295, 381; TUM
+"""The buffers of the controller: what they contain, and which of them a port has open (TSRM 295, 381; TUM
 337).
 """
 
@@ -81,7 +81,7 @@ class Buffers:
         port.open, port.number = kind, number
 
     def close(self, port: Port | None) -> None:
-        """Execute CLOSE for one port, or for all (None).
+        """Execute CLOSE for one port, or for all ports (None).
 
         Raises:
             Refusal: ERR009 if an IF or a WHILE in a closed buffer has no end.
@@ -129,11 +129,11 @@ class Buffers:
         Args:
             port: the port.
             text: the line.
-            statements: its statements.
+            statements: the statements of the line.
 
         Raises:
-            Refusal: ERR006 without room; ERR009 for the structure; ERR003 if the buffer is gone, or for words
-                that a rotary can't hold.
+            Refusal: ERR006 without room; ERR009 for a wrong structure of IFs and WHILEs; ERR003 if the buffer
+                is gone, or for words that a rotary can't hold.
         """
         line = line_of(text, statements)
         if port.open == "rotary":
@@ -163,15 +163,15 @@ class Buffers:
         return None
 
     def define_rotary(self, number: int, words: int) -> None:
-        """Execute DEFINE ROT.
+        """Execute DEFINE ROT: create the rotary buffer of a coordinate system.
 
         Args:
-            number: the coordinate system.
+            number: number of the coordinate system.
             words: size of the buffer.
 
         Raises:
             Refusal: ERR003 if a gather buffer or the rotary of a lower coordinate system exists (assumed), or
-                without any words; ERR001 while the program runs; ERR006 if it is too large.
+                without any words; ERR001 while the program runs; ERR006 if the buffer is too large.
         """
         if self.gathering or any(
             system.calculation.rotary for n, system in self._systems.items() if n < number

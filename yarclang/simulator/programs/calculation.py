@@ -46,7 +46,8 @@ _CODE_PROGRAMS = {"G": 1000, "M": 1001, "T": 1002, "D": 1003}
 
 
 class Calculation:
-    """The execution of the program of a coordinate system.
+    """Calculates the program of a coordinate system: executes its statements and yields the steps of the
+    motion.
 
     `step` is called until it returns nothing.
 
@@ -55,7 +56,7 @@ class Calculation:
         scope: the variables as the coordinate system sees them.
         outside: the machine.
         moves: modal state and positions of the axes.
-        rotary: its rotary buffer, if there is one.
+        rotary: rotary buffer of the coordinate system, if there is one.
         waiting: True if `step` is to be called again at the next real-time interrupt.
         failed: True after a run-time error.
         number: number of the program; 0 is the rotary, None is no program.
@@ -133,7 +134,7 @@ class Calculation:
     # steps
 
     def step(self) -> Step | None:
-        """Calculate up to the next move, pause or end.
+        """Execute statements up to the next move, pause or end of the program.
 
         Returns:
             The step. None if the next line hasn't come yet, if a condition isn't true yet, or after a
@@ -289,7 +290,9 @@ class Calculation:
             self.failed = True
 
     def _synchronous(self, assign: Assign) -> None:
-        """Evaluate a synchronous assignment (M1==1). It is made when the next move blends in (facts 4)."""
+        """Evaluate the value of a synchronous assignment (M1==1). The variable changes when the next move
+        blends in (facts 4).
+        """
         index = int(value_of(assign.index, self.scope))
         value = value_of(assign.value, self.scope)
         operator = assign.synchronous

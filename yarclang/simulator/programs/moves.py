@@ -1,4 +1,6 @@
-"""Moves of a motion program: the modal state, and the steps that axis words give (TSRM 98, 189, 463, 476)."""
+"""Moves of a motion program: the modal state of the program, and the steps of moves (TSRM 98, 189, 463,
+476).
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ _SPLINES = ("SPLINE1", "SPLINE2", "PVT")
 
 
 class Moves:
-    """Modal state of one coordinate system (mode, TM, TA, TS, F, ABS or INC), and its calculated positions.
+    """Modal state of a coordinate system's program (mode, TM, TA, TS, F, ABS or INC), and the calculated
+    positions.
 
     Attributes:
         system: number of the coordinate system.
@@ -97,7 +100,7 @@ class Moves:
         """Return the step of a move.
 
         Args:
-            words: axis, position or distance, and velocity (PVT), each.
+            words: for each programmed axis: its letter; its position or distance; and its velocity (PVT).
         """
         position = self.position.copy()
         velocity: Array | None = None
@@ -131,7 +134,7 @@ class Moves:
 
         Args:
             step: the step to complete.
-            velocity: (9,) of the axes; None without velocities.
+            velocity: (9,) velocities of the axes; None without velocities.
         """
         i42 = self.scope.variables.i[42] == 1.0
         time = self.pvt_time if self.mode == "PVT" else self._variable(87 if i42 else 89)
@@ -149,11 +152,12 @@ class Moves:
             step.velocity = self.axes.matrix @ velocity / unit
 
     def _linear(self, step: Step, way: Array) -> None:
-        """Set the times of a LINEAR step from TM or F, TA and TS, within Ixx16 and Ixx17 (TSRM 98, 189).
+        """Set the times of a LINEAR step from TM or F, TA and TS, within the limits Ixx16 and Ixx17 (TSRM 98,
+        189).
 
         Args:
             step: the step to complete.
-            way: (9,) change of the axes.
+            way: (9,) change of the axis positions.
         """
         ramp = max(self._variable(87), 2.0 * self._variable(88)) * 1e-3
         time = self._variable(89) * 1e-3

@@ -12,8 +12,8 @@ from yarclang.simulator.programs.surroundings import Surroundings
 from yarclang.simulator.state.registers import Seen, Variables
 
 _AT_ONCE = 5000
-"""Largest number of statements of one scan, which then ends. On a controller, the watchdog would have
-tripped.
+"""Largest number of statements of one scan of a PLC, which then ends. On a real controller, the watchdog
+would have tripped.
 """
 
 _VARIABLE = re.compile(r"([IPQM])(\d+)")
@@ -21,15 +21,15 @@ _INDIRECT = re.compile(r"[IPQM]\(")
 
 
 class Plc:
-    """One PLC.
+    """One PLC program and its state.
 
     Attributes:
         number: 0 to 31.
-        program: its program.
+        program: the statements of the PLC.
         enabled: True after ENABLE.
         paused: True after PAUSE.
-        motor: the motor that its commands address.
-        system: the coordinate system that its commands address.
+        motor: number of the motor that the PLC's commands address.
+        system: number of the coordinate system that the PLC's commands address.
     """
 
     def __init__(self, number: int) -> None:
@@ -55,10 +55,11 @@ class Plc:
         self.enabled = self.paused = False
 
     def results(self) -> frozenset[tuple[str, int]]:
-        """Return the variables that the PLC computes, if it does nothing else; empty for any other PLC.
+        """Return the variables to which the PLC assigns, if it only computes variables; empty for any other
+        PLC.
 
-        A PLC that does nothing else only assigns to P- and Q-variables that it doesn't read itself. It
-        therefore need not run before one of them is read.
+        A PLC that only computes variables has only assignments to P- and Q-variables that it doesn't read
+        itself. It therefore need not run before one of them is read.
         """
         targets: list[tuple[str, int]] = []
         mentioned: list[tuple[str, int]] = []
@@ -80,8 +81,8 @@ class Plc:
         return frozenset(targets)
 
     def scan(self, variables: Variables, outside: Surroundings) -> None:
-        """Run the program once: to its end, or to the end of a loop. The next scan continues after that
-        point.
+        """Run the PLC once: to the end of its program, or to the end of a loop. The next scan continues after
+        that point.
 
         An error (a program with a wrong structure, a variable that doesn't exist) disables the PLC (assumed).
         """

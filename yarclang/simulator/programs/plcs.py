@@ -1,4 +1,4 @@
-"""The scans of all PLCs (TSRM 39-42).
+"""The scans of all PLCs by the controller (TSRM 39-42).
 
 PLC 0 is scanned at the real-time interrupt, PLCs 1 to 31 one after the other in the background.
 """
@@ -29,7 +29,7 @@ class Surroundings(surroundings.Surroundings, Protocol):
 class Plcs:
     """All PLCs that were opened.
 
-    If PLC 0 only computes variables, it is scanned only when one of them is read.
+    If PLC 0 only computes variables, it is scanned only when one of these variables is read.
 
     Attributes:
         by_number: the PLCs.
@@ -80,8 +80,8 @@ class Plcs:
         self.changed()
 
     def changed(self) -> None:
-        """Determine which PLCs are scanned, and if the scan of PLC 0 can be postponed until one of its
-        results is read.
+        """Determine which PLCs are scanned, and if the scan of PLC 0 can be postponed until one of the
+        variables that it computes is read.
         """
         now, variables = self._outside.now, self._variables
         i5 = int(variables.i[5])
@@ -106,7 +106,7 @@ class Plcs:
             self._next_interrupt = now + self._outside.interrupt
 
     def _refresh(self) -> None:
-        """Scan a postponed PLC 0 now, because one of its results is read."""
+        """Scan a postponed PLC 0 now, because a variable that it computes is read."""
         if self._lazy is None or self._refreshing:
             return
         self._refreshing = True

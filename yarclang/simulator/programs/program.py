@@ -1,4 +1,6 @@
-"""Buffers of programs: PROG and PLC as text and linked code, rotaries as lines that are consumed."""
+"""Contents of program buffers: PROG and PLC as text and linked code, rotaries as lines that are removed when
+they are calculated.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from yarclang.simulator.language.statements import If, Label, Plain, Statement, 
 from yarclang.simulator.network.reply import Refusal
 
 LARGEST_PROGRAM = 2_000_000
-"""Largest total number of words of all fixed buffers, to bound memory (assumed; it depends on the
+"""Largest total number of words of all PROG and PLC buffers, to bound memory (assumed; it depends on the
 options).
 """
 
@@ -21,9 +23,9 @@ class Line:
     """A line of a buffer.
 
     Attributes:
-        text: its text.
-        statements: its statements.
-        words: the words of memory that it takes.
+        text: text of the line.
+        statements: statements of the line.
+        words: number of words of memory that the line takes.
     """
 
     text: str
@@ -33,12 +35,12 @@ class Line:
 
 @dataclass(slots=True)
 class Branch:
-    """A conditional jump.
+    """A conditional jump in linked code.
 
     Attributes:
         condition: the jump is made if the condition is false.
-        target: index of the code to continue at.
-        wait: True if the condition is evaluated again later as long as it holds (WHILE ... WAIT).
+        target: index in the code at which the execution continues after the jump.
+        wait: True if the condition is evaluated again later as long as it is true (WHILE ... WAIT).
     """
 
     condition: Condition
@@ -48,10 +50,10 @@ class Branch:
 
 @dataclass(slots=True)
 class Go:
-    """A jump.
+    """An unconditional jump in linked code.
 
     Attributes:
-        target: index of the code to continue at.
+        target: index in the code at which the execution continues.
         back: True at the end of a loop.
     """
 
@@ -63,7 +65,7 @@ Code = Statement | Branch | Go
 
 
 def line_of(text: str, statements: tuple[Statement, ...]) -> Line:
-    """Return a line with its cost in words."""
+    """Return a line of a buffer, with the number of words that it takes there."""
     return Line(text, statements, sum(map(cost, statements)))
 
 
@@ -72,8 +74,8 @@ class Program:
     """A PROG or a PLC.
 
     Attributes:
-        lines: its lines.
-        words: the words of memory that they take.
+        lines: lines of the program.
+        words: number of words of memory that the lines take.
         open_blocks: open IFs and WHILEs after the last line, so that an ENDIF without IF is refused at once.
         single: True if the last line is an IF that applies only to its own line; an ELSE may follow it.
     """
@@ -107,8 +109,8 @@ class Program:
         self._code = None
 
     def code(self) -> tuple[list[Code], list[int], dict[int, int]]:
-        """Return the linked code, the index of the line of each item of code, and the index in the code of
-        each label.
+        """Return the linked code; for each item of the code, the index of its line; and for each label, its
+        index in the code.
 
         Raises:
             Refusal: ERR016 if an IF or WHILE isn't closed.
@@ -119,7 +121,8 @@ class Program:
 
 
 def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[str], bool]:
-    """Return the open IFs and WHILEs after a line, and True if the line is an IF that applies only to itself.
+    """Return the open IFs and WHILEs after a line; and True if the line is an IF that applies only to its own
+    line.
 
     Args:
         open_blocks: the open IFs and WHILEs before the line.
@@ -160,7 +163,7 @@ def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[st
 def _for_single(single: bool, line: Line, block: bool) -> bool:
     """Return True if an ELSE belongs to the single-line IF before it, and not to a block around both.
 
-    It does if the ELSE has an action in its own line, or if no block is open (assumed).
+    It belongs to the single-line IF if the ELSE's own line has an action, or if no block is open (assumed).
     """
     return single and (len(line.statements) > 1 or not block)
 
@@ -191,9 +194,9 @@ class _Open:
 
     Attributes:
         name: IF or WHILE.
-        at: index of its branch in the code.
-        single: True if it ends with its line.
-        skip: index of the jump before its ELSE.
+        at: index of its conditional jump in the code.
+        single: True if the block ends with its line.
+        skip: index in the code of the jump before its ELSE.
     """
 
     name: str
@@ -284,8 +287,8 @@ class Rotary:
 
     Attributes:
         size: largest number of words.
-        lines: its lines.
-        words: the words of its lines.
+        lines: the lines in the buffer.
+        words: number of words that these lines take.
         full: True if enough lines are ahead (I17, I16).
     """
 

@@ -23,7 +23,10 @@ class Surroundings(Protocol):
         ...
 
     def queue(self, text: str, system: int, motor: int = 1) -> None:
-        """Execute CMD: queue a line for the interpreter, with the addressed coordinate system and motor."""
+        """Execute CMD: queue a line for the background interpreter.
+
+        The line addresses the given coordinate system and motor.
+        """
         ...
 
     def switch_plcs(self, name: str, numbers: Sequence[int]) -> None:

@@ -19,8 +19,8 @@ _WHOLE = re.compile(r"(DP|D|F|L):\$?([0-9A-F]{1,6})$")
 
 Read = Callable[[], float]
 ReadBits = Callable[[int], float]
-"""Function that returns the value of a register. The argument has the bits that are needed; other bits may
-be 0.
+"""Function that returns the value of a register. Its argument has the bits that the caller needs; other bits
+of the value may be 0.
 """
 Write = Callable[[float], None]
 
@@ -31,8 +31,8 @@ class Definition:
 
     Attributes:
         kind: kind of memory: X, Y, D, DP, F, L, or * for a variable with its own value.
-        address: its address.
-        offset: first bit, for X and Y.
+        address: address of the register.
+        offset: number of the first bit, for X and Y.
         width: number of bits, for X and Y.
         signed: True for a signed value, for X and Y.
     """
@@ -57,10 +57,11 @@ class Definition:
 
 
 def definition(text: str) -> Definition:
-    """Parse the text after `M1->`. An offset without a width means one bit.
+    """Parse the definition of an M-variable, which is the text after `M1->`. An offset without a width means
+    one bit.
 
     Raises:
-        Refusal: ERR003 if it isn't a definition.
+        Refusal: ERR003 if the text isn't a definition.
     """
     if text == "*":
         return Definition()
@@ -79,13 +80,13 @@ def definition(text: str) -> Definition:
 
 
 class Memory:
-    """The controller's memory: 24-bit words. Some of them are wired to the state of the machine.
+    """The controller's memory: 24-bit words. Some words show the controller's state ("wired").
 
     A word that isn't wired is plain memory, where outputs can be read and inputs can be set.
 
     Attributes:
         words: values of plain words, by kind (X, Y) and address.
-        wired: functions that return wired registers, by kind and address.
+        wired: functions that return the values of wired registers, by kind and address.
         wired_writes: functions that write wired registers, by kind and address.
         floats: values of plain F and L registers, by address.
     """
@@ -97,7 +98,7 @@ class Memory:
         self.floats: dict[int, float] = {}
 
     def read(self, at: Definition) -> float:
-        """Return the value of the register of a definition."""
+        """Return the value of the register to which an M-variable points."""
         key = (at.kind, at.address)
         read = self.wired.get(key)
         if at.kind in "XY":
@@ -113,7 +114,9 @@ class Memory:
         return float(value - _WORD * _WORD if value >= _WORD * _WORD // 2 else value)
 
     def write(self, at: Definition, value: float) -> None:
-        """Write the register of a definition. Registers that only the machine sets keep their value."""
+        """Write a value to the register to which an M-variable points. Registers that only the controller
+        sets keep their value.
+        """
         key = (at.kind, at.address)
         if key in self.wired_writes:
             self.wired_writes[key](value)
@@ -149,8 +152,8 @@ class Variables:
         memory: the memory.
         timers: functions that read and write the I-variables that count down by themselves.
         lazy: variables that PLC 0 computes only when they are read.
-        refresh: called before a variable of `lazy` is read.
-        on_i: called with the number of each I-variable that is written.
+        refresh: function that is called before a variable of `lazy` is read.
+        on_i: function that is called with the number of each I-variable that is written.
     """
 
     def __init__(self) -> None:
@@ -189,8 +192,8 @@ class Variables:
 
         Args:
             letter: I, P, Q or M.
-            index: its number.
-            system: the coordinate system whose Q-variables are read.
+            index: number of the variable.
+            system: number of the coordinate system whose Q-variables are read.
 
         Raises:
             Refusal: ERR003 if there is no such variable.
@@ -219,9 +222,9 @@ class Variables:
 
         Args:
             letter: I, P, Q or M.
-            index: its number.
+            index: number of the variable.
             value: the value.
-            system: the coordinate system whose Q-variables are written.
+            system: number of the coordinate system whose Q-variables are written.
 
         Raises:
             Refusal: ERR003 if there is no such variable.
@@ -272,7 +275,9 @@ class Seen:
 
 
 def printed(value: float, decimals: int | None = None) -> str:
-    """Return a value in decimal form, without an exponent. The controller's reals have about 12 digits."""
+    """Return a value in decimal form, without an exponent. It has about 12 digits, as the controller's
+    reals do.
+    """
     if value % 1.0 == 0.0:
         return str(int(value))
     if decimals is not None:

@@ -16,7 +16,7 @@ from yarclang.simulator.state.registers import Definition, Variables
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """Saved state.
+    """The state that SAVE copies, and that the controller has again after a reset.
 
     Attributes:
         i: I-variables.

@@ -1,4 +1,5 @@
-"""Status words of motors, coordinate systems and the controller (TSRM 281-290), from their current state.
+"""Status words of motors, coordinate systems and the controller (TSRM 281-290), computed from their current
+state.
 
 Each word is computed on its own. `wanted` has the bits that the caller needs. A PLC asks for one bit at each
 scan; bits that depend on the positions of the motors are therefore left 0 if none of them is needed.
@@ -27,7 +28,7 @@ WHOLE = 0xFFFFFF
 
 
 class Controller(Protocol):
-    """Parts of the machine that status words describe."""
+    """The parts of the controller that status words describe."""
 
     motors: dict[int, Motor]
     systems: dict[int, CoordinateSystem]
@@ -53,7 +54,8 @@ _SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
 
 
 def digits(controller: Controller, marks: int, motor: int, system: int) -> str:
-    """Return the answer to ?, ?? or ???: status words in hexadecimal.
+    """Return the answer to ?, ?? or ???: the status words of a motor, a coordinate system or the controller,
+    in hexadecimal.
 
     Args:
         controller: the machine.
@@ -168,7 +170,8 @@ def global_word(ports: Iterable[Port]) -> int:
 
 
 def _following(motors: Iterable[Motor], time: float) -> tuple[bool, bool]:
-    """Return two flags: a following error is beyond Ixx12, and all motors are in position.
+    """Return two flags: True if any motor has a following error beyond Ixx12; and True if all motors are in
+    position.
 
     A motor in position is closed-loop, doesn't move, and has a following error within Ixx28. Ixx12 and Ixx28
     are in 1/16 count.

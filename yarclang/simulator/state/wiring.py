@@ -1,4 +1,4 @@
-"""Registers and variables that show the state of the machine (facts 5.4, 5.5, 7), and timers."""
+"""Registers and variables that show the controller's state (facts 5.4, 5.5, 7), and timers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LEAST_TIMER = -8_388_608.0
 
 
 class Shown(status.Controller, Protocol):
-    """Parts of the machine that registers and answers show."""
+    """The parts of the controller that registers and answers show."""
 
     variables: Variables
 

@@ -241,7 +241,7 @@ def parts_before(plan: MotionPlan, step: int) -> Parts | None:
 
 
 def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ...]:
-    """Return the gripper that moves away from a part, which it has put down, during the motion of a step.
+    """Return the gripper that moves away from where it took or put down parts, during the motion of a step.
 
     Args:
         plan: the plan.
@@ -249,7 +249,7 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
         now: current places of the parts.
 
     Returns:
-        Empty if there is no such gripper, or if the part isn't where the plan has it.
+        Empty if there is no such gripper, or if these parts aren't where the plan has them.
     """
     whole, parts_of_steps = followed_plan(plan), parts_before(plan, step)
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)

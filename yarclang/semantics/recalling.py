@@ -119,7 +119,7 @@ def step_before(
         robot: the robot of the program.
         statement: the command.
         defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         findings: the findings of the command's file; receives those of `make`.
         make: reads the command with given defaults and scope.
     """

@@ -32,7 +32,7 @@ class Calls:
         Args:
             statement: the CALL.
             file: the file of the CALL.
-            scope: the names that are known there.
+            scope: the names in scope at the CALL.
 
         Returns:
             The SUB, and the scope of its body with its parameters; None with a finding if the CALL is wrong.

@@ -28,7 +28,7 @@ _VALUES: dict[KeepKind, tuple[tuple[Kind, str], ...]] = {
     "FACING": (("angle", "the angle"), *_RANGE),
     "SEEN": (("angle", "the angle"), *_RANGE),
 }
-"""The kind and the description of each value of a rule; those after the first may be left out."""
+"""The kind and the description of each value of a KEEP rule; all but the first may be left out."""
 _REFUSED = ("a motion time", "options")
 
 
@@ -37,7 +37,7 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
 
     Args:
         head: the line.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         defaults: gives units to a line without them.
         findings: receives the findings.
 
@@ -68,7 +68,9 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
 
 
 def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | None:
-    """Return the fixed frame of the rule, which is {B} if the line names none; None with a finding."""
+    """Return the fixed frame to which a KEEP rule refers: the frame in its line, or else {B}. None with a
+    finding if the frame is wrong.
+    """
     if head.base is None:
         return scope.frame("B")
     found = known_frame(head, head.base, scope, findings)
@@ -108,8 +110,8 @@ def _limits(
     defaults: Defaults,
     findings: Collector,
 ) -> tuple[float, ...] | None:
-    """Return the limit of a rule [rad or m], and its range of distances [m] if the line has one; None with a
-    finding.
+    """Return the limit of a KEEP rule [rad or m], followed by its range of distances [m] if the line has one;
+    None with a finding if a value is wrong.
     """
     wanted = _VALUES[kind]
     if len(values) > len(wanted):

@@ -51,13 +51,13 @@ _REFUSED = ("a motion time", "units", "a base frame", "options")
 def offset_of(
     head: Statement, scope: Scope, cell: Cell | None, flag: str, findings: Collector
 ) -> Offset | None:
-    """Read OFFSET {PART} X DX Y DY RZ TURN.
+    """Read a line such as OFFSET {PART} X DX Y DY RZ TURN.
 
     Args:
         head: the line.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         cell: the cell around the robot.
-        flag: register that becomes 1 if the lines can be carried out.
+        flag: register that becomes 1 if the lines of the OFFSET can be carried out.
         findings: receives the findings.
 
     Returns:
@@ -137,8 +137,8 @@ def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str,
 
 
 def _parts_in(frame: Frame, cell: Cell | None) -> tuple[str, ...]:
-    """Return the names of the parts that are placed in a frame of the cell, or in a frame that is given in
-    it.
+    """Return the names of the parts that the cell places in a frame, directly or through other frames that
+    are given in it.
     """
     if cell is None or frame.link is None or frame.link.name not in cell.frames:
         return ()
@@ -158,7 +158,7 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
     """Mark the goals that an OFFSET shifts, and check that its steps can be planned at run time.
 
     Args:
-        steps: steps of the program, ending with those of the OFFSET. Its motions are replaced.
+        steps: steps of the program, ending with those of the OFFSET. The motions of the OFFSET are replaced.
         begin: number of the OFFSET's When.
         findings: receives the findings.
     """

@@ -66,7 +66,7 @@ def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator
 
     Args:
         expression: the expression.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         own: names of the function's own parameters, which are left out.
 
     Raises:

@@ -70,7 +70,7 @@ def may_be_declared(
     Args:
         statement: the declaration.
         word: the name.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         robot: the robot.
         findings: receives the finding.
         may_hide: True to allow the name of one of the robot's joint positions without a warning.
@@ -168,7 +168,7 @@ def base_of_line(
 
     Args:
         statement: the declaration.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         defaults: parts of the DEFAULT line of its file.
         findings: receives the finding.
         may_move: True if a frame on the flange is allowed.
@@ -291,7 +291,7 @@ def numbers_of_line(
         statement: the declaration.
         values: the kind of values that the declaration needs.
         given: the values in the text.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         defaults: parts of the DEFAULT line of its file.
         robot: the robot.
         findings: receives the finding.

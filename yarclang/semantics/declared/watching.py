@@ -36,7 +36,7 @@ def declare_watch(
 
     Args:
         statement: the line.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         watches: watched inputs of the previous lines.
         findings: receives the findings.
 

@@ -62,7 +62,7 @@ def read_start(
     Args:
         statement: the line. It has joint values with units, or the name of a joint position.
         robot: the robot.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         defaults: parts of the DEFAULT line of its file.
         findings: receives the findings.
     """

@@ -30,7 +30,7 @@ class Line:
         values: the kind of values of its way-points.
         robot: the robot.
         defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         units: units of the line and of DEFAULT; None if they are wrong, which was already reported.
         findings: the findings of its file.
     """

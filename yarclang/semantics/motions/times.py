@@ -95,7 +95,7 @@ def resolve_time(
         statement: the command.
         units: units of the line and of DEFAULT.
         defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         findings: receives the findings.
         has_speed: True if the command moves a frame: a speed is then allowed instead of a time.
     """

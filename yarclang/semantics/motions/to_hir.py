@@ -41,7 +41,7 @@ def to_step(
         name: its resolved name.
         context: inputs besides the text.
         defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         findings: receives the findings.
 
     Returns:

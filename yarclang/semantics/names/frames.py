@@ -44,7 +44,7 @@ def base_axes(
     Args:
         statement: the line with the frame's name.
         frame: the name.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         may_move: True if a frame on the flange is allowed.
         findings: receives the finding.
     """

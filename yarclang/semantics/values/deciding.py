@@ -85,7 +85,7 @@ def _part(expression: Expression, scope: Scope, depth: int) -> Value:
 
     Args:
         expression: the part.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         depth: number of operations around the part.
     """
     if depth > DEEPEST:

@@ -18,7 +18,7 @@ from yarclang.syntax.print import print_expression
 from yarclang.units import UNITS, Unit
 
 HEAVIEST = 1000
-"""Largest number of operations in one use of a function, including the functions that it uses."""
+"""Largest number of operations in one use of a FUNC, including those of the functions that it uses."""
 
 
 def declare_function(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
@@ -62,7 +62,7 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
 
 
 def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator[Hashable]:
-    """Yield the meanings of the names in an expression, as values that can be compared.
+    """Yield the meanings of the names in a FUNC's expression, as values that can be compared.
 
     Args:
         expression: the expression.
@@ -70,7 +70,8 @@ def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator
         own: names of the function's own parameters, which are left out.
 
     Raises:
-        EvaluationError: a name has no meaning here, or a function takes another number of arguments.
+        EvaluationError: a name isn't that of a number or function, or a function takes another number of
+            arguments.
     """
     match expression:
         case Name(name=name):

@@ -19,7 +19,9 @@ from yarclang.syntax.ast import Module, Statement, Text, Word
 
 
 def declared_robot(module: Module) -> tuple[str, Span] | None:
-    """Return the robot of a ROBOT line (a name or a path) and its place. All checks need the robot first."""
+    """Return the robot that a ROBOT line names (a name or a path), and the place of this name. It is read
+    before everything else, since all checks need the robot.
+    """
     for statement in module.statements:
         if statement.index is None and statement.name.name == "ROBOT" and len(statement.waypoints) == 1:
             values = statement.waypoints[0].values
@@ -63,7 +65,7 @@ def read_start(
         statement: the line. It has joint values with units, or the name of a joint position.
         robot: the robot.
         scope: the names in scope at this line.
-        defaults: parts of the DEFAULT line of its file.
+        defaults: what the DEFAULT line of its file gives.
         findings: receives the findings.
     """
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)

@@ -1,5 +1,5 @@
-"""Compute distances of bodies at joint positions, for display. They are samples; only the certificate proves
-distances.
+"""Compute distances between bodies at given joint positions, for display. These are samples; only the
+certificate proves distances.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ _BLOCK = 256
 
 @frozen(eq=False)
 class Near:
-    """Distances of bodies at P joint positions.
+    """Smallest distances between bodies at P joint positions.
 
     Attributes:
         apart: (P,) smallest distance of two bodies, at most `SEEN` [m].
-        pair: (P,) the pair with this distance, -1 for none.
+        pair: (P,) number of the pair with this distance, -1 for none.
         closest: (P,) smallest difference of a pair's distance and its margin, at most `SEEN` [m].
-        worst: (P,) the pair with this difference, -1 for none.
+        worst: (P,) number of the pair with this difference, -1 for none.
     """
 
     apart: Array

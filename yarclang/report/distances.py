@@ -8,8 +8,8 @@ from yarclang.units import MM
 
 
 def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
-    """Return the proved distances of a command, and its speeds in slow zones: the name and the text of
-    each.
+    """Return the proved distances of a command, and its proved speeds in slow zones, as pairs of a name
+    and a text.
     """
     distances = [
         (name, distance_text(clearance))
@@ -38,8 +38,8 @@ def when_text(clearance: Clearance, word: str = "") -> str:
 
 
 def whole_tenths(distance: float) -> str:
-    """Return a distance [m] in mm with one decimal. It is rounded down, so that the printed number is proved
-    as well.
+    """Return a distance [m] in mm with one decimal. It is rounded down, so that the printed distance is
+    also proved.
     """
     return down(least(distance, MM), 1)
 

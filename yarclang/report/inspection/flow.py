@@ -12,7 +12,7 @@ from yarclang.motion.plan import MotionPlan
 
 @frozen
 class Flowing:
-    """A corner that is passed without a stop.
+    """A corner between two commands that the robot passes without a stop.
 
     Attributes:
         first: command before the corner.
@@ -31,7 +31,7 @@ class Flowing:
 
 @frozen
 class Flows:
-    """Corners of a command. Each is None if the robot stops there.
+    """The corners at the start and the end of a command. Each is None if the robot stops there.
 
     Attributes:
         before: corner at the start of a motion.

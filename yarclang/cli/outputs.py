@@ -20,11 +20,11 @@ def beside(file: str, suffix: str, folder: Path | None = None) -> str:
 
 
 def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]) -> None:
-    """Reject results that would overwrite a source or another result, as a usage error.
+    """Reject output files that would overwrite a source or each other, as a usage error.
 
     Args:
         sources: the files that are read.
-        results: path of each result, and its source.
+        results: path of each output file, and its source.
     """
     read = {_real(source): source for source in sources if source != STANDARD}
     taken: dict[str, str] = {}

@@ -48,8 +48,8 @@ class Pace:
 
     Attributes:
         limits: uses of the robot's limits, the largest share first.
-        shortest: shortest possible duration [s]; None if there is none, or if the duration is that of a chain
-            of motions.
+        shortest: shortest possible duration [s]; None if there is none, for a motion with a
+            timetable, and for one that begins or ends without a stop.
     """
 
     limits: tuple[Limit, ...]

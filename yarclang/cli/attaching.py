@@ -99,7 +99,7 @@ def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served |
 
 
 def _served(run: Run) -> Served | None:
-    """Return a run's coordinator, if it serves other clients."""
+    """Return the coordinator of a run, if it serves other clients; else None."""
     try:
         with Asked(str(run.path), name="looking", timeout=_QUICK) as robot:
             told = robot.welcome

@@ -72,7 +72,7 @@ class Done:
 
 
 def check_all(files: Sequence[str], task: Task, fleet: Fleet) -> Iterator[Done]:
-    """Check files, in their order."""
+    """Check files, and yield the results in the order of the files."""
     return fleet.results(
         partial(check_one, task=task),
         files,

@@ -55,7 +55,7 @@ class Made:
 
 
 def compile_all(files: Sequence[str], task: Task, fleet: Fleet) -> Iterator[Made]:
-    """Compile files, in their order."""
+    """Compile files, and yield the results in the order of the files."""
     return fleet.results(
         partial(compile_one, task=task),
         files,

@@ -62,7 +62,7 @@ def controller(
 
 
 def robot_argument(robot: Robot, given: str | None) -> str:
-    """Return the value for --robot: the given value, or else the robot's name or its path."""
+    """Return what a user writes after --robot: the value that was given, or else the robot's name or path."""
     if given is None and any(one.folder == robot.folder for one in list_robots()):
         return robot.name
     return shlex.quote(given or str(robot.folder))

@@ -50,7 +50,7 @@ class Axes:
 
     @classmethod
     def of(cls, status: Status) -> Axes:
-        """Return the joints that a status names."""
+        """Return the joints whose positions a status names."""
         return cls(tuple(one.name for one in status.joints))
 
 
@@ -109,7 +109,7 @@ class Display:
                 )
 
     def _begin(self, part: PartBegan) -> None:
-        """Prepare the display for a part of the program, which begins now."""
+        """Prepare the display for a job, which is the whole program or a part of it and begins now."""
         program = self._program
         beside = part.to_the_start or part.leads_out
         again = part.number > 1 and not beside
@@ -127,7 +127,7 @@ class Display:
         ]
 
     def _of_program(self, progress: Progress) -> Progress:
-        """Convert the progress of a part to that of the whole program."""
+        """Convert the progress of a job that is a part of the program to that of the whole program."""
         left = progress.left + self._behind / max(self._picture.override / 100.0, 0.01)
         return replace(progress, left=left, command=self._instead or progress.command)
 

@@ -104,7 +104,9 @@ class Ending:
 
     @property
     def _first_option(self) -> str:
-        """Return the option that moves the robot to the start, as it was given."""
+        """Return the option by which the robot moves to where the program began: `--from` with its first
+        command if it began inside the program, else `--approach`.
+        """
         program = self._program
         within = program is not None and program.begins_within and program.first
         return f"--from {shlex.quote(program.first)}" if program is not None and within else "--approach"

@@ -68,7 +68,7 @@ class Estimate:
     _looked: float = 0.0
 
     def tell(self, stage: int, done: int, total: int, now: float) -> None:
-        """Process a stage's report at the time `now` [s]."""
+        """Take into account a stage's report of progress at the time `now` [s]."""
         if stage < self._stage or self._stage < 0:
             # a new file or a new attempt begins: the remaining time is unknown again
             self._share, self._begun, self._entered, self._left = 0.0, now, now, None

@@ -293,6 +293,6 @@ class Signals:
             self.attached.send(orders.Stop())
 
     def _hold(self) -> None:
-        """Hold the robot. The suspended process can't supervise it."""
+        """Hold the robot, since this process is about to be suspended and then can't supervise it."""
         if self.attached is not None:
             self.attached.send(orders.Hold())

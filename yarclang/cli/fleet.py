@@ -134,7 +134,7 @@ class Fleet:
 
 
 def _said(made: Iterator[R]) -> Iterator[R]:
-    """Yield results. If the scheduler can't be used, raise an error of the command."""
+    """Yield results. If the scheduler can't be used, raise a usage error."""
     from yarclang.fleet.outcome import UnreachableError
 
     try:

@@ -104,7 +104,7 @@ def _say_error(what: str, remedy: str) -> None:
 
 
 class _Run:
-    """One `yarc run`."""
+    """One execution of `yarc run`."""
 
     terminal: Terminal
 

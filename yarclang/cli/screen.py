@@ -1,4 +1,4 @@
-"""Standard error as a screen: complete lines, and one line that changes."""
+"""Standard error as a screen: complete lines, and below them one status line that changes in place."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Screen:
         self._queue.put(f"{before}{self._broken(text) if self.live else text}\n{after}")
 
     def change(self, text: str) -> None:
-        """Replace the changing line."""
+        """Replace the status line."""
         if self._queue.empty():
             self._queue.put(_changing(text))
             self._shown = True
@@ -84,7 +84,7 @@ class Screen:
 
 
 def _changing(text: str) -> str:
-    """Return the control codes and the text that replace the changing line."""
+    """Return the control codes and the text that replace the status line."""
     return f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}"
 
 

@@ -360,7 +360,7 @@ def _without_names(column: Column) -> Column:
 
 
 def _segment(group: Sequence[CommandCertificate]) -> str:
-    """Return the longest segment time of the commands that have segments."""
+    """Return the longest segment time of the commands in a row of the table; `-` if none has segments."""
     times = [one.segment_time for one in group if one.segments]
     return f"{max(times) * 1e3:.4g}" if times else "-"
 
@@ -374,7 +374,7 @@ def _jerk(group: Sequence[CommandCertificate]) -> str:
 
 
 def _least(found: Sequence[Clearance | None]) -> str:
-    """Return the smallest of several distances."""
+    """Return the smallest of several proved distances."""
     told = [one for one in found if one is not None]
     return _clearance(min(told, key=lambda one: one.distance) if told else None, with_time=len(found) == 1)
 

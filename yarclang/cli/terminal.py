@@ -169,6 +169,6 @@ class Terminal:
 
 
 def _number_in(data: bytes) -> int | None:
-    """Return the integer that was typed; None for other text."""
+    """Return the integer that the user typed; None for other text."""
     text = data.decode(errors="replace").strip()
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,9}", text) else None

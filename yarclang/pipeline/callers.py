@@ -85,7 +85,7 @@ def uncalled_lines(program: Module) -> frozenset[int]:
 
 
 def _sub_name(block: Block) -> str:
-    """Return the name of a SUB in upper case; empty for another block."""
+    """Return the name of a SUB in upper case; empty for a block that is no SUB."""
     values = values_of(block.head) if block.head.name.name == "SUB" else []
     return values[0].text.upper() if values else ""
 
@@ -198,7 +198,7 @@ def _commands(nodes: Iterable[Node]) -> Iterator[Statement]:
 
 
 def _body(nodes: Iterable[Node], routine: str) -> tuple[Node, ...]:
-    """Return the body of a SUB."""
+    """Return the lines of a module's SUB, grouped into blocks."""
     for node in nodes:
         if isinstance(node, Block) and routine and _sub_name(node) == routine:
             return node.body

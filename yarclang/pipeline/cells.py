@@ -250,7 +250,7 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
 
 
 def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
-    """Return all findings about a cell that need no program."""
+    """Return all findings about a cell that can be made without a program."""
     findings = [*loaded.diagnostics]
     if robot is not None:
         findings += _of_zones(loaded, robot)
@@ -262,7 +262,7 @@ def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
 
 
 def _of_zones(loaded: Result[Cell], robot: Robot) -> list[Diagnostic]:
-    """Return the findings about zones whose form is correct."""
+    """Return the findings about the zones of a cell that otherwise has no errors."""
     cell = loaded.value
     if cell is None or not cell.zones or has_errors(loaded.diagnostics):
         return []

@@ -240,7 +240,7 @@ def _before_the_proof(
 
 
 def _silent(project: Project) -> set[str]:
-    """Return the codes that the project switches off."""
+    """Return the codes of the findings that the project switches off."""
     return {code for code, level in project.levels.items() if level == "off"}
 
 

@@ -105,7 +105,7 @@ def _fixable(checked: Checked, is_wanted: Callable[[Diagnostic], bool]) -> list[
 
 
 def _key(finding: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
-    """Return a key of a finding that stays the same when its line moves."""
+    """Return a key by which a finding is recognized even if its line has moved."""
     line = source.line(finding.span.line) if finding.span else ""
     return finding.code, line, finding.fix.title if finding.fix else ""
 

@@ -76,12 +76,12 @@ class Analysis:
 
     @cached_property
     def motions(self) -> Mapping[int, PlannedMotion]:
-        """Return the planned motions, by their steps."""
+        """Return the planned motions, by the numbers of their steps."""
         return {motion.step: motion for motion in self.plan.motions} if self.plan else {}
 
     @cached_property
     def proofs(self) -> Mapping[int, CommandCertificate]:
-        """Return the proofs of motions, by their steps."""
+        """Return what is proved about each motion, by the number of its step."""
         return {one.step: one for one in self.certificate.commands} if self.certificate else {}
 
     @cached_property

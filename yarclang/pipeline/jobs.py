@@ -1,4 +1,4 @@
-"""Convert a certified text to a job for the runtime."""
+"""Convert a certified controller text to a job, which the runtime streams."""
 
 from __future__ import annotations
 
@@ -304,7 +304,7 @@ def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
 
 
 def _commands(content: ControllerText, schedule: Schedule) -> tuple[JobCommand, ...]:
-    """Return the motions with their times."""
+    """Return the motions in a controller text with their times."""
     commands: list[JobCommand] = []
     moving = iter([entry for entry in content.entries if entry.first is not None])
     for run, begin, clock in zip(content.course, schedule.places, schedule.clocks, strict=False):

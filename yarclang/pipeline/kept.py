@@ -101,7 +101,7 @@ def _meshes(shapes: Iterable[Shape]) -> list[Path]:
 
 
 def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
-    """Return all files in some folders. A URDF may refer to any of them."""
+    """Return all files in a robot's folders, since its URDF may refer to any of them."""
     files: list[Path] = []
     for folder in folders:
         try:

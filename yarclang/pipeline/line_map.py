@@ -36,11 +36,11 @@ class LineMap:
     stretches: tuple[Stretch, ...]
 
     def at(self, line: int) -> Stretch | None:
-        """Return the stretch that contains a line (from 1); None if the text has no such line."""
+        """Return the group of lines that contains a line (from 1); None if the text has no such line."""
         return next((one for one in self.stretches if one.first <= line <= one.last), None)
 
     def of(self, step: int) -> tuple[Stretch, ...]:
-        """Return the stretches of a command after the header."""
+        """Return the groups of lines that belong to a command, without those in the header."""
         return tuple(
             one
             for one in self.stretches
@@ -84,7 +84,7 @@ def map_lines(text: str) -> LineMap:
 
 
 def _merged(stretches: Iterator[Stretch]) -> Iterator[Stretch]:
-    """Merge neighbours with the same command and purpose."""
+    """Merge neighbouring groups of lines that have the same command and purpose."""
     last: Stretch | None = None
     for stretch in stretches:
         if last is not None and last.command is stretch.command and last.what == stretch.what:

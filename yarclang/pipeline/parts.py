@@ -132,7 +132,7 @@ def _round(
 
 
 def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[SourceFile, Origin]:
-    """Return the text of an approach, which is a single command."""
+    """Return the text of a program that only approaches a start, with its single command."""
     values = "; ".join(" ".join(f"{value:.6g}" for value in q / robot.axis_units) for q in points)
     text = f"P0001 {name} {values} [{time}] (deg,s)"
     source = SourceFile("<approach>", text)
@@ -230,7 +230,7 @@ def steps_of(
 
 
 def parts_before(plan: MotionPlan, step: int) -> Parts | None:
-    """Return the places of parts before a step of a plan; None if its cell has none."""
+    """Return where the parts are before a step of a plan; None if its cell has no parts."""
     whole = followed_plan(plan)
     if whole is None or plan.program.cell is None or not plan.program.cell.parts:
         return None
@@ -367,7 +367,7 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
 
 
 def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
-    """Return True for each step that is inside a WHEN or a loop."""
+    """Return for each step True if it is inside a WHEN or a loop."""
     depth, found = 0, []
     for step in steps:
         found.append(depth > 0)

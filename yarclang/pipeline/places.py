@@ -42,7 +42,9 @@ def parts_of(text: str) -> tuple[Part, ...] | None:
 
 
 def labels_of(program: Program) -> dict[int, str]:
-    """Return the place of each step that has one, by its number."""
+    """Return the places of a program's steps, by the number of the step; steps without a place are
+    missing.
+    """
     return {
         number: step.origin.label
         for number, step in enumerate(program.steps)

@@ -43,7 +43,7 @@ class Project:
     jobs: Mapping[int, str] = field(default_factory=dict)
 
     def span_of(self, key: str) -> Span | None:
-        """Return where a key's value is in the file."""
+        """Return where the value of a key is in yarc.toml."""
         return find_places(self.source).of_value((key,)) if self.source else None
 
 

@@ -1,4 +1,4 @@
-"""Plan and prove the lines of an OFFSET after registers have shifted its frame."""
+"""Plan and prove the lines of an OFFSET at run time, when registers have shifted its frame."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tup
 
 
 class _Carrying:
-    """Converter of goals that move with a shifted frame."""
+    """Converter of goals to goals that move with the OFFSET's shifted frame."""
 
     def __init__(self, offset: Offset, numbers: Array) -> None:
         self._offset, self._numbers = offset, numbers
@@ -161,7 +161,7 @@ class _Carrying:
         return replace(goal, base_from_moving=placed, told=told, shifted=False)
 
     def _link(self, link: FrameLink) -> FrameLink:
-        """Return a frame that moves with the shifted frame."""
+        """Return a frame in a form in which it moves with the OFFSET's shifted frame."""
         known = self._links.get(id(link))
         if known is None:
             known = link, self._moved(link)

@@ -103,7 +103,7 @@ def check_program(module: Module, request: Request) -> Result[Program]:
 
 
 def context_of(request: Request) -> Context:
-    """Return the parts of a request that the checks need."""
+    """Return what the checks need from a request."""
     return Context(
         request.robot,
         profile_names(),
@@ -150,7 +150,7 @@ def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
 
 
 def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPlan]:
-    """Plan the program that a check returned, and return the findings of both."""
+    """Plan a program that was checked, and return the findings of the check and of the planning together."""
     assert checked.value is not None  # a check always gives a program
     program = checked.value
     if has_errors(checked.diagnostics):

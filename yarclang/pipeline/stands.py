@@ -11,7 +11,7 @@ from yarclang.motion.plan import MotionPlan
 
 
 def stand_before(plan: MotionPlan, number: int) -> int:
-    """Return the motion at whose start the robot was last at rest before motion `number`."""
+    """Return the number of the last motion up to motion `number` at whose start the robot is at rest."""
     while number and plan.motions[number - 1].flows:
         number -= 1
     return number

@@ -59,7 +59,7 @@ class Carried:
     names: Mapping[int, tuple[str, ...]]
 
     def cell_of(self, state: State) -> Cell | None:
-        """Return the cell with its parts where they are in a state."""
+        """Return the cell with its parts where they are in a given state."""
         return surroundings(self.handling.cell, state.parts, state.touches, state.allowed)
 
     def deeds(self, step: int) -> tuple[tuple[str, tuple[str, ...]], ...]:

@@ -35,7 +35,7 @@ class Near:
 
 
 def near(scene: Scene, q: Array) -> Near:
-    """Return the nearest pairs at joint positions `q` (P, n)."""
+    """Return the smallest distances between bodies at joint positions `q` (P, n)."""
     blocks = [_near(scene, q[at : at + _BLOCK]) for at in range(0, len(q), _BLOCK)]
     return Near(
         *(

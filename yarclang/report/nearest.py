@@ -134,7 +134,7 @@ _rank = attrgetter("rank")
 
 
 class _Measure:
-    """Measurement of a command of a robot in a cell."""
+    """Converter of a proved command to measured quantities, for a robot in a cell."""
 
     def __init__(self, tolerance: Tolerance, robot: Robot, cell: Cell | None) -> None:
         self._tolerance = tolerance
@@ -196,19 +196,19 @@ class _Measure:
 
 
 def _before_limit(name: str, share: float, half: float, unit: str) -> str:
-    """Format `J2 12.3 deg before its limit`."""
+    """Return a position in words: `J2 12.3 deg before its limit`."""
     return f"{name} {down_to(max(0.0, (1.0 - share) * half) * _LESS, 4)} {unit} before its limit"
 
 
 def _of_limit(load: Load, limit: float, unit: str, form: str) -> str:
-    """Format `J2 90 of 100 deg/s`."""
+    """Return a velocity or another limited quantity in words: `J2 90 of 100 deg/s`."""
     used = load.share * limit * _MORE
     told = f"{math.ceil(used):,}" if form == ",.0f" else up_to(used, 4)
     return f"{load.name} {told} of {limit:{form}} {unit}"
 
 
 def _of_tolerance(value: float, limit: float, unit: float, called: str) -> str:
-    """Format `0.0012 of 0.02 mm`."""
+    """Return a deviation in words: `0.0012 of 0.02 mm`."""
     return f"{bound_text(value, unit)} of {limit / unit:.4g} {called}"
 
 
@@ -221,7 +221,7 @@ def _in_zone(speed: ZoneSpeed) -> str:
 
 
 def _distance(near: Clearance, margin: float) -> str:
-    """Format `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
+    """Return a distance in words: `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
     wanted = f", margin {margin / MM:.4g} mm" if margin > 0.0 else ""
     return f"{whole_tenths(near.distance)} mm ({near.first}, {near.second}){wanted}"
 

@@ -55,7 +55,7 @@ LONGEST_WAIT = 3600.0
 def read_action(
     statement: Statement, spec: ActionSpec, scope: Scope, defaults: Defaults, findings: Collector
 ) -> tuple[Action, ...] | None:
-    """Return the steps of an action; None with findings if it has an error."""
+    """Return the steps of a command that doesn't move the robot; None with findings if it has an error."""
     before = len(findings.found)
     origin = origin_of(statement, spec.name, findings)
     refused = ("a moving frame", "a base frame", "options")
@@ -245,7 +245,7 @@ def read_wait_else(
 def read_wait(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> WaitInput | WaitUntil | None:
-    """Read WAIT DOOR = ON AND JOB > 2 [5]; None with findings if it has an error."""
+    """Read a line such as WAIT DOOR = ON AND JOB > 2 [5]; None with findings if it has an error."""
     assert statement.expression is not None
     before = len(findings.found)
     refuse_parts(statement, ("a moving frame", "a base frame", "options"), findings)

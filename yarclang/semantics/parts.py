@@ -1,4 +1,4 @@
-"""Refuse parts that a statement doesn't accept."""
+"""Refuse syntax that a statement doesn't accept, such as a frame or a motion time."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def _rule(finding: Finding, documentation: str) -> dict[str, Any]:
 
 
 def _results(found: Sequence[Diagnostic], codes: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the results. Each has a fingerprint that doesn't change if its line moves."""
+    """Return findings as results of SARIF. Each has a fingerprint that doesn't change if its line moves."""
     seen: Counter[str] = Counter()
     results = []
     for one in found:

@@ -57,7 +57,7 @@ class Compared:
 
     @property
     def status(self) -> Status:
-        """Kind of the difference."""
+        """Whether and how the two commands differ."""
         if self.first is None:
             return "added"
         if self.second is None:
@@ -107,7 +107,7 @@ class Comparison:
         )
 
     def count(self, status: Status) -> int:
-        """Return the number of commands with a status."""
+        """Return the number of commands with a given status."""
         return sum(one.status == status for one in self.commands)
 
     @property

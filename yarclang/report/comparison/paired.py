@@ -35,7 +35,7 @@ _FAR = 0.5
 
 
 def pairs_of(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """Return pairs of the commands of two programs, in order; None for a missing partner."""
+    """Pair the commands of two programs, in order; a command without a partner is paired with None."""
     return _aligned(first, second, [_key(one) for one in first], [_key(one) for one in second], _closest)
 
 
@@ -53,7 +53,7 @@ def _aligned(
     others: Sequence[Hashable],
     rest: Callable[[Sequence[Act], Sequence[Act]], list[Pair]],
 ) -> list[Pair]:
-    """Pair commands with equal keys; `rest` pairs the commands between them."""
+    """Pair commands with equal keys; `rest` is the function that pairs the commands between them."""
     pairs: list[Pair] = []
     for tag, i, j, k, m in SequenceMatcher(None, keys, others, autojunk=False).get_opcodes():
         if tag == "equal":

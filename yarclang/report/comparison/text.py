@@ -47,7 +47,7 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
 
 
 def _watched_lines(first: Sequence[Watch], second: Sequence[Watch]) -> Iterator[tuple[str, str]]:
-    """Yield the differences of the inputs that hold the motions."""
+    """Yield how two programs differ in the inputs that hold the motions."""
     before, behind = ({(one.variable, one.value): one for one in watches} for watches in (first, second))
     yielded = False
     for key in dict.fromkeys((*before, *behind)):
@@ -164,7 +164,9 @@ def totals_text(comparison: Comparison) -> str:
 
 
 def compared_json(comparison: Comparison) -> dict[str, Any]:
-    """Return plain data, with units in the names. A missing command is null."""
+    """Return a comparison of two programs as plain data, with units in the names. A missing command is
+    null.
+    """
     robot = comparison.second.robot
     return {
         "version": 1,

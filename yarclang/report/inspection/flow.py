@@ -61,7 +61,7 @@ def flows_of(plan: MotionPlan, number: int) -> Flows:
 
 
 def flow_lines(flows: Flows) -> Iterator[str]:
-    """Yield the lines about a motion's corners."""
+    """Yield lines of text about the corners of a motion that are passed without a stop."""
     if flows.before is not None:
         yield f"flows in from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
     if flows.behind is not None:
@@ -82,7 +82,7 @@ def when_set(flows: Flows) -> str:
 
 
 def flows_json(flows: Flows) -> dict[str, Any]:
-    """Return plain data, with units in the names."""
+    """Return the corners of a command as plain data, with units in the names."""
     return {
         name: corner
         and {

@@ -58,7 +58,7 @@ class Row:
     step: int
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data."""
+        """Return the line of the outline as plain data."""
         takes = None if self.takes is None else self.takes.to_json()
         return {
             "depth": self.depth,

@@ -122,7 +122,7 @@ def _command(inspected: Inspected) -> Iterator[str]:
 
 
 def _effect(inspected: Inspected, step: Step) -> str | None:
-    """Return the effect of a step without motion; None if there is nothing to report."""
+    """Return in words what a step without motion does; None if there is nothing to report."""
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
             return (

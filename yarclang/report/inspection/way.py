@@ -74,7 +74,7 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
 
 
 def alone(step: Motion) -> Motion:
-    """Return a motion that ends at rest, without a blend."""
+    """Return a motion in a form that ends at rest, without its blend."""
     return replace(step, blend=None)
 
 

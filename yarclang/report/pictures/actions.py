@@ -124,7 +124,7 @@ class _Followed:
                 self._become({name: value for name, value in last.items() if other.get(name) == value}, time)
 
     def rows(self, end: float) -> tuple[SignalRow, ...]:
-        """Return all rows, up to the end of the plan [s]."""
+        """Return the rows of all outputs, up to the end of the plan [s]."""
         self._become({}, end)
         return tuple(
             SignalRow(name, is_input, tuple(stretches), tuple(self._waits.get((name, is_input), ())))

@@ -56,7 +56,9 @@ class KeptRow:
 
 
 def kept_rows_of(plan: MotionPlan) -> tuple[KeptRow, ...]:
-    """Sample the rules of a plan while they hold. Returns one or two rows for each rule."""
+    """Sample the angles and distances that a plan's KEEP rules limit, while the rules are in force. Return
+    one or two rows for each rule.
+    """
     return tuple(row for held in held_rules(plan) for row in _rows(plan, held))
 
 

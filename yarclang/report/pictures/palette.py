@@ -102,7 +102,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
 
 
 def sort_of(plan: MotionPlan, number: int) -> Sort:
-    """Return the sort of a motion, counted from 0."""
+    """Return the kind of a motion, which is given by its number from 0."""
     step = plan.program.steps[plan.motions[number].step]
     assert isinstance(step, Motion)
     if not step.leads_frame:

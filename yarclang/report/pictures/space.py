@@ -122,7 +122,7 @@ def dress(axes: Any, low: Array, high: Array, place: Place, title: str) -> None:
 
 
 def space_legend(figure: Figure, handles: Sequence[Artist], place: Place, columns: int) -> None:
-    """Draw a legend below a place."""
+    """Draw a legend below the rectangle `place` of the figure."""
     figure.legend(
         handles=list(handles),
         loc="upper center",

@@ -78,7 +78,7 @@ def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: fl
 
 
 def _joined(requested: Array) -> Array:
-    """Join consecutive rows of equal requested speeds (k, 3)."""
+    """Join consecutive intervals with equal requested speeds (k, 3)."""
     if len(requested) < 2:
         return requested
     same = (requested[1:, 2] == requested[:-1, 2]) & (

@@ -192,7 +192,7 @@ def _text(data: bytes, at: int) -> tuple[str, int]:
 
 
 def _texts(data: bytes, at: int) -> dict[str, str]:
-    """Return a map of strings."""
+    """Return the names and texts in a map of strings."""
     (length,) = struct.unpack_from("<I", data, at)
     at, ends = at + 4, min(len(data), at + 4 + length)
     found: dict[str, str] = {}

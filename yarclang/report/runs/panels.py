@@ -212,12 +212,12 @@ def _size(size: float) -> str:
 
 
 def clock_end(run: RecordedRun) -> float:
-    """Return the end of the clock's axis [s]."""
+    """Return the end of the axis with real time [s]."""
     return 1.03 * max(run.end, 1e-3)
 
 
 def draw_clock(axes: Axes, shown: Shown) -> None:
-    """Draw the program's time over the time of the clock, with states and events."""
+    """Draw how far the program was over real time, with states and events."""
     run, tracking = shown.run, shown.tracking
     factor, unit = time_unit(run.end)
     end = clock_end(run)
@@ -289,7 +289,7 @@ def shade_program(axes: Axes, shown: Shown) -> None:
 
 
 def not_run(shown: Shown) -> bool:
-    """Return True if a part of the program was never run."""
+    """Return True if the program has an interval that was never run."""
     return shown.planned.duration - shown.reached > max(
         0.2, 2.0 * float(shown.planned.cubics.h.max(initial=0.0))
     )

@@ -56,7 +56,7 @@ class View:
     joints: Array | None = None
 
     def behind(self, notice: Notice) -> View:
-        """Return the view after a report."""
+        """Return the view after a report has come."""
         match notice:
             case Changed(state=state):
                 return replace(self, state=state)

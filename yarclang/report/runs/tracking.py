@@ -95,7 +95,7 @@ class Tracking:
 
 
 def tracking_of(run: RecordedRun, planned: Planned) -> Tracking:
-    """Find the program's time of each sample."""
+    """Find the program time of each sample of a run, and compare the samples with the plan."""
     rows = np.flatnonzero(run.passes >= 0)
     times, nearest = np.empty(len(rows)), np.empty(len(rows))
     breaks = [np.empty(0, dtype=np.int64)]

@@ -1,4 +1,4 @@
-"""CALL: find the SUB and bind its parameters."""
+"""Carry out CALL: find the SUB and bind its parameters to the arguments."""
 
 from __future__ import annotations
 

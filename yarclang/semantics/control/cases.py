@@ -1,4 +1,4 @@
-"""CASE: choose one of several branches by the value of a register or an input."""
+"""Read CASE, which chooses one of several branches by the value of a register or an input."""
 
 from __future__ import annotations
 

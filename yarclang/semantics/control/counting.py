@@ -45,7 +45,7 @@ _FAULTS = 20
 
 @frozen
 class Count:
-    """Commands, lines and rounds of loops that a part of a program carries out."""
+    """Number of commands, lines and rounds of loops that a group of lines carries out."""
 
     commands: int = 0
     lines: int = 0
@@ -295,7 +295,7 @@ class Counter:
         return tally
 
     def _declare(self, statement: Statement, scope: Scope, needed: frozenset[str]) -> None:
-        """Carry out a LET if a count depends on it."""
+        """Carry out a LET if a number of rounds depends on its value."""
         if statement.name.name != "LET" or statement.expression is None:
             return
         (word,) = values_of(statement)
@@ -317,7 +317,7 @@ class Counter:
         return _NOTHING
 
     def _needed(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
-        """Return the names in some lines on which their count depends."""
+        """Return the names in a group of lines on which the number of its commands depends."""
         key = id(nodes) if len(nodes) != 1 else id(nodes[0])
         found = self._read.get(key)
         if found is None:

@@ -370,7 +370,7 @@ class Decided:
             self._goes_on()
 
     def _times(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a LOOP with a number of passes."""
+        """Carry out a LOOP that makes at most a given number of passes."""
         head, values, end = block.head, values_of(block.head), block.end
         word = values[0] if len(values) == 1 and isinstance(values[0], Word) else None
         register = None if word is None else scope.name(word.name)

@@ -1,4 +1,4 @@
-"""KEEP: read the rule that all motions of a block keep on their whole path."""
+"""Read KEEP: a rule that all motions of a block satisfy along their whole paths."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def _value(
     defaults: Defaults,
     findings: Collector,
 ) -> float | None:
-    """Return a value of a rule [rad or m]; None with a finding."""
+    """Return a value of a KEEP rule [rad or m]; None with a finding if it has an error."""
     span = head.span(value.place)
     if (fault := number_fault(value)) is not None:
         findings.add(*fault[:2], span, fault[2])

@@ -126,7 +126,7 @@ def arguments_by_name(statement: Statement, head: Statement) -> Mapping[str, Val
 
 
 def parameters_of(head: Statement) -> list[Value]:
-    """Return the parameters of a SUB: the values after the name in its first line."""
+    """Return the parameters of a SUB: the values after its name in its first line."""
     return values_of(head)[1:]
 
 

@@ -1,4 +1,4 @@
-"""The number of rounds of a REPEAT."""
+"""Read the number of rounds of a REPEAT."""
 
 from __future__ import annotations
 

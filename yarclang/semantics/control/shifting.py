@@ -1,4 +1,4 @@
-"""OFFSET: lines that are carried out in a frame that registers shift at run time."""
+"""Read OFFSET, whose lines are carried out in a frame that registers shift at run time."""
 
 from __future__ import annotations
 
@@ -95,7 +95,9 @@ def _cannot_shift(frame: Frame) -> str:
 
 
 def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str, ...] | None:
-    """Return the registers for the words in `SHIFTS`; None with a finding."""
+    """Return the register for each axis in `SHIFTS` that an OFFSET names; None with a finding if the line
+    is wrong.
+    """
     values = values_of(head)
     spec = word_specs()["OFFSET"]
     if not values or len(values) % 2 or not all(isinstance(one, Word) for one in values):
@@ -234,7 +236,7 @@ def _fault_of(step: Step) -> str:
 
 
 def _shifted(step: Motion, offset: Offset) -> Motion:
-    """Return a motion with marks at the goals that are given in a shifted frame."""
+    """Return a motion in which the goals that are given in an OFFSET's frame are marked."""
     if isinstance(step, SplineMove | PoseSplineMove):
         goals = tuple(_marked(one, step.origin.base, offset) for one in step.waypoints)
         return replace(step, waypoints=goals)  # type: ignore[arg-type]  # each goal keeps its kind
@@ -253,7 +255,7 @@ def _marked(goal: Goal, base: FrameLink | None, offset: Offset) -> Goal:
 
 
 def _lies_in(link: FrameLink | None, frame: FrameLink | None) -> bool:
-    """Return True if a frame is the other frame, or is given in it."""
+    """Return True if a frame is an OFFSET's frame, or is given in it."""
     while link is not None:
         if frame is not None and link.is_same(frame):
             return True

@@ -367,7 +367,9 @@ class _Unroller:
                 break
 
     def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
-        """Count an outermost loop or call; add a finding if a limit is exceeded."""
+        """Count the commands of a loop or call that is in no other loop or SUB; add a finding if a limit
+        is exceeded.
+        """
         if place or self._is_too_much or self._decided.ended is not None:
             return
         head = node.head if isinstance(node, Block) else node

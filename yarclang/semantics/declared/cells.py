@@ -146,7 +146,7 @@ class Cells:
 
 
 def read_cell_line(statement: Statement, findings: Collector) -> CellName | None:
-    """Read CELL "cell.toml"; None with a finding if the line is wrong."""
+    """Read a line such as CELL "cell.toml"; None with a finding if the line is wrong."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     if len(values) != 1 or not isinstance(text := values[0], Text):

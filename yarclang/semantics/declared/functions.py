@@ -1,4 +1,4 @@
-"""FUNC: a name for an expression with parameters."""
+"""Declare a FUNC: a name for an expression with parameters."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HEAVIEST = 1000
 
 
 def declare_function(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """Declare FUNC MID(A, B) = (A + B) / 2."""
+    """Declare a function such as FUNC MID(A, B) = (A + B) / 2."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     word, *parameters = values_of(statement)
     body = statement.expression

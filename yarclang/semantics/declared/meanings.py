@@ -126,7 +126,7 @@ def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, 
 def declare_frame(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare FRAME {TABLE} 800 200 300 0 0 90 {B}, or FRAME_QUAT."""
+    """Declare a frame, such as FRAME {TABLE} 800 200 300 0 0 90 {B}, or by FRAME_QUAT."""
     refuse_parts(statement, ("a motion time", "options"), findings)
     example = "for example FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
     if statement.moving is None:
@@ -193,7 +193,7 @@ def base_of_line(
 def declare_joints(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare JOINTS HOME 0 0 0 0 0 0 (deg)."""
+    """Declare a joint position, such as JOINTS HOME 0 0 0 0 0 0 (deg)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
@@ -212,7 +212,7 @@ def declare_joints(
 def declare_pose(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
+    """Declare a pose, such as POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
     refuse_parts(statement, ("a moving frame", "a motion time", "options"), findings)
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
@@ -237,12 +237,12 @@ def joint_values(
     robot: Robot,
     findings: Collector,
 ) -> Array | None:
-    """Return the joint values of a declaration (n,) [rad or m]; None with a finding."""
+    """Return the joint values of a declaration (n,) [rad or m]; None with a finding if they have an error."""
     return numbers_of_line(statement, Values.JOINTS, values, scope, defaults, robot, findings)
 
 
 def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """Declare LET PITCH = 60 (mm)."""
+    """Declare a number, such as LET PITCH = 60 (mm)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     (word,) = values_of(statement)
     assert isinstance(word, Word)

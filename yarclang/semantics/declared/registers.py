@@ -1,4 +1,4 @@
-"""REGISTER: declare an integer that the program changes at run time."""
+"""Carry out REGISTER: declare an integer that the program changes at run time."""
 
 from __future__ import annotations
 

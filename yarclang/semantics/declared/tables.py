@@ -1,4 +1,4 @@
-"""TABLE: declare a name for several numbers, poses or joint positions."""
+"""Carry out TABLE: declare a name for several numbers, poses or joint positions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""ON: declare an input that holds the motion."""
+"""Carry out ON: declare an input that holds the motion."""
 
 from __future__ import annotations
 

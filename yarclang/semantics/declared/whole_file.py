@@ -1,4 +1,4 @@
-"""ROBOT, DEFAULT and START: declarations for the whole file."""
+"""Read ROBOT, DEFAULT and START: declarations that apply to the whole file."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def check_robot(statement: Statement, findings: Collector) -> None:
 
 
 def read_default(statement: Statement, scope: Scope, findings: Collector) -> Defaults:
-    """Read the parts of a DEFAULT line."""
+    """Read what a DEFAULT line gives to other lines."""
     refuse_parts(statement, ("values", "options"), findings)
     units = resolve_units(statement, statement.units, findings)
     if statement.moving is not None:

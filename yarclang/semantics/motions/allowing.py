@@ -1,4 +1,4 @@
-"""ALLOW: read the bodies that may touch during a motion, and check their names."""
+"""Read ALLOW: the bodies that may touch during a motion. Check that there are such bodies."""
 
 from __future__ import annotations
 

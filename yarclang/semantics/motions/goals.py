@@ -236,7 +236,7 @@ def _goal(
 
 
 def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
-    """Return a pose with its numbers as written; None if one of its frames isn't known."""
+    """Return a goal pose with its numbers as written; None if the frame of one of them isn't known."""
     moving, base = frames[0].link, frames[1].link
     return None if moving is None or base is None else Told(constant(numbers), base, moving)
 

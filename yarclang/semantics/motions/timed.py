@@ -81,7 +81,7 @@ def timed_of(line: Line, load: Load | None) -> Timed | None:
 
 
 def _options(line: Line) -> tuple[Array, float]:
-    """Return the tolerances of TOL (n,) [rad or m] and the factor of STRETCH."""
+    """Return the tolerances (n,) [rad or m] of the option TOL and the factor of the option STRETCH."""
     kinds = joint_kinds(line.robot)
     within = np.array([_WITHIN[kind] for kind in kinds])
     stretch = 1.0

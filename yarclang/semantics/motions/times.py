@@ -142,7 +142,7 @@ def resolve_time(
 
 @lru_cache(maxsize=64)
 def _at(speed: Reading | None) -> Timing:
-    """Return the timing of a speed; equal speeds share one object."""
+    """Return the timing of a motion at a given speed; equal speeds share one object."""
     return Timing(None, speed=speed)
 
 

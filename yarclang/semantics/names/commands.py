@@ -127,7 +127,7 @@ def is_command(word: str) -> bool:
 
 @lru_cache(maxsize=4)
 def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of all commands, alone and with each possible suffix."""
+    """Return the names of all commands, without suffixes and with each possible suffix."""
     suffixes = (*TARGETS, AVOID, *profiles)
     return (
         *commands(),
@@ -156,7 +156,7 @@ def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool
 
 
 def _has_law(spec: CommandSpec) -> bool:
-    """Return True if a command accepts a profile: all motions except timetables do."""
+    """Return True if a command accepts a motion profile: all motions except timetables do."""
     return spec.is_motion and not spec.is_timed
 
 

@@ -92,7 +92,7 @@ class Table:
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """Number of values of each index."""
+        """Number of values that each index can have."""
         rows, columns = len(self.rows), len(self.rows[0])
         return (rows * columns,) if 1 in (rows, columns) else (rows, columns)
 
@@ -114,7 +114,7 @@ class Places:
 
     @property
     def sizes(self) -> tuple[int]:
-        """Number of values of the index."""
+        """Number of values that the index can have."""
         return (len(self.rows),)
 
 
@@ -166,7 +166,7 @@ class Where:
     span: Span
 
     def seen_from(self, source: SourceFile) -> str:
-        """Return words for the place, for a message about the file `source`."""
+        """Return the place of the declaration in words, for a message about the file `source`."""
         line = f"line {self.span.line}"
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
@@ -330,7 +330,7 @@ class Scope:
                     self._places[name] = inner._places[name]
 
     def names(self, *kinds: type) -> list[str]:
-        """Return all known names of some kinds."""
+        """Return all names in scope that stand for objects of the given kinds."""
         found: list[str] = []
         scope: Scope | None = self
         while scope is not None:
@@ -339,7 +339,7 @@ class Scope:
         return found
 
     def frame_names(self) -> Iterator[str]:
-        """Yield all known names of frames, beginning with those of the robot."""
+        """Yield the names of all frames in scope, beginning with those of the robot."""
         scopes: list[Scope] = []
         scope: Scope | None = self
         while scope is not None:
@@ -357,7 +357,7 @@ class Scope:
         return None
 
     def copy(self) -> Scope:
-        """Return a copy with the names that are known now."""
+        """Return a copy with the names that are declared so far."""
         made = Scope(self._outer.copy() if self._outer is not None else None)
         made._names, made._frames = dict(self._names), dict(self._frames)
         made._places = dict(self._places)

@@ -53,7 +53,7 @@ class Amount:
 
 
 class AmountError(FindingError):
-    """The error of a computation that has no result."""
+    """The error that a computation has no result."""
 
 
 def no_unit(text: str) -> AmountError:

@@ -64,7 +64,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
 
 
 def _surplus(values: tuple[Value, ...]) -> str:
-    """Return the help about values after the last one that is expected."""
+    """Return the help text about values after the last one that a way-point takes."""
     if len(values) > 1:
         return f"take the last {len(values)} away"
     text = values[0].text

@@ -366,8 +366,8 @@ def _segment(group: Sequence[CommandCertificate]) -> str:
 
 
 def _jerk(group: Sequence[CommandCertificate]) -> str:
-    """Return the largest jerk of a command. It is in parentheses if it isn't checked, since a time-optimal
-    motion has no jerk limit.
+    """Return the largest jerk of the commands in a row of the table. It is in parentheses if it isn't
+    checked, since a time-optimal motion has no jerk limit.
     """
     worst = max(group, key=lambda one: one.jerk.share)
     return _load(worst.jerk) if worst.jerk_judged else f"({_load(worst.jerk)})"
@@ -396,8 +396,8 @@ _VERDICTS = {"ok": "ok", "warning": "warning", "error": "ERROR"}
 
 
 def checked_table(checked: Sequence[Checked]) -> str:
-    """Return the checks of a controller as a table: item, actual value, expected value, and the remedy if
-    both differ.
+    """Return the checks of a controller as a table: item, actual value, expected value, and the remedy if the
+    two values differ.
     """
     lines = []
     for verdict, one in ((_VERDICTS[one.verdict], one) for one in checked):

@@ -35,7 +35,7 @@ def at_callers(
     Args:
         diagnostics: findings.
         program: syntax tree of the program's file.
-        load: reads a module by its name.
+        load: function that reads a module by its name.
     """
     findings = tuple(diagnostics)
     if not any(_is_in_module(one, program) for one in findings):

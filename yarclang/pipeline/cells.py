@@ -200,7 +200,7 @@ def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> 
     Args:
         source: the text.
         folder: its folder, to which mesh files are relative.
-        robot: robot for joint values; None: check only what holds for any robot.
+        robot: robot for joint values; None: check only what is valid for any robot.
     """
     return _whole(read_cell(source, folder, Names(is_word, robot)), robot)
 

@@ -168,7 +168,9 @@ _LONG = 10_000
 
 
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
-    """Check a program without planning any motion. If it can't be opened, return only findings."""
+    """Check a program without planning any motion. If it can't be parsed or its robot isn't known, return
+    only findings.
+    """
     opened = open_source(source, folder, options)
     if isinstance(options.memory, Forgetful) and len(source.lines) > _LONG:
         forget()

@@ -247,7 +247,7 @@ def _settled(
 
 
 def check_controller_text(path: str, options: Options) -> tuple[Diagnostic, ...]:
-    """Return the findings about a controller text in a file. It is verified as it is before a run."""
+    """Return the findings about a controller text in a file, from the same verification as before a run."""
     read = read_controller_text(path)
     if read.value is None:
         return read.diagnostics

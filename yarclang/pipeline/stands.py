@@ -67,8 +67,8 @@ def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) ->
 
 
 def _stands(plan: MotionPlan) -> Iterator[int]:
-    """Yield the number of the first motion that begins from rest at each joint position, without motions
-    after a search.
+    """Yield, for each joint position at which a motion begins from rest, the number of the first such motion.
+    Motions after a search are left out.
 
     After a search, the position at which the next motion begins isn't known, and watched inputs only hold the
     motion.

@@ -38,7 +38,7 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
     Args:
         head: the line.
         scope: the names in scope at this line.
-        defaults: gives units to a line without them.
+        defaults: what the DEFAULT line of its file gives.
         findings: receives the findings.
 
     Returns:

@@ -42,7 +42,7 @@ class Declaring:
 
     Args:
         context: robot, modules and cells.
-        names: resolves the names of commands.
+        names: resolver of the names of commands.
         steps: steps of the program. A Gap is added if a declaration that commands may need has an error.
     """
 

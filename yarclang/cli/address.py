@@ -33,7 +33,7 @@ class Address:
     """Address of a controller.
 
     Attributes:
-        host: name or address.
+        host: host name or IP address.
         port: TCP port.
         leash: clock of a simulator in this process, which waits for its client; None for another controller.
     """
@@ -140,8 +140,8 @@ def check_controller_options(to: Address | None, robot: str | None, run: str | N
 
 @contextlib.contextmanager
 def trouble_is_said() -> Iterator[None]:
-    """Print errors of the type Trouble in the context, with their remedies, to standard error; then exit
-    with status 1.
+    """Catch errors of the type Trouble in the context: print them with their remedies to standard error, then
+    exit with status 1.
     """
     from yarclang.runtime.actions import Lost, Trouble
 

@@ -1,5 +1,5 @@
-"""Connect a command to its robot, through a coordinator that serves the robot, or through one that the
-command starts in its own process.
+"""Connect a command to its robot, through a running coordinator (the process that drives the robot,
+`yarc serve`), or through one that the command starts in its own process.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ _ALONE = ("run", "exec")
 """Commands that run one program. In all other commands of this kind users give orders."""
 
 _QUICK = 1.5
-"""Longest wait for a coordinator's greeting [s]. A process that takes longer is not used."""
+"""Longest wait for a coordinator's greeting [s]. A coordinator that takes longer is not used."""
 
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """A coordinator that serves a robot (`yarc serve`).
+    """A running coordinator that serves a robot (`yarc serve`).
 
     Attributes:
-        run: its run.
+        run: the coordinator's entry among the runs on this computer.
         fingerprint: fingerprint of the robot.
         controller: address of the robot's controller.
         simulated: True if the controller is simulated.
@@ -59,11 +59,11 @@ class Served:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Controller or coordinator with which a command works.
+    """The controller or the running coordinator through which a command drives its robot.
 
     Attributes:
         address: address of the controller.
-        served: the coordinator that serves the robot; None if the command starts a coordinator of its own.
+        served: the running coordinator; None if the command starts a coordinator of its own.
         own: True if the controller is a simulator that exists only as long as the command runs.
         surroundings: the machines around the robot of such a simulator.
     """
@@ -79,13 +79,14 @@ class Place:
 
 
 def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served | None:
-    """Find a coordinator that serves a robot.
+    """Find a running coordinator that serves a robot.
 
-    Without an address only simulated robots are searched, so that no real robot moves.
+    Without an address only simulated robots are considered, so that no real robot moves.
 
     Args:
         to: address of the controller; None for a simulator.
-        robot: returns the wanted robot. It is called only if a coordinator serves any robot.
+        robot: function that returns the wanted robot. It is called only if a coordinator serves a simulated
+            robot.
     """
     if to is not None:
         run = run_on(to.host, to.port)
@@ -98,7 +99,7 @@ def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served |
 
 
 def _served(run: Run) -> Served | None:
-    """Return a run's coordinator, if it serves other clients."""
+    """Return the coordinator of a run, if it serves other clients; else None."""
     try:
         with Asked(str(run.path), name="looking", timeout=_QUICK) as robot:
             told = robot.welcome
@@ -119,7 +120,7 @@ def place_of(
     tells: bool = True,
     surroundings: SimulatedCell | None = None,
 ) -> Iterator[Place]:
-    """Yield the place of a command that starts a coordinator of its own; the arguments are those of
+    """Yield the controller for a command that starts a coordinator of its own. The arguments are those of
     `controller`.
     """
     from yarclang.simulated_cell.playing import SimulatedCell
@@ -130,7 +131,7 @@ def place_of(
 
 
 def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -> Place:
-    """Return the place of a command that attaches to a running coordinator.
+    """Return the Place for a command that uses a running coordinator.
 
     Raises:
         Trouble: the coordinator serves another robot.
@@ -153,10 +154,10 @@ def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -
 
 
 def check_cell(robot: Attached, named: str) -> None:
-    """Check that a served robot uses the cell of the command line.
+    """Check that a running coordinator uses the cell that the command line names.
 
     Raises:
-        Trouble: the robot uses another cell, or none.
+        Trouble: it uses another cell, or none.
     """
     known = robot.welcome.status.cell
     if known is None or not is_same_file(Path(known), Path(named)):
@@ -165,7 +166,9 @@ def check_cell(robot: Attached, named: str) -> None:
 
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Function that returns a new client of a coordinator. Its argument is the name that others see."""
+"""Function that connects a new client to a coordinator, and returns it. Its argument is the name that other
+clients see.
+"""
 
 
 @asynccontextmanager
@@ -178,15 +181,15 @@ async def attached(
     what: str,
     folder: Path | None = None,
 ) -> AsyncIterator[Attached]:
-    """Yield a client of a robot's coordinator, which detaches at the end of the context.
+    """Connect a client to a robot's coordinator, and yield it. It is disconnected at the end of the context.
 
     Args:
-        place: controller or coordinator to use.
-        robot: robot of the controller; None if the robot is served, because the coordinator then knows it.
-        name: name of the client that others see.
+        place: controller or running coordinator to use.
+        robot: robot of the controller; None with a running coordinator, which knows its robot.
+        name: name of the client that other clients see.
         options: options of the command line.
         what: text that `yarc status` shows while nothing is running.
-        folder: folder in which modules, cells and yarc.toml are searched; None for the working directory.
+        folder: folder in which modules, cells and yarc.toml are looked for; None for the working directory.
 
     Raises:
         ControlError: another process of this computer drives the controller.
@@ -202,8 +205,8 @@ async def attached(
 
 
 def _attaching(served: Served, address: Address, robot: Robot | None) -> Attach:
-    """Return a function that creates clients of a coordinator that serves a robot. If this coordinator has
-    ended, the function uses the coordinator that serves the same robot now.
+    """Return a function that connects clients to a running coordinator. If this coordinator has ended, the
+    function uses the coordinator that serves the same robot now.
     """
     known = served
 
@@ -241,15 +244,15 @@ async def reached(
     door: str = "",
     patient: bool = False,
 ) -> AsyncIterator[Attach]:
-    """Yield a function that creates clients of a robot's coordinator, like `attached`. The caller detaches
-    each client.
+    """Yield a function that connects clients to a robot's coordinator, as `attached` does. The caller
+    disconnects each client.
 
     Args:
-        place: controller or coordinator to use.
-        robot: robot of the controller; None if the robot is served.
+        place: controller or running coordinator to use.
+        robot: robot of the controller; None with a running coordinator.
         options: options of the command line.
         what: text that `yarc status` shows while nothing is running.
-        folder: folder in which modules, cells and yarc.toml are searched; None for the working directory.
+        folder: folder in which modules, cells and yarc.toml are looked for; None for the working directory.
         door: kind of command to which the clients belong.
         patient: True to start a coordinator even if its controller isn't ready.
     """

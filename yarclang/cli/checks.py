@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Task for each file.
+    """What `yarc check` does with each file.
 
     Attributes:
         options: options of the command line.
@@ -40,20 +40,22 @@ class Task:
 
     @property
     def said(self) -> tuple[object, ...]:
-        """Return everything that distinguishes this task from others, as the key of cached results."""
+        """Return everything in this task that affects its results, as a part of the key under which they
+        are cached.
+        """
         shown = None if self.shown is None else sorted(self.shown)
         return (self.options.said, self.plans, self.fix, shown, sorted(self.chosen))
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """Result for a file.
+    """Result of `yarc check` for a file.
 
     Attributes:
         path: path of the file.
         found: findings.
-        before: the text before fixes; None if fixes weren't requested.
-        after: the text after fixes; None if fixes weren't requested.
+        before: the file's text before fixes; None if fixes weren't requested.
+        after: the file's text after fixes; None if fixes weren't requested.
         applied: descriptions of the fixes.
     """
 
@@ -70,7 +72,7 @@ class Done:
 
 
 def check_all(files: Sequence[str], task: Task, fleet: Fleet) -> Iterator[Done]:
-    """Check files, in their order."""
+    """Check files, and yield the results in the order of the files."""
     return fleet.results(
         partial(check_one, task=task),
         files,

@@ -9,10 +9,12 @@ from yarclang.frozen import frozen
 
 LONGEST_PLACE, SHORTEST_PLACE = 48, 16
 """Largest number of characters of a command's place on a terminal. On a narrow terminal, places are cut to
-the smaller number before a column is left out.
+the smaller of both numbers before a column is left out.
 """
 LEAST_PLACE = 8
-"""Number of characters to which places are cut before the column with the worst share is left out."""
+"""Number of characters to which places of commands are cut before the column with the largest share of a
+limit is left out.
+"""
 
 _LONG_NAME = 4
 """Length of a joint's name above which a narrow table shows numbers instead of names."""
@@ -20,11 +22,11 @@ _LONG_NAME = 4
 
 @frozen
 class Column:
-    """A column.
+    """A column of a table.
 
     Attributes:
-        name: its heading.
-        cells: from top to bottom.
+        name: heading of the column.
+        cells: texts from top to bottom.
         side: alignment.
     """
 
@@ -45,14 +47,16 @@ class Column:
 
 
 def whole_width(columns: Sequence[Column]) -> int:
-    """Return the width of a line with all columns, in characters, with places cut as on a wide terminal."""
+    """Return the width of a table with all columns, in characters. Places of commands are cut as on a wide
+    terminal.
+    """
     place, *others = columns
     return min(place.width, LONGEST_PLACE) + sum(column.width + 2 for column in others)
 
 
 def numbers_of(joints: Sequence[str]) -> dict[str, str]:
-    """Return J1, J2, ... for each joint's name; empty if all names are short, or if a joint already has
-    such a name.
+    """Return J1, J2, ... as short names, by the joints' names; empty if all names are short anyway, or if a
+    joint already has such a name.
     """
     numbers = {name: f"J{number}" for number, name in enumerate(joints, 1)}
     is_worth_it = max(map(len, joints), default=0) > _LONG_NAME and not set(numbers) & set(numbers.values())

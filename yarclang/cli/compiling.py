@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Task for each file.
+    """What yarcc does with each file.
 
     Attributes:
         options: options of the command line.
@@ -41,7 +41,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """Result for a file.
+    """Result of yarcc for a file.
 
     Attributes:
         compiled: the compiled program; None if there is nothing to write.
@@ -55,7 +55,7 @@ class Made:
 
 
 def compile_all(files: Sequence[str], task: Task, fleet: Fleet) -> Iterator[Made]:
-    """Compile files, in their order."""
+    """Compile files, and yield the results in the order of the files."""
     return fleet.results(
         partial(compile_one, task=task),
         files,
@@ -94,15 +94,15 @@ def _compiled(path: str, task: Task) -> Made:
 def destinations_of(
     paths: Sequence[str], output: str | None, folder: Path | None, suffix: str = ".pmc"
 ) -> dict[str, str]:
-    """Return the path of the result (the controller text or a picture) for each program.
+    """Return the path of the output file (the controller text or a picture) for each program.
 
     Args:
         paths: programs, and folders of programs.
-        output: path of the result if there is one program.
-        folder: folder for the results; programs of a folder keep their subfolders there. None writes results
-            beside the programs. Each program must then be named, so that a typing mistake doesn't fill
-            folders with files.
-        suffix: suffix of the results.
+        output: path of the output file if there is one program.
+        folder: folder for the output files; programs of a folder keep their subfolders there. None writes
+            output files beside the programs. Each program must then be named, so that a typing mistake
+            doesn't fill folders with files.
+        suffix: suffix of the output files.
 
     Raises:
         click.UsageError: a folder has no program, or `folder` is missing for the programs of a folder.

@@ -16,13 +16,16 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 _LEAST_PATIENCE, _MOST_PATIENCE = 0.1, 60.0
-"""Bounds of the patience [s]. With less, a controller would hold at each pause of a computer. With more, a
-robot whose computer has failed would move on for too long.
+"""Bounds of --patience, the time without a message after which the controller holds [s]. With less, it would
+hold at each short pause of a computer. With more, a robot whose computer has failed would move on for too
+long.
 """
 
 
 def controller_option(function: F) -> F:
-    """Add --to sim|tcp://HOST[:PORT]; the value is None for a simulator of the command's own."""
+    """Add the option --to sim|tcp://HOST[:PORT]. Its value is None for a simulator that belongs to the
+    command.
+    """
     return click.option(
         "--to",
         type=AddressType(),

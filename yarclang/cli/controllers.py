@@ -1,4 +1,6 @@
-"""Controller of a command: a controller with an address, or a simulator that runs as long as the command."""
+"""Provide the controller that a command drives: one with an address, or a simulator that runs as long as
+the command.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +34,14 @@ def controller(
     tells: bool = True,
     surroundings: SimulatedCell | None = None,
 ) -> Iterator[Address]:
-    """Yield the address of a controller.
+    """Yield the address of the controller that a command drives. Without an address, start a simulator for
+    the context.
 
     Args:
         to: address on the command line; None for a simulator.
         robot: robot of the controller.
         stands: (n,) initial position of a simulated robot [rad or m].
-        rate: speed of the simulator's time.
+        rate: simulated seconds per second of real time.
         tells: True to report that the robot is simulated.
         surroundings: the machines around a simulated robot.
 
@@ -59,7 +62,7 @@ def controller(
 
 
 def robot_argument(robot: Robot, given: str | None) -> str:
-    """Return the value for --robot: the given value, or else the robot's name or its path."""
+    """Return what a user writes after --robot: the value that was given, or else the robot's name or path."""
     if given is None and any(one.folder == robot.folder for one in list_robots()):
         return robot.name
     return shlex.quote(given or str(robot.folder))

@@ -1,4 +1,4 @@
-"""Display of a run: a line for each command. On a terminal there is one more line, which changes."""
+"""Display of a run on the terminal: a line for each command, and one status line that changes in place."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """Joints of a robot that is only known from messages. These give positions in deg and mm."""
+    """Joint names and units of a robot that is known only from the coordinator's messages. These give
+    positions in deg and mm.
+    """
 
     joint_names: tuple[str, ...]
 
@@ -48,7 +50,7 @@ class Axes:
 
     @classmethod
     def of(cls, status: Status) -> Axes:
-        """Return the joints that a status names."""
+        """Return the joints whose positions a status names."""
         return cls(tuple(one.name for one in status.joints))
 
 
@@ -61,8 +63,8 @@ _SELDOM = 1.0
 
 
 class Display:
-    """Display of a run: a line for each command. On a terminal, one more line changes. Elsewhere, a long
-    command gets an additional line now and then.
+    """Display of a run: a line for each command. On a terminal, there is also a status line that changes in
+    place. Elsewhere, a long command gets an additional line from time to time.
     """
 
     def __init__(self, screen: Screen, picture: Picture, joints: Axes, program: ProgramDescribed) -> None:
@@ -107,7 +109,7 @@ class Display:
                 )
 
     def _begin(self, part: PartBegan) -> None:
-        """Prepare the display for a part of the program, which begins now."""
+        """Prepare the display for a job, which is the whole program or a part of it and begins now."""
         program = self._program
         beside = part.to_the_start or part.leads_out
         again = part.number > 1 and not beside
@@ -125,7 +127,7 @@ class Display:
         ]
 
     def _of_program(self, progress: Progress) -> Progress:
-        """Convert the progress of a part to that of the whole program."""
+        """Convert the progress of a job that is a part of the program to that of the whole program."""
         left = progress.left + self._behind / max(self._picture.override / 100.0, 0.01)
         return replace(progress, left=left, command=self._instead or progress.command)
 
@@ -158,11 +160,12 @@ class Display:
     def _begun(self, done: float, now: float) -> list[str]:
         """Return lines for the commands that have begun since the last call.
 
-        The last call returns lines for all remaining commands, including those that were never reported. For
-        a long program there is output only now and then: one line for several commands.
+        When the last command of the program has begun, lines for all remaining commands are returned,
+        including those that were never reported. For a long program there is output only from time to time:
+        one line for several commands.
 
         Args:
-            done: progress of the program [s].
+            done: how far the program is [s].
             now: current time [s].
         """
         count = bisect_right(self._ahead, done + _SAME, self._next, key=lambda one: one.begins_s)
@@ -182,7 +185,7 @@ class Display:
         return f"{command.title}  {begins} to {ends} of {self._lasting.text(time_text)}"
 
     def _left_out(self, change: Changed, before: State) -> bool:
-        """Return True if a change of state needs no line.
+        """Return True if no line is printed for a change of the robot's state.
 
         The end is reported later, with all of its details. After the first motion, ordinary changes are left
         out.
@@ -201,8 +204,8 @@ def _progress(event: ProgressMade) -> Progress:
 
 
 def _command_of(program: ProgramDescribed, progress: Progress) -> ProgramCommand | None:
-    """Return the command that is executed. If several commands have this name and line, such as in a loop,
-    choose by time.
+    """Return the command that is being executed. If several commands have its name and line, such as in a
+    loop, choose by time.
     """
     found = [
         one for one in program.commands if (one.title, one.line) == (progress.command, progress.source_line)

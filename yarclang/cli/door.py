@@ -1,4 +1,4 @@
-"""Common behaviour of all commands: exceptions aren't shown as tracebacks, and any text can be written."""
+"""Base class of all commands: exceptions aren't shown as tracebacks, and any text can be written."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class Door(click.Command):
     """A command that reports its own bugs as findings; the exit status is then 1."""
 
     def main(self, *args: Any, **extra: Any) -> Any:
-        """Run the command. Characters that the terminal's encoding lacks, as in names of files, are
-        written as ASCII escapes.
+        """Run the command. Characters that the terminal's encoding lacks, as in file names, are written as
+        ASCII escapes.
         """
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):

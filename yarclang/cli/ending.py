@@ -1,4 +1,4 @@
-"""Texts about the end of a run: the reason, the place, the command, and the way to continue."""
+"""Texts about the end of a run: the reason, the place in the program, the command, and how to continue."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from yarclang.runtime.state import State
 
 
 def say(text: str, *, err: bool = True) -> None:
-    """Print a text. If the terminal was closed, nothing happens, so that it doesn't change how a run ends."""
+    """Print a text. If the terminal was closed, do nothing, so that this doesn't change how a run ends."""
     with contextlib.suppress(OSError):
         click.echo(text, err=err)
 
@@ -32,7 +32,7 @@ def joints_text(joints: Joints, status: Status) -> str:
 
 
 class Ending:
-    """Texts about the end of a program.
+    """Texts about the end of a program's run.
 
     Args:
         name: name of the program.
@@ -50,7 +50,7 @@ class Ending:
         self._program = program
 
     def lines(self, ended: Ended, status: Status, option: str = "") -> Iterator[str]:
-        """Yield the lines about a failed end.
+        """Yield the lines about a run that didn't end well.
 
         Args:
             ended: the end.
@@ -77,14 +77,16 @@ class Ending:
             yield from self._in_command(ended)
 
     def filled(self, text: str) -> str:
-        """Return a text whose recommended commands name this controller and robot, so that users can copy
-        them.
+        """Return a text in which recommended commands name this controller and robot, so that users can
+        copy them.
         """
         text = text.replace("`yarc stop --to ...`", f"`yarc stop {self._where}`")
         return text.replace("`yarc doctor`", f"`yarc doctor {self._where}`")
 
     def _in_command(self, ended: Ended) -> Iterator[str]:
-        """Yield lines about the command that was executed, and how to continue with this command."""
+        """Yield lines about the command that was being executed, and how to continue the program with this
+        command.
+        """
         option = f"--from {shlex.quote(ended.go_on)}" if ended.go_on else ""
         if not ended.is_motion:
             yield f"  it stood at {ended.command}"
@@ -102,7 +104,9 @@ class Ending:
 
     @property
     def _first_option(self) -> str:
-        """Return the option that moves the robot to the start, as it was given."""
+        """Return the option by which the robot moves to where the program began: `--from` with its first
+        command if it began inside the program, else `--approach`.
+        """
         program = self._program
         within = program is not None and program.begins_within and program.first
         return f"--from {shlex.quote(program.first)}" if program is not None and within else "--approach"

@@ -1,7 +1,7 @@
 """Estimate the progress and the remaining time of a compilation.
 
 The estimate covers all stages of a compilation, although most of them can't count their work. Functions get
-the time as an argument.
+the current time as an argument.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ _STAGES = (
     ("certifying", 33.0, 1.0),
     ("looking for what else", 2.0, 1.0),
 )
-"""Stages in their order. Each has the beginning of its report, its relative duration, and the share of it
-that is done when its count is complete. The durations were measured with long chains of lines. The share of
-planning is 0.5, because motions are counted before they are joined to chains.
+"""Stages of a compilation in their order. Each has the beginning of its report, its relative duration, and
+the share of it that is done when its count is complete. The durations were measured with long chains of
+lines. The share of planning is 0.5, because motions are counted before they are joined to chains.
 """
 
 _WHOLE = sum(weight for _, weight, _ in _STAGES)
@@ -36,7 +36,8 @@ jump.
 
 @lru_cache(maxsize=256)
 def stage_of(what: str) -> int | None:
-    """Return the stage of a report; None if the report isn't about a stage of a compilation.
+    """Return the number of the stage that a report of progress is about; None if it isn't about a stage of a
+    compilation.
 
     The report may begin with the name of a file: `a.yarc: planning`.
     """
@@ -48,8 +49,8 @@ def stage_of(what: str) -> int | None:
 
 @dataclass(slots=True)
 class Estimate:
-    """Estimate for one compilation, or for several files in turn. The share that is done never decreases,
-    except when a file is attempted again.
+    """Estimated progress of one compilation, or of several files in turn. The share that is done never
+    decreases, except when a file is attempted again.
 
     Attributes:
         file: number of finished files.
@@ -67,7 +68,7 @@ class Estimate:
     _looked: float = 0.0
 
     def tell(self, stage: int, done: int, total: int, now: float) -> None:
-        """Process a stage's report at the time `now` [s]."""
+        """Take into account a stage's report of progress at the time `now` [s]."""
         if stage < self._stage or self._stage < 0:
             # a new file or a new attempt begins: the remaining time is unknown again
             self._share, self._begun, self._entered, self._left = 0.0, now, now, None
@@ -105,8 +106,8 @@ class Estimate:
         self._share = max(self._share, (_BEFORE[stage] + _STAGES[stage][1] * inside) / _WHOLE)
 
     def _passed(self, stage: int, now: float) -> float:
-        """Return the share of a stage that is done; always less than 1. It is 0 if the expected time is
-        unknown.
+        """Return the share of a stage that is done according to the elapsed time; always less than 1. It is 0
+        if the expected time of the stage is unknown.
         """
         before, (_, weight, counted) = _BEFORE[stage], _STAGES[stage]
         if self._counted is not None and counted < 1.0:
@@ -122,11 +123,15 @@ class Estimate:
 
 
 _EVEN = 0.7
-"""Share of the expected time up to which progress is linear. After that, it slows down."""
+"""Share of the expected time of a stage up to which the displayed progress is linear. After that, it slows
+down.
+"""
 
 
 def _eased(share: float) -> float:
-    """Return the share that is done after a share of the expected time; always less than 1."""
+    """Return the share of a stage to display as done after a share of the expected time; always less than
+    1.
+    """
     if share < _EVEN:
         return share
     return 1.0 - (1.0 - _EVEN) * math.exp((_EVEN - share) / (1.0 - _EVEN))

@@ -1,5 +1,5 @@
-"""Implement `yarc exec`: a program runs without a terminal, with events as JSON lines and signals as
-orders.
+"""Implement `yarc exec`: a program runs without a terminal. Events are written as JSON lines, and signals of
+the operating system are orders.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Lines:
     """JSON lines on standard output. A thread of its own writes them, so that a slow or closed reader delays
     no robot.
 
-    Events that arrive during a write are kept in their stream, which is bounded, and not here.
+    Events that arrive during a write stay in their stream, which is bounded, and aren't collected here.
     """
 
     def __init__(self) -> None:
@@ -106,7 +106,7 @@ def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:
 
 
 def log_line(log: LogTold | None, lines: Lines) -> tuple[str | None, bool]:
-    """Report the problem of a closed log, if there is one.
+    """Report a problem with a log that was closed, if there is one.
 
     Returns:
         The path of the log, for the last event, and True if there is no problem.
@@ -121,12 +121,12 @@ def log_line(log: LogTold | None, lines: Lines) -> tuple[str | None, bool]:
 def execute(
     loaded: Loaded | orders.Load, name: str, place: Place, options: dict[str, Any], lines: Lines
 ) -> int:
-    """Run a program.
+    """Run a program for `yarc exec`.
 
     Args:
-        loaded: the program, or the order to load it at the coordinator.
+        loaded: the program, or the order by which the coordinator loads it.
         name: name of the program for people.
-        place: controller or coordinator of the robot.
+        place: controller or running coordinator of the robot.
         options: options of the command line.
         lines: output of events.
 
@@ -137,7 +137,7 @@ def execute(
 
 
 def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
-    """Do some work with a robot, and return the exit status. If the work fails, write the reason as the
+    """Run a coroutine that uses a robot, and return the exit status. If it fails, write the reason as the
     last line.
     """
     try:
@@ -190,7 +190,7 @@ def _ended(ended: Ended) -> dict[str, Any]:
 async def _run(
     robot: Attached, loaded: Loaded | orders.Load, options: dict[str, Any], signals: Signals, lines: Lines
 ) -> Ended | None:
-    """Run a program, and return the end. If it wasn't started, report that and return None."""
+    """Run a program, and return its end. If it wasn't started, report that and return None."""
     if isinstance(loaded, Loaded):
         assert isinstance(robot, Here)  # a program loaded in this process runs in this process
         program = robot.desk.keep(loaded)
@@ -230,7 +230,9 @@ def _finding(one: Finding) -> dict[str, Any]:
 
 
 def not_repeated(program: ProgramDescribed, options: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the last event of a program that is to be repeated but can't be; None for any other program."""
+    """Return the event that refuses a program which is to be repeated but can't be; None for any other
+    program.
+    """
     if options["times"] <= 1 or not program.not_looped:
         return None
     what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {program.not_looped}"
@@ -244,13 +246,13 @@ async def tell(stream: Subscription, lines: Lines) -> None:
 
 
 class Signals:
-    """Handlers of signals.
+    """Handlers of the operating system's signals.
 
-    A termination stops the robot on its path, and then ends the command. A second termination ends the
-    command even if the coordinator doesn't answer. Ctrl-Z holds.
+    A termination (SIGTERM, SIGINT or SIGQUIT) stops the robot on its path, and then ends the command. A
+    second termination ends the command even if the coordinator doesn't answer. Ctrl-Z holds.
 
     Args:
-        ended: called with each termination.
+        ended: function that is called at each termination.
 
     Attributes:
         attached: client for orders; None before there is one.
@@ -291,6 +293,6 @@ class Signals:
             self.attached.send(orders.Stop())
 
     def _hold(self) -> None:
-        """Hold the robot. The suspended process can't supervise it."""
+        """Hold the robot, since this process is about to be suspended and then can't supervise it."""
         if self.attached is not None:
             self.attached.send(orders.Hold())

@@ -40,8 +40,8 @@ class Placed(Protocol):
 
 
 def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
-    """Format a fault with its place, the source line and the remedy. If the source is unknown, the place
-    contains the line.
+    """Format a fault of a run with its place, the source line and the remedy. If the source is unknown, the
+    place contains the line number.
     """
     if where is not None and where.file:
         # only this line of the source is known: the lines before it are empty and aren't shown

@@ -23,8 +23,8 @@ T = TypeVar("T")
 
 
 class Fleet:
-    """Processes many files in the same way. Results may be reused, and the work may be distributed to
-    processes or other computers.
+    """Processes many files in the same way. Results of earlier calls may be reused, and the work may be
+    distributed to several processes or other computers.
 
     Args:
         jobs: number of processes; None for one per core.
@@ -52,11 +52,11 @@ class Fleet:
         """Yield the result for each file, in order, like `Doing.results`.
 
         Args:
-            work: computes the result of a file.
+            work: function that computes the result for a file.
             files: paths; `-` for standard input, which only this process can read.
-            name: returns what distinguishes the work for a file from other work.
-            is_lasting: returns True for a result that would be the same the next time.
-            lost: returns the result of a file whose processes were ended.
+            name: function that returns what distinguishes the work for a file from other work.
+            is_lasting: function that returns True for a result that would be the same the next time.
+            lost: function that returns the result for a file whose processes were ended.
 
         Raises:
             click.ClickException: the scheduler can't be used.
@@ -80,7 +80,7 @@ class Fleet:
 
     @contextmanager
     def workers(self, work: Callable[[T], R]) -> Iterator[Work[T, R]]:
-        """Yield a function that does the work for items that aren't files. Its results are not reused.
+        """Yield a function that applies `work` to many items that aren't files. Its results are not reused.
 
         Raises:
             click.ClickException: the scheduler can't be used.
@@ -96,8 +96,8 @@ class Fleet:
 
     @contextmanager
     def racing_workers(self, work: Callable[[T], R]) -> Iterator[RacingWork[T, R]]:
-        """Yield a function like the function of `workers`, except that it returns each result as soon as
-        it is computed.
+        """Yield a function that applies `work` to many items, as `workers` does, but returns each result as
+        soon as it is computed.
         """
         from yarclang.fleet.outcome import UnreachableError
         from yarclang.fleet.spreading import racing_workers
@@ -122,8 +122,8 @@ class Fleet:
 
     @property
     def remark(self) -> str:
-        """Return how many results were reused, and problems of the cache; empty if there is nothing to
-        report.
+        """Return how many results of earlier calls were reused, and problems of the cache; empty if there is
+        nothing to report.
         """
         remarks = []
         if self._doing is not None and self._doing.reused:
@@ -134,7 +134,7 @@ class Fleet:
 
 
 def _said(made: Iterator[R]) -> Iterator[R]:
-    """Yield results. If the scheduler can't be used, raise an error of the command."""
+    """Yield results. If the scheduler can't be used, raise a usage error."""
     from yarclang.fleet.outcome import UnreachableError
 
     try:

@@ -1,5 +1,5 @@
-"""Implement `yarc follow`: another process moves the robot, with events as JSON lines and signals as
-orders.
+"""Implement `yarc follow`: another process moves the robot. Events are written as JSON lines, and signals of
+the operating system are orders.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _EACH = 0.02
 
 
 def follow(robot: Robot, place: Place, options: dict[str, Any], lines: Lines) -> int:
-    """Let another process move the robot until a termination.
+    """Let another process move the robot until a termination (SIGTERM or SIGINT).
 
     Args:
         robot: robot of the controller.
-        place: controller or coordinator of the robot.
+        place: controller or running coordinator of the robot.
         options: options of the command line.
         lines: output of events.
 
@@ -48,7 +48,7 @@ def _door(options: dict[str, Any]) -> Door:
 
 @contextlib.contextmanager
 def _known(server: MasterServer, token_file: Path | None) -> Iterator[dict[str, Any]]:
-    """Publish the address at which masters connect, and the token.
+    """Publish the address at which steering processes connect, and the token.
 
     Yields:
         The event with the address.

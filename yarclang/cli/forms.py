@@ -8,11 +8,11 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """Result for a file.
+    """Result of formatting a file.
 
     Attributes:
-        before: the text before.
-        after: the text after.
+        before: text of the file before.
+        after: text of the file after.
         found: findings that prevent the formatting.
     """
 
@@ -27,8 +27,8 @@ class Form:
 
 
 def form_of(path: str, renumber: tuple[int, int] | None = None) -> Form:
-    """Return a file in its usual form. Its commands are numbered from the first number, in steps of the
-    second.
+    """Format a file. With `renumber`, its commands are numbered from the first of these numbers, in steps of
+    the second.
     """
     from yarclang.pipeline.sources import read_source
     from yarclang.syntax.form import usual_form

@@ -13,7 +13,7 @@ _ALIVE = 200_000
 
 
 def seldom_look_for_garbage() -> None:
-    """Collect cycles seldom, and not at exit.
+    """Let Python collect cyclic garbage seldom, and not at exit.
 
     Trees and steps have no cycles, but collections would scan them repeatedly while they grow. At exit Python
     would scan all objects once more, which takes a twentieth of the time for 10,000 lines.

@@ -40,13 +40,13 @@ T = TypeVar("T", bound=_Meshed)
 def import_cloud(
     file: str, output: str | None, units: Mapping[Any, Unit] | None, voxel: float | None
 ) -> NoReturn:
-    """Write the mesh of a point cloud, print its line for a cell.toml, and exit.
+    """Convert a point cloud to a mesh, write it, print its line for a cell.toml, and exit.
 
     Args:
         file: a PCD or PLY file.
         output: path of the STL file; None for beside the input.
         units: units of the file's numbers; only a length is allowed.
-        voxel: edge of a cube [mm].
+        voxel: edge length of the cubes of which the mesh consists [mm].
     """
     from yarclang.convert.cloud import mesh_of_cloud
     from yarclang.units import MM
@@ -63,7 +63,7 @@ def import_cloud(
 def import_heights(
     file: str, output: str | None, units: Mapping[Any, Unit] | None, spacing: float | None, every: int
 ) -> NoReturn:
-    """Write the mesh of a height field, print its line for a cell.toml, and exit.
+    """Convert a height field to a mesh, write it, print its line for a cell.toml, and exit.
 
     Args:
         file: an NPY or CSV file.
@@ -104,7 +104,7 @@ def _destination(what: str, file: str, output: str | None) -> str:
 
 
 def _write(file: str, destination: str, made: Result[T]) -> T:
-    """Write the mesh and return its description. Exit if there is no mesh, or if it can't be written."""
+    """Write a mesh and return its description. Exit if there is no mesh, or if it can't be written."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_standard_output, write_whole
     from yarclang.report.finding import count_text

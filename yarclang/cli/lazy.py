@@ -1,4 +1,6 @@
-"""Groups of commands that are imported only when they are called. To list the commands, none is imported."""
+"""Groups of commands that are imported only when they are called. Listing the commands imports none of
+them.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from yarclang.cli.door import Door
 
 
 class LazyGroup(Door, click.Group):
-    """A group whose commands are modules of `yarclang.cli.commands` that have an object `command`.
+    """A group of commands. Each command is a module of `yarclang.cli.commands` that has an object `command`.
 
     Args:
         commands_by_section: for each section of --help, its commands and their summaries.

@@ -23,7 +23,7 @@ Found = tuple[Diagnostic, ...]
 
 
 def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
-    """Return the program that a command line selects.
+    """Return the program that a command line selects to be run.
 
     Args:
         file: a .yarc or .pmc file.
@@ -58,8 +58,8 @@ def load(source: Source) -> tuple[Loaded | None, Found]:
 
 
 def load_order(source: Source, *, recover: bool = False) -> orders.Load:
-    """Return the order to load a program at the coordinator, either to run it or only to recover it. Standard
-    input is read here.
+    """Return the order by which the coordinator loads a program, either to run it or only to move the robot
+    to it. Standard input is read here.
     """
 
     def absolute(path: str | None) -> str | None:
@@ -86,7 +86,9 @@ def load_order(source: Source, *, recover: bool = False) -> orders.Load:
 
 
 def robot_of(source: Source) -> Robot | None:
-    """Return the robot of a program, without compiling it; None if it isn't known, as for standard input."""
+    """Return the robot of a program, without compiling the program; None if it isn't known, as for
+    standard input.
+    """
     if source.options.robot is not None:
         return robot_for(Path(), source.options.robot).value
     if source.is_compiled:

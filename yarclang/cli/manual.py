@@ -26,7 +26,7 @@ _SPECIAL = re.compile(r"([\\-])")
 
 
 def manual_pages(root: click.Command, name: str, version: str) -> Iterator[tuple[str, str]]:
-    """Yield the file names of a command's pages, such as `yarc-robot-new.1`, and their texts.
+    """Yield the manual pages of a command: the file name, such as `yarc-robot-new.1`, and the text.
 
     Args:
         root: the command. If it is a group, all of its commands have a page.
@@ -100,7 +100,9 @@ def _page(context: click.Context, version: str) -> str:
 
 
 def _others(context: click.Context) -> list[str]:
-    """Return the titles of related pages: those of a command's group and of its own commands."""
+    """Return the titles of the pages to which a command's page refers: those of its group and of its own
+    commands.
+    """
     found = [_title(context.parent)] if context.parent is not None else []
     if isinstance(context.command, click.Group):
         found += [f"{_title(context)}-{name}" for name, _ in _commands(context, context.command)]
@@ -110,7 +112,9 @@ def _others(context: click.Context) -> list[str]:
 
 
 def _paragraphs(help_: str) -> list[str]:
-    """Return the paragraphs of a help text, each on one line. Lines that click doesn't wrap stay separate."""
+    """Return the paragraphs of a help text, each on one line. Lines that click isn't to wrap stay
+    separate.
+    """
     text = inspect.cleandoc(help_).partition("\f")[0]
     found = []
     for part in text.split("\n\n"):
@@ -121,7 +125,7 @@ def _paragraphs(help_: str) -> list[str]:
 
 
 def _plain(text: str) -> str:
-    """Return a text for man(7): backslashes and hyphens are escaped, and no line of text begins a request."""
+    """Escape a text for man(7): backslashes and hyphens are escaped, and no line of text begins a request."""
     rows = []
     for row in text.split("\n"):
         if row == ".br":

@@ -158,7 +158,9 @@ class Findings(ParamType[frozenset[str]]):
 
 
 def finding_words(name: str, **settings: Any) -> Callable[[F], F]:
-    """Add an option for codes of findings, with completion. Its value is None if the option isn't given."""
+    """Add an option whose values are codes of findings, with completion. Its value is None if the option
+    isn't given.
+    """
     return click.option(name, type=Findings(), shell_complete=_codes, **settings)
 
 

@@ -40,7 +40,7 @@ class GoneError(ControlError):
 
 
 def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> Status:
-    """Send an order to a run, and return its answer.
+    """Send an order to a run, and return the answer.
 
     Raises:
         GoneError: the run has ended.
@@ -73,7 +73,7 @@ def status_of(run: Run) -> Status:
 
 
 def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
-    """Give an order, and wait until it is fulfilled.
+    """Send an order to a run, and wait until it is fulfilled.
 
     Returns:
         The final status of the run; None if it has ended after the order.

@@ -1,4 +1,4 @@
-"""Find paths for results, such that no result overwrites a source or another result."""
+"""Find paths for output files, so that none overwrites a source or another output file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ STANDARD = "-"
 
 
 def beside(file: str, suffix: str, folder: Path | None = None) -> str:
-    """Return the path of a result: `file` with another suffix, in a folder or beside it."""
+    """Return the path of an output file: `file` with another suffix, in a folder or beside the original."""
     if file == STANDARD:
         return STANDARD if folder is None else str(folder / f"stdin{suffix}")
     path = Path(file)
@@ -20,11 +20,11 @@ def beside(file: str, suffix: str, folder: Path | None = None) -> str:
 
 
 def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]) -> None:
-    """Reject results that would overwrite a source or another result, as a usage error.
+    """Reject output files that would overwrite a source or each other, as a usage error.
 
     Args:
         sources: the files that are read.
-        results: path of each result, and its source.
+        results: path of each output file, and its source.
     """
     read = {_real(source): source for source in sources if source != STANDARD}
     taken: dict[str, str] = {}
@@ -42,5 +42,5 @@ def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]
 
 
 def _real(path: str) -> str:
-    """Return the same name for all links to one file."""
+    """Return the path of a file after all links, so that it is the same for all links to one file."""
     return os.path.realpath(path)

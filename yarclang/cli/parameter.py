@@ -1,5 +1,5 @@
-"""Base class of parameter types that accepts the value's type in brackets. click itself supports this only
-from 8.4 on.
+"""Base class for click's parameter types that accepts the type of the value in brackets. click itself
+supports this only from 8.4 on.
 """
 
 from __future__ import annotations

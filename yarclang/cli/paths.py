@@ -14,7 +14,8 @@ SUFFIX = ".yarc"
 
 
 def programs(paths: Iterable[str]) -> list[str]:
-    """Return the files to read, in order, each once. A folder means all .yarc files in it and its subfolders.
+    """Return the program files that a command reads, in order, each once. A folder means all .yarc files in
+    it and its subfolders.
 
     Raises:
         click.UsageError: a folder has no such file.

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """Result for a file or a robot.
+    """Result of drawing a file or a robot.
 
     Attributes:
-        picture: its picture; None if there is nothing to draw.
+        picture: the picture; None if there is nothing to draw.
         what: a description of the picture; without a picture, the reason.
         found: findings.
     """
@@ -36,7 +36,7 @@ class Drawn:
 
 
 def draw_programs(files: Sequence[tuple[str, str]], options: Options, fleet: Fleet) -> Iterator[Drawn]:
-    """Draw programs, in their order.
+    """Draw programs, and yield their pictures in the order of the files.
 
     Args:
         files: for each program its path, and the format of its picture.
@@ -65,7 +65,9 @@ def draw_robots(robots: Sequence[str], fleet: Fleet) -> Iterator[Drawn]:
 
 
 def draw_run(file: str, format_: Any) -> Drawn:
-    """Draw the log of a run. This process reads the log, since logs are too large to send to others."""
+    """Draw a run from its log. This process reads the log, since logs are too large to be sent to other
+    processes.
+    """
     from yarclang.report.runs.log import read_run
     from yarclang.report.runs.planned import planned_motion
 
@@ -134,7 +136,7 @@ def _draw_robot(name: str) -> Drawn:
 
 
 def put(drawn: Drawn, destination: str) -> bool:
-    """Write a picture, and print what was done. Return True if there was a picture and it was written."""
+    """Write a picture, and print what it shows. Return True if there was a picture and it was written."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
 

@@ -1,5 +1,5 @@
-"""Prepare commands that own a robot for a session: the robot, the initial position of a simulated robot, the
-cell, and the machines around the robot.
+"""Prepare commands that drive a robot for a session: load the robot, the initial position of a simulated
+robot, the cell, and the machines around a simulated robot.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def session_options(function: F) -> F:
-    """Add --robot, --to, --start, --cell, --log, --no-log, --patience, --rate, --set, --inputs and --tm."""
+    """Add the options of a session: --robot, --to, --start, --cell, --log, --no-log, --patience, --rate,
+    --set, --inputs and --tm.
+    """
     for option in (
         tm_option,
         motion_options,
@@ -42,7 +44,7 @@ def session_options(function: F) -> F:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A robot for a session.
+    """The robot of a session.
 
     Attributes:
         robot: the robot.
@@ -54,10 +56,10 @@ class Prepared:
 
 
 def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepared:
-    """Return the robot of a command line. Findings are shown; with an error the exit status is 1.
+    """Return the robot that a command line names. Findings are shown; with an error the exit status is 1.
 
     Args:
-        folder: folder in which yarc.toml is searched.
+        folder: folder in which yarc.toml is looked for.
         to: address of the controller; None for a simulator.
         options: options of the command line.
 
@@ -81,8 +83,8 @@ def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepa
 
 
 def machines(folder: Path, robot: Robot, options: dict[str, Any]) -> SimulatedCell:
-    """Return the machines around a simulated robot, from --set, --inputs and the session's cell. Findings are
-    shown; with an error the exit status is 1.
+    """Return the machines around a simulated robot, from the options --set and --inputs and the session's
+    cell. Findings are shown; with an error the exit status is 1.
     """
     from yarclang.cli.surroundings import surroundings_of
     from yarclang.pipeline.cells import session_cell

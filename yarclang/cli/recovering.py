@@ -29,7 +29,9 @@ _HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line on which the ro
 
 
 def how_it_goes(title: str) -> str:
-    """Return the description of a slow motion with a given title of its command."""
+    """Return how a slow motion goes (straight or around obstacles), in words, from the title of its
+    command.
+    """
     return _HOW.get(title.rsplit(maxsplit=1)[-1].rpartition("_")[0], "round what is in the way")
 
 

@@ -14,11 +14,11 @@ from yarclang.ros.simple_message import ByteOrder
 
 
 async def ros_door(robot: Robot, place: Place, options: dict[str, Any]) -> None:
-    """Serve a ROS client until a termination. Then bring the robot to rest on its path.
+    """Serve a ROS client until a termination (SIGTERM or SIGINT). Then bring the robot to rest on its path.
 
     Args:
         robot: the robot that is served.
-        place: its coordinator, or its controller.
+        place: controller or running coordinator of the robot.
         options: options of the command line.
 
     Raises:

@@ -34,11 +34,11 @@ _LAST_WORDS = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A program to run.
+    """A program that `yarc run` is to run.
 
     Attributes:
-        loaded: program that was loaded in this process; None to load it at the coordinator.
-        load: order to load it at the coordinator; None if it is loaded in this process.
+        loaded: program that was loaded in this process; None if the coordinator loads it.
+        load: order by which the coordinator loads it; None if it is loaded in this process.
         robot: robot of the program; None if unknown.
         name: name of the program for people.
         where: options for the controller and the robot, for recommended commands.
@@ -54,11 +54,11 @@ class Wanted:
 
 
 def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
-    """Run a program.
+    """Run a program for `yarc run`.
 
     Args:
         wanted: the program.
-        place: controller or coordinator of the robot.
+        place: controller or running coordinator of the robot.
         options: options of the command line.
 
     Returns:
@@ -104,7 +104,7 @@ def _say_error(what: str, remedy: str) -> None:
 
 
 class _Run:
-    """One `yarc run`."""
+    """One execution of `yarc run`."""
 
     terminal: Terminal
 
@@ -209,8 +209,10 @@ class _Run:
         return made.program
 
     async def _way_to_start(self, robot: Attached, program: ProgramDescribed, ending: Ending) -> bool | None:
-        """Ask how the robot gets to the start. Return True if it has to move there first; None if the run
-        is refused.
+        """Ask the user whether the robot may move to the program's start, unless it is there.
+
+        Returns:
+            True if it has to move there first, False if it is there already; None if the run is refused.
         """
         options = self.options
         way = await robot.ask(orders.AskWay(program=program.number))
@@ -236,8 +238,8 @@ class _Run:
         return True
 
     async def _has_its_tool(self, program: ProgramDescribed, *, simulated: bool) -> bool:
-        """Return True unless the user denies that the tool that the program needs at its start is on the
-        flange.
+        """Ask the user whether the flange has the tool that the program needs at its start. Return False only
+        if the user denies it.
         """
         if program.tools is None:
             return True

@@ -1,4 +1,4 @@
-"""Standard error as a screen: complete lines, and one line that changes."""
+"""Standard error as a screen: complete lines, and below them one status line that changes in place."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _WIDTH = 80
 
 _STAYS = "\xa0"
 _TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms)\b|%)|(?<=\bJ\d) (?=[-+]?\d)")
-"""A space at which no line is broken: between a joint and its value, or between a value and its unit."""
+"""A space at which no line is wrapped: between a joint and its value, or between a value and its unit."""
 
 _VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
 
 
 class Screen:
-    """Standard error, written by a thread of its own. A terminal that was closed or stopped by Ctrl-S then
-    delays no robot.
+    """Output on standard error, written by a thread of its own. A terminal that was closed or stopped by
+    Ctrl-S then delays no robot.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class Screen:
 
         Args:
             text: the lines.
-            below: on a terminal, the new text of the changing line; empty for none.
+            below: on a terminal, the new text of the status line below them; empty for none.
         """
         before = "\r\x1b[K" if self._shown else ""
         self._shown = self.live and bool(below)
@@ -48,7 +48,7 @@ class Screen:
         self._queue.put(f"{before}{self._broken(text) if self.live else text}\n{after}")
 
     def change(self, text: str) -> None:
-        """Replace the changing line."""
+        """Replace the status line."""
         if self._queue.empty():
             self._queue.put(_changing(text))
             self._shown = True
@@ -58,7 +58,7 @@ class Screen:
         self._queue.put(text)
 
     def close(self) -> None:
-        """Write the remaining lines, if the terminal is still open, and remove the changing line."""
+        """Write the remaining lines, if the terminal is still open, and remove the status line."""
         if self._shown:
             self._queue.put("\r\x1b[K")
             self._shown = False
@@ -84,7 +84,7 @@ class Screen:
 
 
 def _changing(text: str) -> str:
-    """Return the control codes and the text that replace the changing line."""
+    """Return the control codes and the text that replace the status line."""
     return f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}"
 
 
@@ -123,8 +123,8 @@ def _columns_of(stream: TextIO) -> int:
 
 
 def _cut(line: str, width: int) -> str:
-    """Return the part of a line that fits. It ends after a complete value, because half a number would be
-    a wrong number.
+    """Return the beginning of a line that fits on the terminal. It ends after a complete value, because half
+    a number would be a wrong number.
     """
     if len(line) <= width:
         return line

@@ -16,7 +16,7 @@ from yarclang.runtime.actions import Trouble
 def secret_file(path: Path, text: str) -> Iterator[None]:
     """Keep a secret in a file during the context.
 
-    The file is new, and replaces a file with this name. No other user can read any of it at any time.
+    The file is new, and replaces a file with this name. Other users can't read any of it at any time.
 
     Args:
         path: path of the file.

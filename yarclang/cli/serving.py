@@ -37,14 +37,14 @@ async def serve(
     own: SimulatedCell | None,
     values: TcpDoor | None = None,
 ) -> int:
-    """Own a robot until a termination. Then bring it to rest on its path.
+    """Drive a robot for clients until a termination (SIGTERM or SIGINT). Then bring it to rest on its path.
 
     Args:
         robot: robot of the controller.
         address: address of the controller.
         options: options of the command line.
         own: machines around the robot, if the controller is a simulator in this process.
-        values: port for values of running programs; None for only the socket.
+        values: port at which other software sends values to running programs; None for only the socket.
 
     Returns:
         The exit status.

@@ -12,13 +12,13 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_text
 
 MOST_ALIKE = 20
-"""Largest number of warnings and notes with one code in one file that are written to a terminal. A chain of
-100,000 lines may have hundreds.
+"""Largest number of warnings and notes with the same code in the same file that are written to a terminal. A
+chain of 100,000 lines may have hundreds.
 """
 
 
 def show_without_notes(diagnostics: Iterable[Diagnostic], file: str) -> None:
-    """Write errors and warnings as `show_findings` does, and only one line about the notes.
+    """Write errors and warnings as `show_findings` does, but only one line about the notes.
 
     This is for commands that use a program which `yarc check` or yarcc has checked before.
     """
@@ -38,8 +38,8 @@ def show_findings(diagnostics: Iterable[Diagnostic], *, whole: bool = False) -> 
 
     Args:
         diagnostics: the findings, in the order of output.
-        whole: True to write all of them. Otherwise only the first `MOST_ALIKE` warnings and notes of one code
-            in one file are written, followed by the number of further ones.
+        whole: True to write all of them. Otherwise only the first `MOST_ALIKE` warnings and notes with the
+            same code in the same file are written, followed by the number of further ones.
     """
     left_out: dict[tuple[str, str, str], list[Diagnostic]] = {}
     counts: Counter[tuple[str, str, str]] = Counter()

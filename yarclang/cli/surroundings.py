@@ -17,7 +17,8 @@ from yarclang.simulated_cell.script import Change, Known, load_script, read_sett
 def surroundings_of(
     options: dict[str, Any], known: Known, robot: Robot | None, cell: Cell | None, *, waits: bool
 ) -> Result[SimulatedCell]:
-    """Return the machines of --set and --inputs, and the sensors of a cell.
+    """Return the machines around a simulated robot: those of the options --set and --inputs, and the sensors
+    of a cell.
 
     Args:
         options: options of the command line.

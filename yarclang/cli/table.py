@@ -37,10 +37,12 @@ MANY = 40
 """Number of blended motions above which a table shows a chain of them as one row."""
 
 _CLEAR = "clear mm"
-"""Column for programs in a cell with obstacles: the smallest proved distance, and its two bodies."""
+"""Heading of the column with the smallest proved distance of bodies, and these two bodies, for programs in a
+cell with obstacles.
+"""
 _ZONES = "zones mm"
-"""Column for programs in a cell with zones: the smallest proved distance from a border, its body and zone,
-and its time.
+"""Heading of the column with the smallest proved distance from the border of a zone, the body and the zone,
+and the time, for programs in a cell with zones.
 """
 _NAMES = "names"
 _LEAST_WANTED = (
@@ -57,7 +59,7 @@ _LEAST_WANTED = (
     _CLEAR,
     "torque",
 )
-"""Columns that are left out on a narrow terminal, beginning with the first; `names` are the names of bodies
+"""Columns in the order in which they are left out on a narrow terminal; `names` are the names of bodies
 beside their distances.
 """
 
@@ -84,8 +86,9 @@ def certificate_table(
 ) -> str:
     """Format a certificate as a table.
 
-    Columns are the duration, the worst joint and its share of each limit, the proved deviation, and in a cell
-    the clearance and the distance from zones. A motion during which the robot carries a part is marked.
+    Columns are the duration, the joint with the largest share of each limit and this share, the proved
+    deviation, and in a cell the clearance and the distance from zones. A motion during which the robot
+    carries a part is marked.
 
     Args:
         certificate: certificate to show.
@@ -136,8 +139,8 @@ def certificate_table(
 
 
 def _folded(commands: Sequence[CommandCertificate]) -> list[list[CommandCertificate]]:
-    """Group the commands by the rows of the table: long chains, and for all other commands the lines of
-    the source.
+    """Group the commands of a certificate into the rows of its table: each long chain of motions becomes one
+    row, and all other commands one row for each line of the source.
     """
     rows: dict[tuple[str, int, str], list[CommandCertificate]] = {}
     found: list[list[CommandCertificate]] = []
@@ -172,8 +175,8 @@ def _is_chain(group: Sequence[CommandCertificate]) -> bool:
 
 
 def nearest_table(certificate: Certificate, robot: Robot, cell: Cell | None, width: int | None = None) -> str:
-    """Return a table of the places nearest to their limits, nearest first; empty for at most `SHORT`
-    commands.
+    """Return a table of the commands nearest to a limit, nearest first; empty for a program of at most
+    `SHORT` commands.
 
     Args:
         certificate: certificate to show.
@@ -208,7 +211,7 @@ def _share(one: Nearest) -> str:
 
 def _full_place(command: CommandCertificate) -> str:
     """Return place and name of a command. For a command in a module, this is the program's line that calls
-    it, followed by the module's own line.
+    the module, followed by the module's own line.
     """
     if not command.module:
         return f"{command.index or f'line {command.source_line}'} {command.name}"
@@ -263,14 +266,14 @@ def _time(group: Sequence[CommandCertificate]) -> float:
 
 
 def _name(group: Sequence[CommandCertificate]) -> str:
-    """Return the name of a row's command, with a mark if the robot carries a part during any of its
-    executions.
+    """Return the name of the command in a row of the table, with a mark if the robot carries a part during
+    any execution of this command.
     """
     return f"{group[0].name} {_LOADED}" if any(one.carries for one in group) else group[0].name
 
 
 def _place(group: Sequence[CommandCertificate]) -> str:
-    """Return the place of a row.
+    """Return the place for a row of the table.
 
     For a single command this is its place. For several commands it is the part that their places have in
     common, without passes of loops; if there is none, their line.
@@ -292,8 +295,8 @@ MANY_PAIRS = 10
 
 
 def _not_checked(certificate: Certificate) -> Iterator[str]:
-    """Yield a line for each pair of bodies that may touch, and for each line of the program that allows
-    contact.
+    """Yield a line of text for each pair of bodies that may touch, and for each line of the program that
+    allows contact.
     """
     found: dict[tuple[str, str, str], list[str]] = {}
     for command in certificate.commands:
@@ -314,10 +317,10 @@ def _not_checked(certificate: Certificate) -> Iterator[str]:
 
 
 def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column], list[str]]:
-    """Choose the columns that fit on a terminal.
+    """Choose the columns of a table that fit on a terminal.
 
     Args:
-        columns: all columns; the first is the place.
+        columns: all columns; the first one has the places of the commands.
         width: width of the terminal in characters.
         worst: name of the column that is kept as long as there is room for any; empty for none.
 
@@ -357,21 +360,21 @@ def _without_names(column: Column) -> Column:
 
 
 def _segment(group: Sequence[CommandCertificate]) -> str:
-    """Return the longest segment time of the commands that have segments."""
+    """Return the longest segment time of the commands in a row of the table; `-` if none has segments."""
     times = [one.segment_time for one in group if one.segments]
     return f"{max(times) * 1e3:.4g}" if times else "-"
 
 
 def _jerk(group: Sequence[CommandCertificate]) -> str:
-    """Return the largest jerk. It is in parentheses if it isn't checked, since a time-optimal motion has
-    no jerk limit.
+    """Return the largest jerk of the commands in a row of the table. It is in parentheses if it isn't
+    checked, since a time-optimal motion has no jerk limit.
     """
     worst = max(group, key=lambda one: one.jerk.share)
     return _load(worst.jerk) if worst.jerk_judged else f"({_load(worst.jerk)})"
 
 
 def _least(found: Sequence[Clearance | None]) -> str:
-    """Return the smallest of several distances."""
+    """Return the smallest of several proved distances."""
     told = [one for one in found if one is not None]
     return _clearance(min(told, key=lambda one: one.distance) if told else None, with_time=len(found) == 1)
 
@@ -393,8 +396,8 @@ _VERDICTS = {"ok": "ok", "warning": "warning", "error": "ERROR"}
 
 
 def checked_table(checked: Sequence[Checked]) -> str:
-    """Return the checks of a controller as a table: item, actual value, expected value, and the remedy if
-    they differ.
+    """Return the checks of a controller as a table: item, actual value, expected value, and the remedy if the
+    two values differ.
     """
     lines = []
     for verdict, one in ((_VERDICTS[one.verdict], one) for one in checked):

@@ -1,4 +1,4 @@
-"""Implement `yarc pendant`: its address, its start and end, and its output on the terminal."""
+"""Implement `yarc pendant`: where it is served, how it starts and ends, and its output on the terminal."""
 
 from __future__ import annotations
 
@@ -52,17 +52,17 @@ class Again:
 
 
 async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, Any]) -> Again | None:
-    """Serve a pendant until a termination, or until a user ends it on a page. Then bring the robot to rest on
-    its path.
+    """Serve a pendant until a termination (SIGTERM or SIGINT), or until a user ends it on a page. Then bring
+    the robot to rest on its path.
 
     Args:
         robot: robot that is served.
-        place: its coordinator, or its controller.
+        place: controller or running coordinator of the robot.
         folder: folder of the project.
         options: options of the command line.
 
     Returns:
-        The requested restart; None for none.
+        The restart that a user has requested; None for none.
 
     Raises:
         Trouble: the coordinator can't be reached, the port is in use, or a file can't be used.
@@ -105,7 +105,7 @@ def begin_again(again: Again) -> NoReturn:
 
 
 def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
-    """Check that a process with the same command line would start.
+    """Check, before a restart, that a new process with the same command line would start.
 
     Raises:
         Trouble: it wouldn't start. The message has the reason.

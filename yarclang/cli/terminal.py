@@ -32,14 +32,14 @@ def has_keys() -> bool:
 
 
 class Terminal:
-    """Orders from signals and keys.
+    """Orders of the user during a run, given by signals and keys.
 
-    Ctrl-C holds the first time and aborts the second time. Enter resumes after a hold. A termination ends the
-    run on the path.
+    Ctrl-C holds the first time and aborts the second time. Enter resumes after a hold. A termination
+    (SIGTERM, SIGHUP or SIGQUIT) ends the run on the path.
 
     Args:
         screen: screen for output.
-        give_up: called if nothing moves yet, or if nothing else can be done.
+        give_up: function that is called if nothing moves yet, or if nothing else can be done.
 
     Attributes:
         performing: True while a job runs; before, there is nothing to hold.
@@ -169,6 +169,6 @@ class Terminal:
 
 
 def _number_in(data: bytes) -> int | None:
-    """Return the integer that was typed; None for other text."""
+    """Return the integer that the user typed; None for other text."""
     text = data.decode(errors="replace").strip()
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,9}", text) else None

@@ -13,12 +13,12 @@ _BESIDE = (SUFFIX, ".toml", ".urdf", ".csv")
 
 
 def changes(paths: Sequence[str], pause: Callable[[], None]) -> Iterator[list[str]]:
-    """Yield the programs to check: first all, then, after each pause, those that have changed. A program also
-    counts as changed if a file in its folder has changed.
+    """Yield the programs to check again and again: first all, then, after each pause, those that have
+    changed. A program also counts as changed if a file in its folder that it may use has changed.
 
     Args:
         paths: files and folders on the command line.
-        pause: waits for a short time.
+        pause: function that waits for a short time.
     """
     seen: dict[str, dict[str, tuple[int, int]]] = {}
     while True:

@@ -26,8 +26,8 @@ _EACH = 0.1
 
 
 class Progress:
-    """Progress bar on standard error for the work in a context. It is shown only on a terminal, and only for
-    long work.
+    """Progress bar on standard error for the work in a context. It is shown only on a terminal, and only if
+    the work takes long.
 
     For a compilation the bar shows the progress over all stages and the remaining time. For other work it
     shows the progress of the current step. A thread draws the bar, so that it also moves during long steps
@@ -144,8 +144,8 @@ def options_from(planning: dict[str, Any]) -> Options:
 
 
 def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
-    """Write to standard output. A full device becomes a finding. If the reader has closed the pipe, exit
-    silently.
+    """Write to standard output. If the device is full, return a finding. If the reader has closed the pipe,
+    exit silently.
     """
     import click
 

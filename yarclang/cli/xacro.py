@@ -69,7 +69,7 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
 
 
 def _child(path: str, given: str, packages: Sequence[str]) -> None:
-    """Write the URDF to standard output."""
+    """Convert the xacro file in this separate process, and write the URDF to standard output."""
     import json
     import resource
     from types import ModuleType

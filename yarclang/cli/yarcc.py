@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 
 
 def _known_target(context: click.Context, parameter: click.Parameter, value: str) -> str:  # noqa: ARG001 - the signature is click's
-    """Return the target that a text names, after a check that a kind of controller supports it."""
+    """Return the kind of controller text that --target names, after a check that a kind of controller
+    supports it.
+    """
     if value:
         from yarclang.backend import backend_called
         from yarclang.robot.kinds import kind_names
@@ -249,7 +251,9 @@ def _show(
 
 
 def _show_table(compiled: Compiled, width: int | None, *, full: bool, err: bool) -> None:
-    """Write the certificate's table; for a long program, first the places nearest to a limit."""
+    """Write the certificate as a table; for a long program, first a table of the commands nearest to a
+    limit.
+    """
     from yarclang.cli.table import certificate_table, nearest_table
 
     certificate, robot, cell = compiled.certificate, compiled.plan.robot, compiled.program.cell

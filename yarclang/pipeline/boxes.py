@@ -1,4 +1,4 @@
-"""Try the OFFSETs of a program before it runs, by planning them at sample values of their registers.
+"""Plan the OFFSETs of a program at sample values of their registers, before the program runs.
 
 The ranges of an OFFSET's registers form a box. The samples are all combinations of the smallest, middle and
 largest value of each register.
@@ -29,7 +29,7 @@ _HELP = (
 
 @dataclass(slots=True)
 class _Told:
-    """Findings about all OFFSETs that one line makes; a line in a loop makes several."""
+    """Findings about all OFFSETs that one source line creates; an OFFSET line in a loop creates several."""
 
     origin: Origin
     tried: int = 0
@@ -37,7 +37,7 @@ class _Told:
 
 
 def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
-    """Yield a finding for each OFFSET that can't be carried out for all tried values of its registers.
+    """Yield a finding for each OFFSET that can't be planned or proved for some of the tried register values.
 
     Args:
         plan: the program.
@@ -85,8 +85,8 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
 
 
 def places_of(offset: Offset, program: Program) -> list[tuple[int, ...]]:
-    """Return the places to try, as values of `SHIFTS`: all combinations of the smallest, middle and largest
-    value of each register.
+    """Return the register values at which an OFFSET is tried: all combinations of the smallest, middle and
+    largest value of each register. Each tuple has one value per axis of `SHIFTS`.
     """
     ranges = {one.name: (one.low, one.high) for one in program.registers}
     axes: list[Sequence[int]] = []

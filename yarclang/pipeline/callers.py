@@ -25,17 +25,17 @@ Load = Callable[[str], Result[Module]]
 def at_callers(
     diagnostics: Iterable[Diagnostic], program: Module, load: Load | None
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings; those in modules are moved to the CALL by which the program's file calls the
-    module.
+    """Return all findings, with each finding in a module moved to the CALL in the program's file that leads
+    to it.
 
-    The original place is then in `within`. Findings of an installed module that no CALL reaches are moved to
-    its USE. A module beside the program keeps such findings. A fix of a module's text stays with the module's
-    line, since it is no edit of the program.
+    The finding's place in the module is then in `within`. A finding that no CALL reaches is moved to the USE
+    of its module if the module is an installed one, and stays in the module if the module is a file beside
+    the program. A fix always stays with the module's line, since it can't be applied to the program's text.
 
     Args:
         diagnostics: findings.
         program: syntax tree of the program's file.
-        load: reads a module by its name.
+        load: function that reads a module by its name.
     """
     findings = tuple(diagnostics)
     if not any(_is_in_module(one, program) for one in findings):
@@ -47,8 +47,10 @@ def at_callers(
 
 
 def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None:
-    """Return the line of a program that calls a command of a module, and the module's line; None for commands
-    of the program itself.
+    """Return the CALL in the program that leads to a module's command, and the command's place in the module.
+
+    Returns:
+        None for commands of the program itself.
     """
     source = origin.source
     tree = parse(program).value
@@ -59,8 +61,8 @@ def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None
 
 
 def uncalled_lines(program: Module) -> frozenset[int]:
-    """Return the lines of SUBs that nothing in their own file calls, as in a module that is checked by
-    itself.
+    """Return the lines of SUBs that nothing in their own file calls, as in a module that is checked without a
+    program.
 
     Whether findings in these lines matter depends on the files that use the module.
     """
@@ -83,7 +85,7 @@ def uncalled_lines(program: Module) -> frozenset[int]:
 
 
 def _sub_name(block: Block) -> str:
-    """Return the name of a SUB in upper case; empty for another block."""
+    """Return the name of a SUB in upper case; empty for a block that is no SUB."""
     values = values_of(block.head) if block.head.name.name == "SUB" else []
     return values[0].text.upper() if values else ""
 
@@ -117,8 +119,8 @@ def _called_span(statement: Statement) -> Span:
 
 
 class _Calls:
-    """Calls of a program and its modules, by their places. The texts are split into blocks when they are
-    first used.
+    """The CALLs of a program and its modules, which are looked up by the places of commands. A file is split
+    into blocks when it is first needed.
     """
 
     def __init__(self, program: Module, load: Load | None) -> None:
@@ -127,8 +129,14 @@ class _Calls:
         self._nodes: dict[str, tuple[Node, ...]] = {}
 
     def leading_to(self, place: str) -> tuple[Statement | None, tuple[str, ...]]:
-        """Return the last CALL in the program's file by which a place is reached, and the names of all SUBs
-        from this CALL to the place.
+        """Follow the CALLs that lead to a command.
+
+        Args:
+            place: place of the command in unrolled code, such as `P0020>P0010`.
+
+        Returns:
+            The last of these CALLs that is in the program's own file (None if none leads to a module), and
+            the names of the SUBs that are called from there on.
         """
         module, nodes = "", self._of("")
         caller: Statement | None = None
@@ -155,8 +163,8 @@ class _Calls:
         )
 
     def _of(self, module: str) -> tuple[Node, ...]:
-        """Return the blocks of a module's text; empty if the module can't be read. The program itself has
-        an empty name.
+        """Return the blocks of a module; empty if the module can't be read. The empty name means the program
+        itself.
         """
         if module not in self._nodes:
             tree = self._program
@@ -178,7 +186,9 @@ def _called(statement: Statement | None) -> str:
 
 
 def _commands(nodes: Iterable[Node]) -> Iterator[Statement]:
-    """Yield the statements of a body, including those in loops and conditions, but not those of SUBs."""
+    """Yield the statements among some nodes, including those in loops and conditions, but not those in
+    SUBs.
+    """
     for node in nodes:
         if isinstance(node, Statement):
             yield node
@@ -188,7 +198,7 @@ def _commands(nodes: Iterable[Node]) -> Iterator[Statement]:
 
 
 def _body(nodes: Iterable[Node], routine: str) -> tuple[Node, ...]:
-    """Return the body of a SUB."""
+    """Return the lines of a module's SUB, grouped into blocks."""
     for node in nodes:
         if isinstance(node, Block) and routine and _sub_name(node) == routine:
             return node.body

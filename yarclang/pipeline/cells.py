@@ -1,5 +1,5 @@
-"""Find cells: the path of a CELL line is relative to its file, and the path in yarc.toml is relative to
-its folder.
+"""Find the cell.toml files that a program or a project names: the path in a CELL line is relative to the file
+with this line, and the path in yarc.toml is relative to the folder of yarc.toml.
 """
 
 from __future__ import annotations
@@ -30,14 +30,15 @@ SUFFIX = ".toml"
 
 
 class CellLoader:
-    """Reads the cells of a program: those of its CELL lines, and the given cell.
+    """Reader of a program's cells: those that its CELL lines name, and the cell of the command line or
+    yarc.toml.
 
     All paths to the same file give the same result.
 
     Args:
         folder: folder of the program.
         robot: robot for the cells' joint values.
-        texts: open files, as for modules.
+        texts: files that are open in an editor, by their paths; they replace the saved files.
         memory: cache of what was read.
     """
 
@@ -56,7 +57,7 @@ class CellLoader:
         self._stamps: dict[Path, Stamp] = {}
 
     def __call__(self, path: str, module: SourceFile | None) -> Result[Cell]:
-        """Read the cell of a CELL line.
+        """Read the cell that a CELL line names.
 
         Args:
             path: path in the line.
@@ -65,7 +66,7 @@ class CellLoader:
         return self.at((self._folder if module is None else Path(module.name).parent) / path)
 
     def at(self, place: Path) -> Result[Cell]:
-        """Read the cell of a file; its findings use the path by which the file was first requested."""
+        """Read a cell file. Its findings show the path by which the file was first requested."""
         key = file_of(place)
         if key not in self._known:
             text = self._texts.get(place.absolute()) or self._texts.get(key)
@@ -89,15 +90,16 @@ class CellLoader:
         return all(stamp_of((path,)) == stamp for path, stamp in self._stamps.items())
 
     def given(self, project: Project, named: str | None) -> Result[GivenCell]:
-        """Read the cell that applies to a program even if it has no CELL line.
+        """Read the cell that the command line or yarc.toml names; it applies even if the program has no CELL
+        line.
 
         Args:
             project: project whose `cell` is used if `named` is None.
-            named: cell of the command line; None: not given.
+            named: path of the cell on the command line; None: not given.
 
         Returns:
-            None without findings if there is no such cell; None with an error if both are given and name
-            different files. Errors in the cell's own file are in `GivenCell.loaded`.
+            None without findings if neither names a cell; None with an error if both name a cell and the
+            files differ. Errors in the cell's own file are in `GivenCell.loaded`.
         """
         if project.cell is None and named is None:
             return Result(None)
@@ -122,23 +124,23 @@ def cell_loader(
     Args:
         folder: folder of the program.
         robot: robot for the cells' joint values.
-        texts: open files, as for modules.
+        texts: files that are open in an editor, by their paths; they replace the saved files.
         memory: cache of what was read.
     """
     return CellLoader(folder, robot, texts, memory)
 
 
 def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the cell `named`, or else the project's cell, for work that has no program yet.
+    """Read the cell for work that has no program yet: the cell `named`, or else that of the project.
 
     Args:
-        folder: folder of the work.
+        folder: folder to which `named` is relative.
         project: project of the folder.
         robot: robot for the cell's joint values.
-        named: cell of the command line; None: not given.
+        named: path of the cell on the command line; None: not given.
 
     Returns:
-        None without errors if there is no cell; None with errors if it can't be used.
+        None without errors if neither names a cell; None with errors if the cell can't be used.
     """
     found = CellLoader(folder, robot).given(project, named)
     given = found.value
@@ -149,9 +151,7 @@ def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) ->
 
 
 def holds_still(cell: Cell) -> bool:
-    """Return True if the files of a cell and of its meshes haven't changed since the cell was read. Reads
-    the disk.
-    """
+    """Return True if a cell file and its mesh files haven't changed on the disk since the cell was read."""
     read = read_text(Path(cell.source.name), "")
     if isinstance(read, Diagnostic) or read.text != cell.source.text:
         return False
@@ -164,7 +164,9 @@ def holds_still(cell: Cell) -> bool:
 
 
 def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the cell of a session in a folder: like `cell_for`, with the yarc.toml of the folder."""
+    """Read the cell for an interactive session in a folder: the cell `named`, or else that of the folder's
+    yarc.toml.
+    """
     project = find_project(folder)
     if project.value is None:
         return Result(None, project.diagnostics)
@@ -177,8 +179,8 @@ def is_same_file(path: Path, other: Path) -> bool:
 
 
 def file_of(place: Path) -> Path:
-    """Return the file that a path leads to. If it leads to none (an invalid name, or a circle of links),
-    return the path itself.
+    """Return the file that a path leads to after all symbolic links. If there is none (an invalid name, or a
+    circle of links), return the path itself.
     """
     try:
         return place.resolve()
@@ -198,7 +200,7 @@ def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> 
     Args:
         source: the text.
         folder: its folder, to which mesh files are relative.
-        robot: robot for joint values; None: check only what holds for any robot.
+        robot: robot for joint values; None: check only what is valid for any robot.
     """
     return _whole(read_cell(source, folder, Names(is_word, robot)), robot)
 
@@ -206,12 +208,13 @@ def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> 
 def check_project(
     source: SourceFile, folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS
 ) -> tuple[Diagnostic, ...]:
-    """Check the text of a yarc.toml by itself, and check that the cell that it names can be read.
+    """Check the text of a yarc.toml without any program, including whether the cell that it names can be
+    read.
 
     Args:
         source: the text.
         folder: its folder.
-        texts: open files. A cell among them needs no saved file.
+        texts: files that are open in an editor; a cell among them needn't be saved.
     """
     read = read_project(source, folder)
     project = read.value
@@ -226,11 +229,11 @@ def check_project(
 
 
 def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ...]:
-    """Check a cell.toml, a robot.toml or a yarc.toml by itself.
+    """Check a cell.toml, a robot.toml or a yarc.toml without any program.
 
     Args:
         path: the file. robot.toml describes a robot, yarc.toml a project, and any other name a cell.
-        robot_name: robot for the joint values of a cell; None: check only what holds for any robot.
+        robot_name: robot for the joint values of a cell; None: check only what is valid for any robot.
     """
     if Path(path).name.lower() == DESCRIPTION:
         return load_robot(path).diagnostics
@@ -247,7 +250,7 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
 
 
 def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
-    """Return all findings about a cell that need no program."""
+    """Return all findings about a cell that can be made without a program."""
     findings = [*loaded.diagnostics]
     if robot is not None:
         findings += _of_zones(loaded, robot)
@@ -259,7 +262,7 @@ def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
 
 
 def _of_zones(loaded: Result[Cell], robot: Robot) -> list[Diagnostic]:
-    """Return the findings about zones whose form is correct."""
+    """Return the findings about the zones of a cell that otherwise has no errors."""
     cell = loaded.value
     if cell is None or not cell.zones or has_errors(loaded.diagnostics):
         return []

@@ -37,15 +37,16 @@ from yarclang.syntax.parse import forget
 
 @frozen(eq=False)
 class Begun:
-    """A program for a robot, checked up to the planning of its motions.
+    """A program that is checked without planning its motions; `check_further` continues from it.
 
     Attributes:
         opened: the parsed program and its request.
-        found: findings of opening the file.
+        found: findings from opening the file.
         program: the checked program, with its findings.
         around: surroundings of the program.
-        said: findings of the rules that read the syntax tree or the program, and know the surroundings.
-        boxes: True if the boxes of OFFSETs are to be tried as well.
+        said: findings of the lint rules that read the syntax tree or the checked program, and the
+            surroundings that these rules know.
+        boxes: True if the OFFSETs are also to be tried in the whole range of their registers.
     """
 
     opened: Opened
@@ -64,12 +65,12 @@ class Begun:
 
 @frozen(eq=False)
 class Checked:
-    """The findings about a file, and the results of the stages that were reached.
+    """The findings about a file, and the results of the compiler's stages that were reached.
 
     `source` is None if the file couldn't be read, or is no program; `opened` is None if the robot isn't
-    known. `program` may have gaps. `compiled` exists only if there is no error, including findings that the
-    project's settings raise to errors. `begun` is the state of a check without planning, from which a check
-    with planning can continue (`check_further`).
+    known. `program` may have gaps in place of commands with errors. `compiled` exists only if there is no
+    error; findings that the project's settings raise to errors count as well. `begun` is the state of a check
+    without planning, from which `check_further` can continue with planning.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -87,9 +88,9 @@ def check_file(path: str, options: Options, *, plans: bool = True, boxes: bool =
 
     Args:
         path: the file, or `-` for standard input.
-        options: further options.
-        plans: True to plan and prove motions. False for only the findings that need no planning.
-        boxes: True to try the boxes of OFFSETs, which takes a while.
+        options: the user's options.
+        plans: True to plan and prove the motions. False for only the findings that need no planning.
+        boxes: True to try the OFFSETs in the whole range of their registers, which takes a while.
     """
     if path.lower().endswith(SUFFIX):
         try:
@@ -129,14 +130,14 @@ def check_text(
 
 
 def check_further(checked: Checked, early: Callable[[Checked], None] | None = None) -> Checked:
-    """Continue a check without planning by planning and proving the same text, and return the result.
+    """Plan and prove the motions of a program that was checked without planning, and return the result.
 
     No stage is repeated, except that loops are now carried out in full.
 
     Args:
         checked: result of the check without planning.
-        early: called with the intermediate result when all motions are planned, but not proved yet. It is not
-            called for a program with errors.
+        early: function that gets the intermediate result when all motions are planned, but not proved yet. It
+            is not called for a program with errors.
     """
     begun = checked.begun
     if begun is None:
@@ -151,8 +152,8 @@ def check_further(checked: Checked, early: Callable[[Checked], None] | None = No
 
 
 def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None = None) -> Checked:
-    """Return the result of all stages. If a stage fails with an exception, return the findings so far and
-    the failure.
+    """Return the result of all stages. If a stage raises an exception, return the findings so far and a
+    finding about the exception.
     """
     try:
         return _planned(begun, early)
@@ -167,7 +168,9 @@ _LONG = 10_000
 
 
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
-    """Check a program without planning any motion. If it can't be opened, return only findings."""
+    """Check a program without planning any motion. If it can't be parsed or its robot isn't known, return
+    only findings.
+    """
     opened = open_source(source, folder, options)
     if isinstance(options.memory, Forgetful) and len(source.lines) > _LONG:
         forget()
@@ -197,10 +200,10 @@ def _unplanned(begun: Begun) -> Checked:
 
 
 def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
-    """Return the result of all stages.
+    """Plan and prove the motions of a checked program, and return the result of all stages.
 
-    Lines that couldn't be read are missing from the plan, so the motions of a program with such lines aren't
-    proved.
+    Lines that couldn't be parsed are missing from the plan. The motions of a program with such lines are
+    therefore not proved.
     """
     request, source, project = begun.opened.request, begun.source, begun.project
     planned = plan_checked(begun.program, request)
@@ -239,15 +242,15 @@ def _before_the_proof(
 
 
 def _silent(project: Project) -> set[str]:
-    """Return the codes that the project switches off."""
+    """Return the codes of the findings that the project switches off."""
     return {code for code, level in project.levels.items() if level == "off"}
 
 
 def settled_in_folder(
     diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path, opened: Opened | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings of some stages about a program in a folder, filtered by the program's comments and
-    by yarc.toml.
+    """Return the findings that some stages have made about a program in a folder, filtered by the program's
+    comments and by yarc.toml.
     """
     return settled(diagnostics, source, find_project(folder).value or Project(folder), opened)
 
@@ -263,12 +266,12 @@ def settled(
     """Filter findings for output.
 
     Findings that follow from other findings or that comments suppress are dropped. Findings in modules are
-    moved to their calls. The project sets the severities.
+    moved to the CALLs that lead to them. The project's settings give the severities.
 
     Args:
         diagnostics: all findings.
         source: the program's file.
-        project: its settings.
+        project: settings of the project.
         opened: the parsed program; None if it couldn't be opened. Without it, findings in modules aren't
             moved.
         is_whole: True if all checks were made: only then a comment that suppresses nothing is reported.

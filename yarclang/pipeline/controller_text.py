@@ -1,6 +1,7 @@
 """Verify a controller text of unknown origin.
 
-If its program is known, the text is verified against it; otherwise for all properties that need no program.
+If its source program is found, the text is verified against this program. Otherwise it is verified for all
+properties that need no program.
 """
 
 from __future__ import annotations
@@ -55,13 +56,13 @@ class JudgedText:
 
     Attributes:
         text: the text, as it was read.
-        robot: the robot that it is for.
+        robot: the robot that the text is for.
         certificate: what was proved, with the lines to send.
-        program: the program against which it was proved; None if the program isn't known.
-        missing: why the program isn't known; empty if it is.
+        program: the source program against which the text was proved; None if it wasn't found.
+        missing: reason why the source program wasn't found; empty if it was.
         cell: surroundings used in the proof.
-        plan: plan of that program, if the text was compiled from exactly this program according to its
-            header; else None.
+        plan: plan of the source program if the text's header says that the text was compiled from exactly
+            this program; else None.
     """
 
     text: SourceFile
@@ -79,8 +80,8 @@ def is_compiled(file: str) -> bool:
 
 
 def read_controller_text(path: str) -> Result[SourceFile]:
-    """Read a file's bytes, each as one character. Nothing is decoded, so that the judge sees the original
-    bytes.
+    """Read a file with one character per byte. Nothing is decoded, so that the judge (the independent
+    verifier) sees the original bytes.
     """
     content = read_content(path, LARGEST_DATA)
     if content.value is None:
@@ -94,7 +95,7 @@ def judge_text(
     options: Options,
     program: str | None = None,
 ) -> Result[JudgedText]:
-    """Verify a controller text against the program beside it. Without a program, verify all properties that
+    """Verify a controller text against its source program. If there is no program, verify all properties that
     need none.
 
     Args:
@@ -105,7 +106,8 @@ def judge_text(
         program: the program's file, if it is given.
 
     Returns:
-        None, with the errors, if the text must not be carried out. A value may come with notes and warnings.
+        None, with the errors, if the text must not be carried out. A verified text may come with notes and
+        warnings.
     """
     project = find_project(folder)
     if project.value is None:
@@ -156,7 +158,9 @@ def _remedy(text: SourceFile, program: Program | None) -> str:
 
 
 def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | None) -> Diagnostic:
-    """Move a finding about a command of the program to the command's first line in the text."""
+    """Move a finding about a command of the program to the first line of this command in the controller
+    text.
+    """
     if finding.source is text or certificate is None or finding.span is None:
         return finding if finding.source is text else replace(finding, source=text, span=None)
     line = finding.span.line
@@ -166,7 +170,7 @@ def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | N
 
 
 def judge_alone(text: SourceFile, robot: str | None, cell: str | None) -> Result[JudgedText]:
-    """Verify all properties of a controller text that need no program, and look for no program.
+    """Verify all properties of a controller text that need no source program, without looking for one.
 
     Args:
         text: a text of yarcc.
@@ -191,7 +195,9 @@ def _alone(
 def _opened(
     text: SourceFile, name: str | None, cell: str | None, folder: Path, project: Project
 ) -> Result[tuple[Header, Robot, GivenCell | None]]:
-    """Read a text's header, its robot and its surroundings. Nothing of the text is verified yet."""
+    """Read a controller text's header, and load the robot and the surroundings of the text. Nothing is
+    verified yet.
+    """
     if not text.text.startswith(FIRST_WORDS):
         message = "this isn't a text that yarcc has written"
         help_ = "give the program itself, or what yarcc made of it"
@@ -253,10 +259,11 @@ def prove_against(text: SourceFile, opened: Opened) -> Result[Certificate]:
 
     Args:
         text: the controller text.
-        opened: the program, for its robot.
+        opened: the parsed program, with its robot.
 
     Returns:
-        None, with the errors, if the text doesn't do what the program specifies, or the program has errors.
+        None, with the errors, if the program has errors, or if the text doesn't do what the program
+        specifies.
     """
     planned = plan_module(opened.module, opened.request)
     if planned.value is None or has_errors(planned.diagnostics):
@@ -269,8 +276,8 @@ def prove_against(text: SourceFile, opened: Opened) -> Result[Certificate]:
 
 
 def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
-    """Load the robot of a controller text that is only displayed. With a name, the header must agree; without
-    one, the header's robot is used.
+    """Load the robot for a controller text that is only displayed: the robot `name`, which must agree with
+    the header, or without a name the robot of the header.
     """
     preamble = header_of(text.text)
     if isinstance(preamble, Unreadable):
@@ -303,7 +310,9 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
 def _program_of(
     text: SourceFile, header: Header, folder: Path, robot: Robot, options: Options, named: str | None
 ) -> Result[MotionPlan] | Result[str]:
-    """Return the plan of the text's program, or the reason why there is no program to verify against."""
+    """Return the plan of the program from which a controller text was compiled, or the reason why there is no
+    program to verify against.
+    """
     for place, required in _candidates(text, header, folder, named):
         if not is_file(place):
             if named is not None:
@@ -329,10 +338,11 @@ def _program_of(
 def _candidates(
     text: SourceFile, header: Header, folder: Path, named: str | None
 ) -> Iterator[tuple[Path, bool]]:
-    """Yield the files that may be the text's program. With each comes True if it must be used.
+    """Yield each file that may be the source program of a controller text, and True if this file must be used
+    when it exists.
 
-    A named file, and a file beside the text, must be used whatever its content is. Another file is used only
-    if its content matches the header.
+    A file that the user names, or that is in the text's folder, must be used whatever it contains. A file in
+    the working folder is used only if its content matches the header.
     """
     if named is not None:
         yield Path(named), True
@@ -348,10 +358,11 @@ def _candidates(
 def _planned(
     place: Path, header: Header, robot: Robot, options: Options, *, must: bool
 ) -> Result[MotionPlan]:
-    """Plan a program with the options in the text's header. The plan gives claims, which the judge checks.
+    """Plan a program with the options in the header of a controller text. The plan gives claims, which the
+    judge checks.
 
-    If the file needn't be used (`must`) and isn't the text's program, it isn't planned, and there are no
-    findings.
+    If `must` is False and the controller text wasn't compiled from this program, the program isn't planned,
+    and there are no findings.
     """
     with_options = replace(
         options,
@@ -378,4 +389,4 @@ def _planned(
 
 
 _SAME_START = 1e-3
-"""Largest difference of two starts [deg or mm] that can result from printing fewer digits."""
+"""Largest difference of two start positions [deg or mm] that the rounding of printed numbers can explain."""

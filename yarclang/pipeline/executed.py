@@ -1,7 +1,7 @@
-"""Compute what the robot does under a controller text, command by command: the executed curves, and the
-actions between them.
+"""Compute what the robot does when it carries out a controller text, command by command: the curves of the
+motions, and the actions between the motions.
 
-This uses only the text, which the certificate's own reader reads.
+Only the controller text is used, and the certificate's own parser reads it.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ Kind = Literal[
 
 @frozen(eq=False)
 class Act:
-    """The action of one command.
+    """What the robot does for one command.
 
     Attributes:
         what: description of a command without motion, for people and for comparison.
-        curve: the executed motion [rad or m].
-        duration: its known duration [s].
-        step: number of the command in the program; -1 if the text doesn't contain it.
+        curve: the executed motion [rad or m]; None for a command without motion.
+        duration: duration of the command [s], as far as it is known in advance.
+        step: number of the command in the program; -1 if the controller text doesn't contain it.
         carries: parts that grippers hold during a motion; None if unknown.
         may_touch: pairs of bodies that may touch during the motion.
         keeps: rules of KEEP that apply to the motion.
@@ -79,10 +79,12 @@ class Act:
 
 @frozen(eq=False)
 class Executed:
-    """All actions of a text in order.
+    """All actions of a controller text, in order.
 
-    It also has the joint positions `start` (n,) [rad or m] from which they begin, their duration, and the
-    inputs that hold the motions.
+    Attributes:
+        start: (n,) [rad or m] joint positions from which the actions begin.
+        lasting: duration of all actions.
+        watches: inputs that hold the motions.
     """
 
     name: str
@@ -94,21 +96,23 @@ class Executed:
 
     @property
     def duration(self) -> float:
-        """Return the known time of all motions and dwells [s]; of several branches, the longest counts."""
+        """Return the total time of all motions and dwells [s]; of several branches, the longest counts.
+        Waiting for inputs isn't included.
+        """
         return self.lasting.most
 
 
 def executed(
     text: str, robot: Robot, name: str, carried: Mapping[int, tuple[str, ...]] | None = None
 ) -> Result[Executed]:
-    """Read a controller text.
+    """Compute the actions of a controller text.
 
     Args:
         text: a text of yarcc.
-        robot: the robot that it is for.
+        robot: the robot that the text is for.
         name: name of the text in messages.
-        carried: parts that grippers hold during each motion, by its step, from the certificate; None if
-            unknown.
+        carried: parts that grippers hold during each motion, by the number of its step, from the certificate;
+            None if unknown.
 
     Returns:
         None, with a finding, if the text isn't one that yarcc writes for this robot's controller.
@@ -169,9 +173,10 @@ def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) 
 
 
 def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[Act]:
-    """Return the commands of a sequence; their entries are removed from the front of `moving`.
+    """Return the actions of the commands in an uninterrupted sequence of moves. The entries of these commands
+    are removed from the front of `moving`.
 
-    The control points of a sequence are S, S, S, c1 ... cM, cM, cM.
+    The control points of a sequence that starts at S are S, S, S, c1 ... cM, cM, cM.
     """
     points = run.points * robot.axis_units
     control = np.concatenate((np.tile(stand, (3, 1)), points, np.tile(points[-1], (2, 1))))

@@ -1,4 +1,4 @@
-"""Merge the error about an unreachable place with the warning that explains it."""
+"""Merge the error that a goal can't be reached with the warning that explains it."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from yarclang.lint.registry import rules
 
 
 def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Return the findings. An error and the warning that explains it become one error with the warning's
-    remedy.
+    """Merge each error with the warning that explains it: the error gets the warning's remedy. Return all
+    findings; those without a partner are unchanged.
 
     Args:
-        diagnostics: all findings. Findings of one command have the same file and first line.
+        diagnostics: all findings. Findings about one command have the same file and first line.
     """
     findings = tuple(diagnostics)
     unreached = {_place(finding) for finding in findings if finding.is_error and _is_explained(finding)}
@@ -39,7 +39,7 @@ def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 def _is_explained(finding: Diagnostic) -> bool:
-    """Return True if a lint rule may give the reason for a finding."""
+    """Return True if a finding is of a kind whose reason a lint rule may give."""
     return CATALOGUE[finding.code].is_explained
 
 

@@ -1,4 +1,6 @@
-"""Apply fixes to a text until no fix is left. Each fix is first tried, and must not break the program."""
+"""Apply fixes to a program's text until none is left. Each fix is first tried, and must not break the
+program.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ from yarclang.progress import part
 from yarclang.source import SourceFile, Span
 
 MOST_ROUNDS = 20
-"""Largest number of rounds. It ends fixes that would trigger each other endlessly."""
+"""Largest number of rounds of applying fixes. It ends fixes that would trigger each other endlessly."""
 
 _SAME = 1e-9
 """Control points that differ by less count as equal [rad or m]."""
@@ -29,7 +31,9 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 
 @frozen(eq=False)
 class Fixed:
-    """A text with its fixes applied, the remaining findings, and the titles of the fixes."""
+    """A program's text with its fixes applied, the remaining findings, and the titles of the applied
+    fixes.
+    """
 
     text: str
     checked: Checked
@@ -39,17 +43,17 @@ class Fixed:
 def fixed(
     checked: Checked, check: Callable[[SourceFile], Checked], is_wanted: Callable[[Diagnostic], bool]
 ) -> Fixed:
-    """Apply the fixes of the wanted findings.
+    """Apply the fixes of the wanted findings to a program's text.
 
-    A fix is kept only if the new text can be read, has no new error, and no longer has the finding. If the
-    finding was no error, the new text must also do the same as before: the same curves of all motions or, for
-    a program that isn't planned, the same steps. If a text couldn't be read before the fix, new errors of
-    meaning are allowed, since they were hidden.
+    A fix is kept only if the new text can be parsed, has no new error, and no longer has the finding. If the
+    finding was no error, the new text must also do the same as before: the curves of all motions must be the
+    same or, if the program isn't planned, its steps. If a text couldn't be parsed before the fix, new errors
+    of meaning are allowed, since they were hidden.
 
     Args:
         checked: findings in the current text; its source must exist.
-        check: checks another text of the file.
-        is_wanted: returns True if a finding's fix is to be applied.
+        check: function that checks another text of the file.
+        is_wanted: function that returns True if the fix of a finding is to be applied.
     """
     assert checked.source is not None
     applied: list[str] = []
@@ -101,13 +105,15 @@ def _fixable(checked: Checked, is_wanted: Callable[[Diagnostic], bool]) -> list[
 
 
 def _key(finding: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
-    """Return a key of a finding that stays the same when its line moves."""
+    """Return a key by which a finding is recognized even if its line has moved."""
     line = source.line(finding.span.line) if finding.span else ""
     return finding.code, line, finding.fix.title if finding.fix else ""
 
 
 def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Return the findings whose edits don't overlap with those of an earlier finding."""
+    """Return findings whose fixes can be applied together: each finding whose edits don't overlap with those
+    of an earlier one.
+    """
     chosen: list[Diagnostic] = []
     edits_so_far: list[Edit] = []
     for one in findings:
@@ -126,8 +132,8 @@ def _touch(edit: Edit, other: Edit) -> bool:
 
 
 def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
-    """Return the text after edits that don't overlap. Line ends aren't changed; a missing line end at the end
-    of the text stays missing.
+    """Apply edits that don't overlap to a text. The kind of the line ends doesn't change, and a line end that
+    is missing at the end of the text stays missing.
     """
     text = source.text
     starts = [0, *(end.end() for end in _LINE_END.finditer(text))]
@@ -147,7 +153,9 @@ def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
 def _tried(
     before: Checked, chosen: Sequence[Diagnostic], check: Callable[[SourceFile], Checked]
 ) -> Checked | None:
-    """Return the result of applying some fixes; None if they break something, or remove no finding."""
+    """Return the result of applying some fixes to a program; None if they break the program, or remove no
+    finding.
+    """
     assert before.source is not None
     text = edited(before.source, [one.fix for one in chosen if one.fix])
     if text == before.source.text:

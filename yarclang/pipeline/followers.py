@@ -24,10 +24,12 @@ _MISPLACED = "Y0116"
 _GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "FUNC", "TABLE", "JOINTS", "POSE")
 
 _WITHOUT_HEAD = "{[("
-"""First characters of an unreadable line that was probably meant as a DEFAULT."""
+"""First characters of a line that can't be parsed, but was probably meant as a DEFAULT."""
 
 _BY_DEFAULT = ("default", "unit")
-"""Settings of a DEFAULT line that many lines use: one line may cause many findings."""
+"""What findings may be missing because a DEFAULT line doesn't give it. Many lines use the DEFAULT line, so
+one mistake in it may cause many findings.
+"""
 
 _MANY = 3
 _MOST_IN_A_LINE = 20
@@ -36,7 +38,7 @@ line anyway.
 """
 
 _LIKE = 0.7
-"""Smallest similarity of a misspelt word and the word that was meant: difflib's ratio."""
+"""Smallest similarity of a misspelt word and the word that was meant, as difflib's ratio."""
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -44,10 +46,10 @@ _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
     """Return the findings without those that follow from an error in another line of the program.
 
-    A line with an error explains unknown names elsewhere that occur in it; an unreadable DEFAULT explains
-    missing units and frames; an unreadable first line of a block explains an END without a block; a wrong
-    frame or number explains a place that can't be reached. The catalogue lists, for each finding, its
-    prerequisites and causes. An error is dropped only in favour of another one that stays.
+    A line with an error explains unknown names elsewhere that occur in this line. A DEFAULT that can't be
+    parsed explains missing units and frames. A block's first line that can't be parsed explains an END
+    without a block. A wrong frame or number explains a goal that can't be reached. The catalogue lists the
+    prerequisites and causes of each finding. An error is dropped only if the error that explains it stays.
 
     Args:
         diagnostics: all findings.
@@ -65,8 +67,8 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
 
 
 def _causes(findings: Iterable[Diagnostic], source: SourceFile) -> set[int]:
-    """Return the program's lines with errors. Commands whose only error is an unknown name are left out: they
-    declare nothing that other lines could miss.
+    """Return the program's lines whose errors may cause findings elsewhere. Commands whose only error is an
+    unknown name are left out: they declare nothing that other lines could miss.
     """
     own = [(one, line) for one in each(findings) if (line := _line(one, source))]
     uses = {line for one, line in own if _need(one) in ("name", "meaning") and not _declares(source, line)}
@@ -74,7 +76,7 @@ def _causes(findings: Iterable[Diagnostic], source: SourceFile) -> set[int]:
 
 
 class _Reasons:
-    """The lines with errors, and the names and settings that other lines miss because of these errors.
+    """The lines with errors, and the names and settings that are missing elsewhere because of these errors.
 
     Args:
         found: all findings.
@@ -86,7 +88,7 @@ class _Reasons:
         self._source, self._causes = source, causes
         self._wrong = {_line(one, source) for one in each(findings) if one.is_error} - {0}
         self._lines: dict[str, set[int]] = {}
-        """Lines of the findings of each code, 0 for other files."""
+        """Lines of the findings with each code; 0 for a finding in another file."""
         for one in each(findings):
             self._lines.setdefault(one.code, set()).add(_line(one, source))
         self._above = {code: min(lines - {0}, default=math.inf) for code, lines in self._lines.items()}
@@ -130,7 +132,7 @@ class _Reasons:
         return False
 
     def _is_spoken_of(self, finding: Diagnostic) -> bool:
-        """Return True if a line with an error contains the name that a finding is about."""
+        """Return True if another line with an error contains the name that a finding is about."""
         if (
             finding.span is None
             or finding.source is not self._source
@@ -144,11 +146,13 @@ class _Reasons:
         )
 
     def _like(self, word: str) -> list[int]:
-        """Return the lines with errors that begin with a word, or with a similar one."""
+        """Return the lines with errors whose first word is `word` or similar to it."""
         return [line for line, first in each(self._firsts.items()) if _is_like(first, word)]
 
     def _leads(self, cause: Follows, line: int) -> bool:
-        """Return True if one of the findings in a line explains a given finding."""
+        """Return True if a finding in line `line` follows from a finding with the code of `cause`, which may
+        be in the same line, above or elsewhere, as `cause` says.
+        """
         lines = self._lines.get(cause.code, ())
         match cause.where:
             case "here":
@@ -159,8 +163,8 @@ class _Reasons:
                 return bool(lines) and line not in self._causes
 
     def _lost(self, finding: Diagnostic, line: int) -> bool:
-        """Return True if a name may be defined in a line with an error, or in an unreadable cell or
-        module.
+        """Return True if the name that a finding misses may be declared in a line with an error above it, or
+        in a cell or module that can't be read.
         """
         if self._lost_cell and line not in self._lines.get(_MISPLACED, ()):
             return self._firsts.get(line, "") != "CELL"
@@ -170,8 +174,8 @@ class _Reasons:
 
 
 def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
-    """Return the names of declarations with errors, and the names of declarations that use them. `DEFAULT` is
-    included if the DEFAULT line is among them.
+    """Return the names whose declarations have errors or use such names. `DEFAULT` is included if the DEFAULT
+    line has an error or uses such a name.
     """
     lost: set[str] = set()
     heads = {*_GIVES_NAMES, "DEFAULT"}
@@ -187,8 +191,8 @@ def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
 
 
 def _rests_on(finding: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
-    """Return True if a finding about a motion may come from doubtful names. In unrolled code, it always
-    may.
+    """Return True if a finding about a motion may come from names whose declarations have errors. In loops
+    and SUBs, it always may.
     """
     if not doubtful:
         return False
@@ -203,7 +207,9 @@ def _need(finding: Diagnostic) -> Need:
 
 
 def _line(finding: Diagnostic, source: SourceFile) -> int:
-    """Return the line of a finding in the program; 0 if it has none, or is in another file."""
+    """Return the line of a finding in the program's file; 0 if the finding has no line, or is in another
+    file.
+    """
     is_own = finding.span is not None and finding.source is not None and finding.source.name == source.name
     return finding.span.line if finding.span is not None and is_own else 0
 
@@ -234,16 +240,20 @@ def _is_like(word: str, known_name: str) -> bool:
 
 
 def _said_once(findings: list[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Keep the first of several findings about the same unknown name, and the first of many similar findings.
-    Its message then has the number of the others.
+    """Merge findings that repeat each other: those about the same unknown name, and many similar ones.
+
+    The first finding of each group stays, and its message gets the number of the others.
     """
     groups = gathered(findings, lambda one: _repeated(one) or one)
     return tuple(one for group in each(groups) for one in _shortened(group))
 
 
 def _repeated(finding: Diagnostic) -> tuple[str, object] | None:
-    """Return the property that findings which repeat each other have in common; None if this finding
-    repeats nothing.
+    """Return a key that is equal for findings that repeat each other: the unknown name, or the finding's
+    code.
+
+    Returns:
+        None for a finding that is never merged with others.
     """
     need = _need(finding)
     if need == "name" and isinstance(finding.subject, Name) and finding.subject.name:
@@ -252,8 +262,8 @@ def _repeated(finding: Diagnostic) -> tuple[str, object] | None:
 
 
 def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first of several findings that repeat each other; all of them if they are few or don't
-    repeat each other.
+    """Return only the first of several findings that repeat each other, with the number of the others; all of
+    them if they are few, or are never merged.
     """
     first = group[0]
     kind, _ = _repeated(first) or ("", None)
@@ -270,15 +280,15 @@ def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
 
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Keep only the first findings of each code in a line. The last one that is kept has the number of the
-    others.
+    """Keep only the first findings with each code in a line. The message of the last one that stays gets the
+    number of the dropped ones.
     """
     groups = gathered(diagnostics, _line_and_code)
     return tuple(one for group in each(groups) for one in _few(group))
 
 
 def _few(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first findings of one code in a line. All findings are kept if they have no line."""
+    """Return the first findings with one code in one line. Findings without a line are all returned."""
     more = len(group) - _MOST_IN_A_LINE
     if group[0].span is None or more <= 0:
         return group

@@ -1,5 +1,5 @@
-"""Run checks that never raise. An exception in a stage becomes a finding about the program, at the statement
-if it is known.
+"""Run checks that never raise an exception. An exception in a stage becomes a finding about the program, at
+the statement that was being processed if it is known.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
 
 
 def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFile, Span] | None:
-    """Return the statement that was being processed: the statement among the variables of the innermost
-    call that has one.
+    """Return the statement that was being processed when an exception was raised: the statement in a local
+    variable of the innermost function that has one.
     """
     for frame, _ in reversed(list(frames_of(error))):
         for value in list(frame.f_locals.values()):
@@ -45,7 +45,9 @@ def _origin_of(value: object) -> Origin | None:
 
 
 def _is_in(statement: Statement, source: SourceFile) -> bool:
-    """Return True if a statement belongs to this file. A module may have a statement at the same line."""
+    """Return True if a statement belongs to this file: its name must be in the text there, since a module may
+    have a statement with the same line number.
+    """
     name = statement.name
     line = source.line(statement.line + name.place.row)
     return line[name.place.start - 1 : name.place.end - 1] == name.text

@@ -10,10 +10,10 @@ for bit those of a check without a cache. These results are cached, with these k
   tolerance (motion/recalling.py);
 - a motion's hash, and the angle between two paths, by the cached steps and paths (identity.py, lint/);
 - a printed move, by its control points; the meaning of move lines, by their text (certify/cursor.py); and the
-  certificate of a stretch from rest to rest, by the numbers in the text and their required values
+  certificate of the moves from one rest to the next, by the numbers in the text and their required values
   (certify/stretches.py).
 
-So after an edit of one motion, only this motion is computed again, and the later motions whose start changes.
+After an edit of one motion, only this motion and the later motions whose start changes are computed again.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ LEAST_KEPT = 4_000
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """The findings about a text, the results of the stages that were reached, and these results by
-    command.
+    """The findings about a program's text, the results of the compiler's stages that were reached, and access
+    to these results by command.
     """
 
     checked: Checked
@@ -76,18 +76,18 @@ class Analysis:
 
     @cached_property
     def motions(self) -> Mapping[int, PlannedMotion]:
-        """Return the planned motions, by their steps."""
+        """Return the planned motions, by the numbers of their steps."""
         return {motion.step: motion for motion in self.plan.motions} if self.plan else {}
 
     @cached_property
     def proofs(self) -> Mapping[int, CommandCertificate]:
-        """Return the proofs of motions, by their steps."""
+        """Return what is proved about each motion, by the number of its step."""
         return {one.step: one for one in self.certificate.commands} if self.certificate else {}
 
     @cached_property
     def steps_by_line(self) -> Mapping[int, tuple[int, ...]]:
-        """Return the steps of each command in the program's own file, by the command's first line. A command
-        in a loop has many steps.
+        """Return the numbers of the steps that each command in the program's own file becomes, by the
+        command's first line. A command in a loop becomes many steps.
         """
         found: dict[int, list[int]] = {}
         for number, step in enumerate(self._steps):
@@ -101,11 +101,11 @@ class Analysis:
 
 
 ENOUGH_AT_FIRST = 1_000
-"""Number of lines in loops and SUBs that a quick check carries out, which takes about 0.1 s."""
+"""Number of lines in loops and SUBs after which a quick check stops; they take about 0.1 s."""
 
 
 class Analyst:
-    """Checks texts with the same options, and caches results.
+    """Checker of programs' texts, with the same options for all and a cache of results.
 
     Two threads may use it at the same time; they share the cache.
     """
@@ -131,13 +131,14 @@ class Analyst:
             folder: folder in which modules, cells and settings are looked for.
             quick: True to check only what needs no planning, and at most ENOUGH_AT_FIRST lines of loops and
                 SUBs.
-            begun: result of a quick check of this text, from which the check continues; None: none.
-            cancelled: called often; the check is given up if it returns True.
-            early: called with the intermediate result when all motions are planned, but not proved yet, if
-                the check continues a quick one.
+            begun: result of a quick check of this text, from which the check continues; None: check from the
+                start.
+            cancelled: function that is called often; the check is given up if it returns True.
+            early: function that gets the intermediate result when all motions are planned, but not proved
+                yet. It is called only with `begun`.
 
         Returns:
-            None if the check was given up. Its results so far stay in the cache.
+            None if the check was given up. What it has computed so far stays in the cache.
         """
         options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
         try:

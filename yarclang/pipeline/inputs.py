@@ -1,4 +1,6 @@
-"""Read a program's file and the user's options, and return a syntax tree and a request."""
+"""Read a program's file and the user's options. The result is a syntax tree, and a request with which it is
+compiled.
+"""
 
 from __future__ import annotations
 
@@ -34,16 +36,17 @@ class Options:
     """Options that the user gives besides the files.
 
     Attributes:
-        start: start of the program [deg, mm for prismatic joints].
+        start: joint position at which the program starts [deg, mm for prismatic joints].
         tm: longest segment time [ms].
         tolerance: tolerance of the path [mm, deg]; None: the robot's own.
         cell: path of a cell.toml.
-        texts: open files by their absolute paths. Modules, cells and robots among them aren't read from the
-            disk.
+        texts: files that are open in an editor, by their absolute paths. They replace the saved modules,
+            cells and robots.
         memory: cache for later checks (created by pipeline/incremental.py).
         enough: number of lines in loops and SUBs after which a quick check stops; None: no limit.
-        present: returns the places of the cell's parts when the program starts; None: as in the cell's file.
-        avoid_effort: number of ways round obstacles to search, of which the fastest is taken.
+        present: function that returns the places of the cell's parts when the program starts; None: the
+            places in the cell's file.
+        avoid_effort: number of paths around obstacles to search for, of which the fastest is taken.
     """
 
     robot: str | None = None
@@ -60,10 +63,11 @@ class Options:
 
     @property
     def said(self) -> tuple[object, ...]:
-        """Return all options of the user, as a key for results that are stored on the disk.
+        """Return the user's options as a key for results that are stored on the disk.
 
         Raises:
-            ValueError: a result depends on something that isn't on the disk.
+            ValueError: a result also depends on something that isn't on the disk, such as a file open in an
+                editor.
         """
         if self.texts or self.present is not None:
             raise ValueError("texts that are open, or parts that are moved, are not what is on the disk")
@@ -83,8 +87,8 @@ def open_program(path: str, options: Options) -> Result[Opened]:
     """Read and parse a program, and find its robot.
 
     Returns:
-        None if the file or the robot can't be read. If there are only syntax errors, a value is returned, so
-        that the rest can still be checked.
+        None if the file or the robot can't be read. With only syntax errors, the program is returned, so that
+        the rest of it can still be checked.
     """
     read = read_source(path)
     if read.value is None:
@@ -153,7 +157,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
 
 
 def _robot(module: Module, folder: Path, project: Project, options: Options) -> Result[Robot]:
-    """Return the robot of the command line or of a ROBOT line, which must agree; without both, that of
+    """Return the robot that the command line or a ROBOT line names (they must agree), or else the robot of
     yarc.toml.
     """
     declared = declared_robot(module)
@@ -182,8 +186,8 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
 
 
 def _on_command_line(name_or_path: str, project: Project, options: Options) -> Result[Robot]:
-    """Return the robot that a name or path means: from the library or at the path, or else the robot of
-    yarc.toml if it has this name.
+    """Return the robot that the command line gives by name or path: a robot of the library, the robot at the
+    path, or the robot of yarc.toml if it has this name.
     """
     if project.robot is not None and find_robot(name_or_path)[0] is None:
         own = _of_project(project, None, options).value
@@ -193,8 +197,8 @@ def _on_command_line(name_or_path: str, project: Project, options: Options) -> R
 
 
 def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Robot]:
-    """Return the named robot, or else that of the folder's yarc.toml, for work that has no program yet.
-    `texts` are open files.
+    """Return the named robot, or without a name that of the folder's yarc.toml, for work that has no program
+    yet. `texts` are files that are open in an editor.
     """
     if name is not None:
         return named_robot(folder, name)
@@ -207,8 +211,8 @@ def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] =
 
 
 def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
-    """Return the robot that a name or path means: from the library or at the path, or else the robot of the
-    folder's yarc.toml if it has this name.
+    """Return the robot with a name or path: a robot of the library, the robot at the path, or the robot of
+    the folder's yarc.toml if it has this name.
     """
     if find_robot(name_or_path)[0] is None and (own := _folder_robot(folder, name_or_path)) is not None:
         return Result(own)
@@ -216,7 +220,7 @@ def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
 
 
 def robot_made_for(folder: Path, name: str) -> Result[Robot]:
-    """Return the robot that a controller text or a log names: the robot of its folder's yarc.toml if it has
+    """Return the robot that a controller text or a log names: the robot of the folder's yarc.toml if it has
     this name, else that of the library.
     """
     own = _folder_robot(folder, name)
@@ -230,11 +234,11 @@ def _folder_robot(folder: Path, name: str) -> Robot | None:
 
 
 def joint_position(robot: Robot, values: tuple[float, ...] | None, name: str) -> Result[Array]:
-    """Return a joint position from an option, for work that has no program yet.
+    """Convert the values of a command line option to a joint position, for work that has no program yet.
 
     Args:
         robot: the robot.
-        values: one per joint, in deg (mm for prismatic joints); None: its home.
+        values: one per joint, in deg (mm for prismatic joints); None: the robot's home.
         name: name of the values in messages.
     """
     if values is None:
@@ -245,7 +249,7 @@ def joint_position(robot: Robot, values: tuple[float, ...] | None, name: str) ->
 
 
 def _of_project(project: Project, program: SourceFile | None, options: Options) -> Result[Robot]:
-    """Return the robot of yarc.toml; without one, a finding that the program needs a robot."""
+    """Return the robot of yarc.toml; if yarc.toml names none, a finding that the program needs a robot."""
     if project.robot is not None:
         return _named(project.robot, project.folder, project.source, project.span_of("robot"), options)
     names = ", ".join(robot.name for robot in list_robots())
@@ -260,8 +264,8 @@ def _named(
     span: Span | None,
     options: Options,
 ) -> Result[Robot]:
-    """Return the robot that a file names, by name or path. A wrong name is reported at its place in that
-    file.
+    """Return the robot that a program or yarc.toml names, by name or path. A wrong name is reported at its
+    place in that file.
     """
     found = _loaded(_placed(name, folder), options.texts, options.memory)
     placed = tuple(
@@ -271,9 +275,7 @@ def _named(
 
 
 def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile], memory: Memory) -> Result[Robot]:
-    """Return the robot that a name or path means. If its robot.toml is an open file, the robot of the open
-    text.
-    """
+    """Return the robot with a name or path. If its robot.toml is open in an editor, the open text is read."""
     path = find_robot(name_or_path)[0] if texts or memory is not NO_MEMORY else None
     text = texts.get(path.absolute()) if path is not None else None
 
@@ -320,8 +322,8 @@ def _start(
 
 
 def tolerance_of(robot: Robot, requested: tuple[float, float | None] | None) -> Tolerance | None:
-    """Return a requested tolerance [mm, deg]; None without a request. If only a length is given, the angle is
-    the robot's own.
+    """Return a requested path tolerance [mm, deg]; None without a request. If only a length is given, the
+    angle is that of the robot's own tolerance.
     """
     if requested is None:
         return None

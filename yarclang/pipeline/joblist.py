@@ -24,7 +24,9 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Listed:
-    """A job of a project: its number, its file, its compiled program (None with errors), and its findings."""
+    """A job of a project: its number, its file, its compiled program (None if it has errors), and its
+    findings.
+    """
 
     number: int
     file: str
@@ -38,8 +40,8 @@ def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
     Each job must begin and end where the first job begins, so that any job may follow any other.
 
     Args:
-        project: yarc.toml with jobs.
-        options: options for all jobs.
+        project: settings of a yarc.toml that lists jobs.
+        options: the user's options, for all jobs.
     """
     first: tuple[int, Job] | None = None
     for number, file in sorted(project.jobs.items()):
@@ -61,8 +63,8 @@ def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
 
 
 def _ends(compiled: Compiled) -> list[Array]:
-    """Return the positions (n,) at which a program may end [rad or m]: at its last line, and at each STOP
-    in a branch.
+    """Return the joint positions (n,) [rad or m] at which a program may end: after its last line, and at each
+    STOP in a branch.
     """
     stands = {motion.step: motion.path.end for motion in compiled.plan.motions}
     walked = Ways(compiled.program.start)
@@ -80,7 +82,9 @@ def _ends(compiled: Compiled) -> list[Array]:
 def _apart(
     project: Project, number: int, job: Job, ends: list[Array], first: tuple[int, Job]
 ) -> Iterator[Diagnostic]:
-    """Yield findings if a job's robot, its start, or one of its ends differs from the first job's."""
+    """Yield findings if a job has another robot or another start than the first job, or doesn't end at
+    this start.
+    """
     other, common = first
     if job.robot.folder != common.robot.folder:
         message = f"job {number} is for {job.robot.name}, job {other} for {common.robot.name}"

@@ -1,4 +1,4 @@
-"""Convert a certified text to a job for the runtime."""
+"""Convert a certified controller text to a job, which the runtime streams."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ def job_of(
     offset: float = 0.0,
     clock: float = 0.0,
 ) -> Result[Job]:
-    """Create a job from a verified text. Its lines are exactly those that the judge has read.
+    """Create a job (a program to be streamed to the controller) from a verified controller text. Its lines
+    are exactly those that the judge has read.
 
     Args:
         certificate: certificate without an error.
@@ -100,8 +101,8 @@ def job_of(
 
 
 def _end_of(content: ControllerText, start: Array) -> Array:
-    """Return the position after the last line (n,) [axis units]. After branches that meet, this is the point
-    of their RAPID.
+    """Return the joint position (n,) [axis units] after the last line of a controller text. If the last lines
+    are branches that meet, it is the target of the RAPID with which they meet.
     """
     for item in reversed(content.course):
         match item:
@@ -113,9 +114,9 @@ def _end_of(content: ControllerText, start: Array) -> Array:
 
 
 def in_pieces(content: dict[str, Any]) -> str:
-    """Return content as JSON, encoding each item of its lists separately.
+    """Return content as JSON, with each item of its lists encoded by a call of its own.
 
-    A single call for all items would block the interpreter's other threads: 0.1 s for a program of 400
+    A single call for all items would block the interpreter's other threads: for 0.1 s with a program of 400
     commands.
     """
     written = []
@@ -128,12 +129,12 @@ def in_pieces(content: dict[str, Any]) -> str:
 def job_of_compiled(
     compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0, clock: float = 0.0
 ) -> Job:
-    """Create a job from a compiled program. A program for a program buffer can't become a job.
+    """Create a job from a compiled program. A program for a controller's program buffer can't become a job.
 
     Args:
         compiled: the program.
         name: name of the program for people.
-        source: text for its log; None: the program's own text.
+        source: program text for the job's log; None: the program's own text.
         offset: start of the job in the program that it is a part of [s].
         clock: latest known time at which the job begins in that program [s].
     """
@@ -150,11 +151,11 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @frozen
 class _Making:
-    """Data that all parts of a text share.
+    """What is known about a controller text's lines when jobs are made from groups of them.
 
     Attributes:
-        begins: time at which the motion of each move line, or each dwell, begins [s], by line.
-        commands: the commands with their times.
+        begins: time at which each move line's motion or each dwell begins [s], by line.
+        commands: the program's commands with their times.
         arms: lines that arm the guard.
         sets: variables that lines set, by line.
         dwells: durations of dwells [s], by line.
@@ -177,11 +178,11 @@ class _Making:
         begin: float,
         end: float,
     ) -> Job:
-        """Return the job for some lines.
+        """Return the job that streams a group of lines.
 
         Args:
             loaded: lines with their numbers.
-            runs: sequences of moves in these lines.
+            runs: uninterrupted sequences of moves in these lines.
             start: (n,) position before these lines [axis units].
             begin: program time at which the lines begin [s].
             end: program time at which they end [s].
@@ -234,8 +235,8 @@ def _legs(
     loaded: Sequence[tuple[int, str]],
     start: Array,
 ) -> Iterator[Leg]:
-    """Yield the legs: the lines between two barriers. A STOP isn't sent; the streaming code stops by
-    sending nothing more.
+    """Yield the legs of a controller text: the lines between two barriers (waits and branches). A STOP isn't
+    sent; the streaming code stops by sending nothing more.
     """
     entries = {entry.step: entry for entry in content.entries}
     offsets = {one.step: one for one in content.offsets}
@@ -288,8 +289,8 @@ def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Barrier:
 
 
 def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
-    """Return when the motion to the point of each move line, and when each dwell, begins [s], by the
-    line's number.
+    """Return the time at which the motion of each move line, and each dwell, begins [s], by the number of the
+    line.
     """
     begins: dict[int, float] = {}
     for item, now in zip(content.course, schedule.places, strict=False):
@@ -303,7 +304,7 @@ def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
 
 
 def _commands(content: ControllerText, schedule: Schedule) -> tuple[JobCommand, ...]:
-    """Return the motions with their times."""
+    """Return the motions in a controller text with their times."""
     commands: list[JobCommand] = []
     moving = iter([entry for entry in content.entries if entry.first is not None])
     for run, begin, clock in zip(content.course, schedule.places, schedule.clocks, strict=False):

@@ -1,6 +1,6 @@
 """A cache of robots, cells and trajectories that stays valid as long as none of their files has changed.
 
-The cache returns identical values, so that results derived from them stay valid.
+Until then it returns the same objects, so that results that are cached for these objects stay valid too.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ def robot_kept(
 
     Args:
         memory: the cache.
-        path: its robot.toml; None if there is none.
-        text: content of the file, if it differs from the saved content.
-        load: reads the robot.
+        path: the robot's robot.toml; None if there is none.
+        text: content of the file if it is open in an editor; None: the saved content.
+        load: function that reads the robot.
     """
     if path is None:
         return load()
@@ -73,10 +73,10 @@ def _kept(
     Args:
         memory: the cache.
         key: key of the result.
-        load: computes the result.
-        begins_with: files that are known in advance. If one of them changes during reading, the result isn't
-            cached.
-        made_of: returns the files from which a result was read.
+        load: function that computes the result.
+        begins_with: function that returns the files that are known before `load`. If one of them changes
+            during `load`, the result isn't cached.
+        made_of: function that takes the result and returns all files from which it was read.
     """
     if memory is NO_MEMORY:
         return load()
@@ -101,7 +101,7 @@ def _meshes(shapes: Iterable[Shape]) -> list[Path]:
 
 
 def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
-    """Return all files in some folders. A URDF may refer to any of them."""
+    """Return all files in a robot's folders, since its URDF may refer to any of them."""
     files: list[Path] = []
     for folder in folders:
         try:

@@ -1,5 +1,5 @@
-"""Plan how a robot withdraws after a watched input has held a motion: back along its path to where the motion
-began, then through the steps of the SUB that the ON calls (the way out).
+"""Plan how a robot withdraws after a watched input has held a motion: back along its path to where the robot
+was last at rest, then through the motions of the SUB that the ON calls (the way out).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _SHORTEST = 1.0
 """Shortest time of the way back [s]."""
 
 _TRIES = 4
-"""Largest number of durations of the way back that are tried. Each is twice the previous one."""
+"""Largest number of durations that are tried for the way back. Each is twice the previous one."""
 
 _ROW_EACH = 0.02
 _MOST_ROWS = 2000
@@ -41,19 +41,19 @@ _MOST_ROWS = 2000
 def leaving(
     plan: MotionPlan, name: str, number: int, time: float, position: Array, request: Request
 ) -> tuple[Job, ...] | str:
-    """Return the jobs by which a robot withdraws that was stopped on the path of a motion: the way back
-    (unless the robot is at the motion's start), and the way out.
+    """Plan how a robot withdraws that was stopped on the path of a motion.
 
     Args:
         plan: the program.
-        name: the way out.
-        number: the motion on whose path the robot was stopped.
-        time: time of the plan that corresponds to the robot's position [s].
+        name: name of the way out (the SUB that an ON calls).
+        number: number of the motion on whose path the robot was stopped.
+        time: time in the plan that corresponds to the robot's position [s].
         position: (n,) position of the robot [rad or m].
         request: the settings with which the program was planned.
 
     Returns:
-        A text with the reason instead, if this isn't possible.
+        The jobs to stream: the way back to where the robot was last at rest (unless it is there already), and
+        the way out. If one of them can't be planned and proved, a text with the reason.
     """
     way = next((one for one in plan.program.ways_out if one.name == name), None)
     if way is None:
@@ -79,7 +79,9 @@ def _out(plan: MotionPlan, way: WayOut, position: Array, request: Request) -> Co
 
 
 def _back(plan: MotionPlan, begin: int, time: float, position: Array, request: Request) -> Compiled | str:
-    """Return the way back along the path, from rest to rest, no faster than the robot came."""
+    """Plan the way back along the path from the robot's position, from rest to rest, no faster than the
+    robot came.
+    """
     whole, watches = plan.program, only_holding(plan.program.watches)
     since = float(plan.begins[begin])
     done = max(time - since, 0.0)
@@ -102,8 +104,8 @@ def _back(plan: MotionPlan, begin: int, time: float, position: Array, request: R
 
 
 def _table(plan: MotionPlan, since: float, progress: float, lasts: float) -> Timetable:
-    """Return the way from `progress` [s after `since`] back to `since`, as a timetable of `lasts` [s] from
-    rest to rest.
+    """Return the way back along a plan as a timetable from rest to rest: from `progress` [s after `since`] to
+    `since`, in `lasts` [s].
     """
     count = int(np.clip(np.ceil(lasts / _ROW_EACH), 4, _MOST_ROWS))
     share = np.arange(1, count + 1) / count

@@ -1,6 +1,6 @@
-"""Find the command to which a line of controller text belongs, by the text's own comments.
+"""Find the command to which a line of controller text belongs, from the comments in the text.
 
-The map in the header names every command, its line in the source, and the first and last of its moves. Lines
+The header of the text lists every command with its source line and its first and last move line. Lines
 between the moves are assigned to a command by the kind of controller that the header's target names
 (`Backend.purposes`). Nothing is proved here, and no robot is needed.
 """
@@ -19,11 +19,11 @@ from yarclang.frozen import frozen
 
 @frozen
 class LineMap:
-    """The purpose of each line of a text.
+    """The purpose of each line of a controller text.
 
     Attributes:
         program: file name of the source.
-        robot: the robot, from the header.
+        robot: the robot's name, from the header.
         fingerprint: fingerprint of the robot, from the header.
         commands: the commands that the header lists.
         stretches: groups of consecutive lines with one purpose, in order. They cover all lines.
@@ -36,11 +36,11 @@ class LineMap:
     stretches: tuple[Stretch, ...]
 
     def at(self, line: int) -> Stretch | None:
-        """Return the stretch that contains a line (from 1); None if the text has no such line."""
+        """Return the group of lines that contains a line (from 1); None if the text has no such line."""
         return next((one for one in self.stretches if one.first <= line <= one.last), None)
 
     def of(self, step: int) -> tuple[Stretch, ...]:
-        """Return the stretches of a command after the header."""
+        """Return the groups of lines that belong to a command, without those in the header."""
         return tuple(
             one
             for one in self.stretches
@@ -57,8 +57,8 @@ def is_compiled_text(text: str) -> bool:
 
 
 def map_lines(text: str) -> LineMap:
-    """Read the comments of a text of yarcc. For any other text, all lines are one stretch without a
-    command.
+    """Find the purpose of each line of a text of yarcc from its comments. Any other text becomes a single
+    group of lines without a command.
     """
     lines = text.split("\n")[:-1] if text.endswith("\n") else text.split("\n") if text else []
     preamble = header_of(text)
@@ -84,7 +84,7 @@ def map_lines(text: str) -> LineMap:
 
 
 def _merged(stretches: Iterator[Stretch]) -> Iterator[Stretch]:
-    """Merge neighbours with the same command and purpose."""
+    """Merge neighbouring groups of lines that have the same command and purpose."""
     last: Stretch | None = None
     for stretch in stretches:
         if last is not None and last.command is stretch.command and last.what == stretch.what:

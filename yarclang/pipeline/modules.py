@@ -20,10 +20,11 @@ SUFFIX = ".yarc"
 
 
 def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callable[[str], Result[Module]]:
-    """Return a function that reads the modules of a program in `folder`, by names in any case.
+    """Return a function that reads the modules of a program in `folder`.
 
-    The function takes a name in upper case. It returns the parsed module, or a finding that lists the modules
-    that exist. `texts` are open files by their absolute paths: they take precedence over saved files.
+    The function takes a module's name in upper case; the name of the file may be in any case. It returns the
+    parsed module, or a finding that lists the modules that exist. `texts` are files that are open in an
+    editor, by their absolute paths: they take precedence over saved files.
     """
 
     @cache  # for one check: files that appear later don't count

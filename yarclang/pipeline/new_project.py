@@ -49,7 +49,9 @@ def check_name(name: str) -> tuple[Diagnostic, ...]:
 
 
 def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
-    """Return a finding if the folder has files that would get mixed with those of a new project."""
+    """Return a finding if a folder already contains files that would get mixed with those of a new
+    project.
+    """
     try:
         if folder.is_dir():
             there = sorted(path.name for path in folder.iterdir())
@@ -67,7 +69,7 @@ def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
 
 
 def project_files(name: str, robot: Robot, robot_entry: str) -> dict[str, str]:
-    """Return the texts of a project's files by their paths in its folder.
+    """Return the texts of a new project's files, by their paths relative to the project's folder.
 
     Args:
         name: name of the project and its program.

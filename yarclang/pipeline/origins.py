@@ -1,7 +1,7 @@
-"""Find the program of a controller text by its name, and check it by its actions.
+"""Find the source program of a controller text by its file name, and check it by a hash of its actions.
 
-The text's header has the program's file name and a hash of its actions. A file with that name, beside the
-text or in the working folder, is the program if it has the same actions. Its comments and layout may have
+The header of the controller text has the file name and the hash. A file with that name, beside the text or in
+the working folder, is the source program if its actions have this hash. Its comments and layout may have
 changed.
 """
 
@@ -27,18 +27,18 @@ _VALUE = r"(-?\d+(?:\.\d+)?)"
 
 @frozen(eq=False)
 class Origins:
-    """The source of a text's commands: `program`. If it isn't known, `program` is None and `missing` is
-    the reason.
+    """The source program of a controller text, in which the text's commands can be looked up. If it wasn't
+    found, `program` is None and `missing` is the reason.
     """
 
     program: Program | None
     missing: str = ""
 
     def of(self, index: str, name: str, source_line: int) -> Origin | None:
-        """Return the origin of a command by its place, its name and its line in the text's map; None if
-        unknown.
+        """Find the source of a command that a controller text lists, by the command's place, name and source
+        line; None if there is none.
 
-        The line is used only to choose among commands with the same name.
+        The line is used only to choose among commands with the same place and name.
         """
         if self.program is None:
             return None
@@ -58,12 +58,12 @@ class Origins:
 def origins_of_text(
     text: str, folder: Path, robot: Robot, source: str | None = None, cell: str | None = None
 ) -> Origins:
-    """Look for the program of a controller text.
+    """Look for the program from which a controller text was compiled.
 
     Args:
         text: a text of yarcc.
-        folder: its folder.
-        robot: robot that it is for.
+        folder: folder of the text.
+        robot: robot that the text is for.
         source: the program's file, if it is given.
         cell: path of a cell.toml, if the program was compiled with one.
     """
@@ -96,8 +96,8 @@ def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str
 
 
 def start_values(header: Header, robot: Robot) -> tuple[float, ...] | None:
-    """Return the robot's start according to a header [deg or mm]; None if it isn't a position of this
-    robot.
+    """Return the joint position at which a controller text starts, from its header [deg or mm]; None if it
+    isn't a position of this robot.
     """
     form = "".join(re.escape(axis) + _VALUE for axis in robot.controller.axes)
     found = re.fullmatch(form, header.start)

@@ -1,4 +1,6 @@
-"""Plan programs that a run needs besides the written one: a part of it, and the slow motion to its start."""
+"""Plan the programs that a run needs besides the complete one: a part of it, and the slow motion to its
+start.
+"""
 
 from __future__ import annotations
 
@@ -64,15 +66,16 @@ _SHORTEST = 0.5
 def approach(
     robot: Robot, position: Array, goal: Array, cell: Cell | None = None, watches: tuple[Watch, ...] = ()
 ) -> Result[Compiled]:
-    """Plan a certified motion of all joints within the robot's rapid share of its limits.
+    """Plan and certify a motion of all joints from the robot's position to a goal, within the robot's rapid
+    share of its limits.
 
-    The motion is straight if the straight path is free; otherwise it goes around obstacles.
+    The motion is straight in joint space if this path is free; otherwise it goes around obstacles.
 
     Args:
         robot: the robot.
         position: (n,) position of the robot [rad or m].
         goal: (n,) goal [rad or m].
-        cell: its surroundings, with the parts where they are when a program starts.
+        cell: surroundings of the robot, with the parts where they are when a program starts.
         watches: inputs that hold the motion, such as those of the program that follows.
 
     Returns:
@@ -102,8 +105,8 @@ def approach(
 
 
 def _fastest(compiled: Compiled, allowed: Array) -> float:
-    """Return an upper bound of the share of its allowed speed that any joint reaches; `allowed` is (n,)
-    [rad/s or m/s].
+    """Return an upper bound on the joint speeds of a program, as a share of the allowed speeds `allowed` (n,)
+    [rad/s or m/s]: the largest share of any joint.
     """
     shares = [
         np.abs(np.diff(one.curve.points, axis=0)) / one.curve.segment / allowed
@@ -129,7 +132,7 @@ def _round(
 
 
 def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[SourceFile, Origin]:
-    """Return the text of an approach, which is a single command."""
+    """Return the text of a program that only approaches a start, with its single command."""
     values = "; ".join(" ".join(f"{value:.6g}" for value in q / robot.axis_units) for q in points)
     text = f"P0001 {name} {values} [{time}] (deg,s)"
     source = SourceFile("<approach>", text)
@@ -164,8 +167,8 @@ def part(
 ) -> Result[Compiled]:
     """Return a part of a plan as a program of its own.
 
-    Steps between two motions belong to the first of them. Steps before the first motion, such as a WAIT,
-    belong to the first motion or to no motion (`with_lead`).
+    Steps between two motions belong to the first of these motions. Steps before the plan's first motion, such
+    as a WAIT, belong to this motion or to none (`with_lead`).
 
     Args:
         plan: the plan.
@@ -173,13 +176,14 @@ def part(
         first: number of the first motion.
         last: number after the last motion; None: to the end of the plan.
         with_lead: True if the steps before the first motion belong to the part.
-        since: a motion, a step, and the cell with its parts before that step. The robot is at the start of
-            this motion then. None: the places of parts follow from the beginning of the plan.
+        since: the number of a motion at whose start the robot is, the number of a step, and the cell with its
+            parts where they are before that step. None: the places of the parts follow from the beginning of
+            the plan.
         step: the step with which the part begins, while the robot is at the start of the first motion; None:
             as `with_lead` says.
 
     Returns:
-        A finding instead, if the part would cut blended motions, or a WHEN.
+        A finding instead, if the part would begin or end between blended motions, or inside a WHEN.
     """
     motion = plan.motions[first]
     steps = plan.program.steps
@@ -216,8 +220,8 @@ def part(
 def steps_of(
     plan: MotionPlan, first: int, last: int | None = None, *, with_lead: bool = True, step: int | None = None
 ) -> tuple[int, int]:
-    """Return the range of steps that belong to motions `first` to `last` of a plan, as in `part`: the first
-    step, and the step after the last.
+    """Return the range of steps that belong to the motions from `first` up to `last` of a plan, counted as in
+    `part`: the first step, and the step after the last.
     """
     steps = plan.program.steps
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
@@ -226,7 +230,7 @@ def steps_of(
 
 
 def parts_before(plan: MotionPlan, step: int) -> Parts | None:
-    """Return the places of parts before a step of a plan; None if its cell has none."""
+    """Return where the parts are before a step of a plan; None if its cell has no parts."""
     whole = followed_plan(plan)
     if whole is None or plan.program.cell is None or not plan.program.cell.parts:
         return None
@@ -237,9 +241,15 @@ def parts_before(plan: MotionPlan, step: int) -> Parts | None:
 
 
 def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ...]:
-    """Return the gripper that moves away from its part during the motion of a step.
+    """Return the gripper that moves away from where it took or put down parts, during the motion of a step.
 
-    Empty if there is none, or if the part's current place (in `now`) isn't the one in the plan.
+    Args:
+        plan: the plan.
+        step: number of the motion's step.
+        now: current places of the parts.
+
+    Returns:
+        Empty if there is no such gripper, or if these parts aren't where the plan has them.
     """
     whole, parts_of_steps = followed_plan(plan), parts_before(plan, step)
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
@@ -255,7 +265,9 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
 
 @lru_cache(maxsize=4)
 def followed_plan(plan: MotionPlan) -> Followed | None:
-    """Follow the parts through a plan; None if the cell has no parts and no motion allows bodies to touch."""
+    """Compute from a plan where each part is at each step; None if the cell has no parts and no motion allows
+    bodies to touch.
+    """
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
     if not handling.is_needed:
         return None
@@ -268,8 +280,8 @@ def _cells(plan: MotionPlan) -> Mapping[int, Cell | None] | None:
 
 
 def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mapping[int, Cell | None] | None:
-    """Return the cell during each motion from `number` on. `cell` has the places of the parts before the step
-    `step`, which is before that motion.
+    """Return the cell during each motion from motion `number` on, by step. `cell` has the parts where they
+    are before step `step`, which is before that motion.
     """
     allowed = {at - step: one for at, one in allowances_of(plan.program).items() if at >= step}
     handling = handling_of(plan.robot, cell, plan.program.steps[step:], allowed)
@@ -288,7 +300,9 @@ def ends_of(plan: MotionPlan) -> dict[int, Array]:
 
 
 def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
-    """Return the first step that belongs to an incomplete WHEN or loop; None if all are complete."""
+    """Return the first step that belongs to a WHEN or loop of which these steps contain only a part; None if
+    all are complete.
+    """
     opened: list[Turn] = []
     for step in steps:
         match step:
@@ -304,7 +318,9 @@ def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
 
 
 def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
-    """Return the first step of the outermost WHEN, CASE or loop around a step; None if there is none."""
+    """Return the first step of the outermost WHEN, CASE or loop around the step `at`; None if there is
+    none.
+    """
     opened: list[Turn] = []
     for step in steps[:at]:
         if isinstance(step, When | Loop):
@@ -315,11 +331,11 @@ def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
 
 
 def chain_begin(plan: MotionPlan, number: int) -> int:
-    """Return the number of the motion with which the robot must start from rest to reach motion `number`
-    without a stop; usually `number` itself.
+    """Return the number of the last motion up to motion `number` at whose start the robot is at rest; usually
+    `number` itself.
 
-    The end of a search is known only at run time. A program therefore can't begin with the motion after a
-    search.
+    A program can begin only there. It also can't begin with the motion after a search, because the search
+    ends at a position that is known only at run time.
     """
     searches = {one.step for one in searches_of(plan.program)}
     while number and (plan.motions[number - 1].flows or plan.motions[number - 1].step in searches):
@@ -328,13 +344,13 @@ def chain_begin(plan: MotionPlan, number: int) -> int:
 
 
 def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
-    """Group the motions from `first` on. Before each group the robot is at rest, and a program can begin
-    there.
+    """Group the motions from `first` on, so that the robot is at rest before each group, and a program can
+    begin there.
 
-    The motions of a WHEN, a CASE or a loop belong to one group, with the steps before them.
+    The motions of a WHEN, a CASE or a loop belong to one group with the motion before it.
 
     Returns:
-        The first and the last motion (exclusive) of each group, as numbers.
+        For each group, the numbers of its first motion and of the motion after its last.
     """
     flows = [motion.flows for motion in plan.motions]
     inside = _in_ways(plan.program.steps)
@@ -351,7 +367,7 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
 
 
 def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
-    """Return True for each step that is inside a WHEN or a loop."""
+    """Return for each step True if it is inside a WHEN or a loop."""
     depth, found = 0, []
     for step in steps:
         found.append(depth > 0)
@@ -360,16 +376,16 @@ def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
 
 
 def chain_place(plan: MotionPlan, place: str) -> str:
-    """Return the place of the motion with which the robot must start from rest to reach the motion at `place`
-    without a stop; usually `place` itself.
+    """Return the place of the last motion up to the motion at `place` at whose start the robot is at rest;
+    usually `place` itself. A program can begin there.
     """
     number = motion_number(plan, place)
     return place if isinstance(number, Diagnostic) else _origin(plan, chain_begin(plan, number)).label
 
 
 def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
-    """Return the finding that a program can't begin with motion `number`, but can begin with motion
-    `begin`.
+    """Return the finding that a program can't begin with motion `number`; its help suggests motion `begin`
+    instead.
     """
     origin, first = _origin(plan, number), _origin(plan, begin)
     before = _origin(plan, number - 1)
@@ -409,12 +425,14 @@ def _step_origin(plan: MotionPlan, at: int) -> Origin:
 
 
 def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
-    """Return the first motion and the first step of a program that begins at a place.
+    """Return where a program begins that is to begin at a command.
 
-    The place is that of a motion, or of a WAIT, SET, HOLD or DWELL, during which the robot is at rest.
+    Args:
+        plan: the plan.
+        place: place of a motion, or of a WAIT, SET, HOLD or DWELL, during which the robot is at rest.
 
     Returns:
-        The numbers of the motion and of the step; a finding if a program can't begin there.
+        The number of the first motion and that of the first step; a finding if no motion follows the command.
     """
     steps = plan.program.steps
     moves = {motion.step for motion in plan.motions}
@@ -438,7 +456,9 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
 
 
 def can_begin_at(plan: MotionPlan, place: str) -> bool:
-    """Return True if a place is that of a step without motion at which a program can begin."""
+    """Return True if a program can begin at a place: the robot is at rest there, and no WHEN or loop is
+    cut.
+    """
     found = beginning(plan, place)
     if isinstance(found, Diagnostic):
         return False
@@ -447,7 +467,7 @@ def can_begin_at(plan: MotionPlan, place: str) -> bool:
 
 
 def stands_for(plan: MotionPlan, first: int, step: int) -> float:
-    """Return the total time of the DWELLs before a motion [s].
+    """Return the total time of the DWELLs from a step up to a motion [s].
 
     Args:
         plan: the plan.
@@ -459,8 +479,8 @@ def stands_for(plan: MotionPlan, first: int, step: int) -> float:
 
 
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
-    """Return the number of the first motion with a place. The place is an index such as P0010, or a place in
-    loops and calls as a run reports it.
+    """Return the number of the first motion with a place. The place is an index such as P0010, or the calls
+    and loops around an index, as a run reports them.
 
     Returns:
         A finding that lists the existing places, if there is no such motion.
@@ -477,7 +497,7 @@ def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
 
 
 def compiled_part(program: Program, request: Request) -> Result[Compiled]:
-    """Plan and certify a program that is a part of another program, or that moves to its start."""
+    """Plan and certify a program that is a part of another program, or a motion to the start of one."""
     planned = plan_program(program, request)
     if planned.value is None:
         return Result(None, planned.diagnostics)

@@ -1,4 +1,6 @@
-"""Find commands by their places: an index, a place in loops and calls, or a part of such a place."""
+"""Find commands by their places: an index such as P0010, the calls and loops around an index such as
+`P0020(I=2)>P0010`, or a part of such a place.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +21,16 @@ class Part:
     loops: tuple[str, ...]
 
     def fits(self, pattern: Part) -> bool:
-        """Return True if this part matches `pattern`. Loops that `pattern` omits may have any value."""
+        """Return True if this part of a place matches `pattern`. Loop counters that `pattern` omits may
+        have any value.
+        """
         return self.number == pattern.number and set(pattern.loops) <= set(self.loops)
 
 
 def parts_of(text: str) -> tuple[Part, ...] | None:
-    """Return the parts of a place, beginning with the outermost; None if the text is no place."""
+    """Split a place at `>`: return its calls and loops from the outermost to the innermost, then the command;
+    None if the text is no place.
+    """
     parts: list[Part] = []
     for piece in re.sub(r"\s+", "", text).split(">"):
         found = _PART.fullmatch(piece)
@@ -36,7 +42,9 @@ def parts_of(text: str) -> tuple[Part, ...] | None:
 
 
 def labels_of(program: Program) -> dict[int, str]:
-    """Return the place of each step that has one, by its number."""
+    """Return the places of a program's steps, by the number of the step; steps without a place are
+    missing.
+    """
     return {
         number: step.origin.label
         for number, step in enumerate(program.steps)
@@ -45,11 +53,15 @@ def labels_of(program: Program) -> dict[int, str]:
 
 
 def matching(labels: dict[int, str], text: str) -> tuple[int, ...]:
-    """Return the numbers of the places that match a text, in order.
+    """Return the numbers of the steps whose places match a text, in order.
 
-    A complete place matches only itself. Otherwise the text may be the beginning of a place, as in the
-    program's own file: the index of a CALL matches all commands of the call. If there is no such place, the
-    text may be the end of a place, as in a SUB. Loops that the text omits may have any value.
+    A complete place matches only itself. Otherwise the text may be the beginning of a place, as written in
+    the program's own file: the index of a CALL matches all commands of the call. If no place begins so, the
+    text may be the end of a place, as written in a SUB. Loop counters that the text omits may have any value.
+
+    Args:
+        labels: places by the number of the step.
+        text: the text.
     """
     pattern = parts_of(text)
     if pattern is None:

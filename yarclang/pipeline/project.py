@@ -25,12 +25,12 @@ _LEVELS = ("off", "note", "warning", "error")
 
 @frozen
 class Project:
-    """The settings of a yarc.toml.
+    """The settings of a project, from its yarc.toml.
 
     They are a robot's name or its path (relative to `folder`), the path of a cell.toml for all programs
-    (relative to `folder`), the robot's start [deg, mm for prismatic joints], True if the programs are for
-    teaching at reduced speed, and the severity of findings by their codes (`off`: not reported). `jobs` are
-    programs by their numbers, as paths relative to `folder`.
+    (relative to `folder`), the joint position at which programs start [deg, mm for prismatic joints], True if
+    the programs are for teaching at reduced speed, and the severity of findings by their codes (`off`: not
+    reported). `jobs` are programs by their numbers, as paths relative to `folder`.
     """
 
     folder: Path
@@ -43,12 +43,12 @@ class Project:
     jobs: Mapping[int, str] = field(default_factory=dict)
 
     def span_of(self, key: str) -> Span | None:
-        """Return where a key's value is in the file."""
+        """Return where the value of a key is in yarc.toml."""
         return find_places(self.source).of_value((key,)) if self.source else None
 
 
 def find_project(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Project]:
-    """Return the yarc.toml of a folder or of the nearest folder above it; empty settings if there is none.
+    """Read the yarc.toml of a folder or of the nearest folder above it; without one, return empty settings.
     Open files in `texts` take precedence over saved files.
     """
     folder = folder.resolve()
@@ -150,7 +150,9 @@ def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[in
 
 
 def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:
-    """Parse the table [findings]: codes, beginnings of codes or names, and the severity of these findings."""
+    """Parse the table [findings] of yarc.toml into the severity of each finding's code. A key is a code, a
+    name, or the beginning of codes.
+    """
     if not table and isinstance(table, dict):
         return {}
     from yarclang.lint.registry import codes_of, everything
@@ -187,7 +189,7 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
 
 
 def _line_of(message: str) -> int:
-    """Return the line that a message of tomllib names; line 1 if it names the end of the file."""
+    """Return the line number in an error message of tomllib; 1 if the message names the end of the file."""
     _, _, tail = message.partition("at line ")
     digits = tail.partition(",")[0]
     return int(digits) if digits.isdigit() else 1

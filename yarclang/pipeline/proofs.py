@@ -1,4 +1,4 @@
-"""Convert a compiled program to the proof that a small checker verifies."""
+"""Convert a certificate to the proof file that the small, separate checker of `yarc verify` reads."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Find a motion from any position to a program: to its start, or to the nearest of its places that a proved
-motion reaches.
+"""Find a motion from any position of the robot to a program: to its start, or else to the nearest place at
+which the program may begin and to which a motion is proved.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
 
 MOST_PLACES = 4
-"""Number of places that are tried besides the start. It is small because a failed search for a way takes
+"""Number of places that are tried besides the start. It is small because a failed search for a path takes
 seconds.
 """
 
@@ -38,11 +38,11 @@ class Place:
     """A place at which a program may begin.
 
     Attributes:
-        index: place of its command; empty for the start.
+        index: place of the command that begins there; empty for the start.
         title: title for people.
-        line: line of the source; 0 if there is no command.
+        line: source line of the command; 0 if there is none.
         there: (n,) position of the robot at this place [rad or m].
-        number: number of the motion of the plan that begins there.
+        number: number of the planned motion that begins there.
     """
 
     index: str
@@ -54,14 +54,14 @@ class Place:
 
 @frozen(eq=False)
 class Recovery:
-    """A place of a program, and the proved motion to it.
+    """A place at which a program may begin, and the proved motion to it.
 
     Attributes:
         made: the motion; None if the robot is already there.
         cell: the cell of the proof, with its parts.
-        assumed: names of the parts whose places are unknown. They are assumed to be where the program has
-            them at this place.
-        refused: the reason if the place isn't the start.
+        assumed: names of the parts whose positions are unknown. They are assumed to be where the program has
+            them when it begins at this place.
+        refused: findings why the robot can't move to the program's start; empty if the place is the start.
     """
 
     place: Place
@@ -89,9 +89,9 @@ def recovery(
         start: start of the program, or the place that the user named.
         position: position of the robot (n,) [rad or m].
         plan: plan of the program; None: only its start is known.
-        around: returns, for the motion to a place, the cell with its parts, and True if the places of these
-            parts are known.
-        is_there: returns True if the robot is at joint positions (n,) [rad or m].
+        around: function that takes a place, and returns the cell with its parts for the motion to this place,
+            and True if the positions of these parts are known.
+        is_there: function that returns True if the robot is at joint positions (n,) [rad or m].
         nearest: False if only `start` is wanted.
 
     Returns:
@@ -120,7 +120,7 @@ def recovery(
 
 
 def _beyond(robot: Robot, position: Array) -> Diagnostic | None:
-    """Return a finding if a joint is beyond its limit. An excess of less than `_SAME` is ignored."""
+    """Return a finding if a joint is outside its limits by more than `_SAME`."""
     excess = np.maximum(robot.limits.lower - position, position - robot.limits.upper)
     joint = int(np.argmax(excess))
     if excess[joint] <= _SAME:
@@ -141,7 +141,7 @@ def start_of(plan: MotionPlan | None, at_place: Array, step: int | None = None, 
     Args:
         plan: plan of the program; None: unknown.
         at_place: position of the robot at that place (n,) [rad or m].
-        step: first step, if the user named one; else None.
+        step: number of the first step, if the user named one; else None.
         number: number of the first motion.
     """
     if plan is None or step is None:
@@ -150,8 +150,8 @@ def start_of(plan: MotionPlan | None, at_place: Array, step: int | None = None, 
 
 
 def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Parts | None:
-    """Return the places of a program's parts when the program is at one of its places; at its start these are
-    `first`. None if its cell has no parts.
+    """Return where a program has its parts when it begins at `place`; at the program's start they are where
+    `first` has them. None if the program's cell has no parts.
     """
     if plan is None or not place.number or not plan.motions:
         return first
@@ -159,12 +159,12 @@ def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Part
 
 
 def _others(plan: MotionPlan, start: Place, position: Array, robot: Robot) -> Iterator[Place]:
-    """Yield the places at which the program may begin. The first is the nearest by the time that the slowest
-    joint needs.
+    """Yield the places other than the start at which the program may begin, nearest first. The distance is
+    the time that the slowest joint needs.
 
     Args:
         plan: plan of the program.
-        start: its start.
+        start: start of the program.
         position: (n,) position of the robot [rad or m].
         robot: the robot.
     """
@@ -204,7 +204,7 @@ def _origin(plan: MotionPlan, number: int) -> Origin:
 def _way(
     robot: Robot, place: Place, position: Array, plan: MotionPlan | None, cell: Cell | None
 ) -> Result[Compiled]:
-    """Return a motion to a place.
+    """Plan and prove a motion to a place at which the program may begin.
 
     If the robot was stopped beside a part, the motion follows the path on which it was stopped. Otherwise it
     is straight if this is possible, else around obstacles.

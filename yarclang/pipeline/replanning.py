@@ -1,4 +1,6 @@
-"""Plan and prove the rest of a program from the robot's position, after an input has ended a motion."""
+"""Plan and prove the next lines of a program from the robot's position, after an input has ended a search
+motion.
+"""
 
 from __future__ import annotations
 
@@ -38,16 +40,16 @@ _SAME = 1e-6
 
 
 def replanned(plan: MotionPlan, number: int, position: Array, request: Request) -> Replanned | str:
-    """Return the lines to stream after a search, up to the end of the next motion.
+    """Plan and prove the lines to stream after a search, up to the end of the next motion.
 
     Args:
         plan: the program.
-        number: number of the motion that was ended.
+        number: number of the motion that the search has ended.
         position: (n,) position of the robot [rad or m].
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        A text with the reason instead, if this isn't possible.
+        A text with the reason instead, if the lines can't be planned and proved.
     """
     steps = plan.program.steps
     begin = _behind_when(steps, plan.motions[number].step + 1)
@@ -74,8 +76,8 @@ def replanned(plan: MotionPlan, number: int, position: Array, request: Request) 
 
 
 def _parts(steps: Sequence[Step], begin: int) -> Iterator[list[Step]]:
-    """Yield the parts that are streamed, separated by barriers, from step `begin` to the end of the next
-    motion.
+    """Yield groups of consecutive steps that are streamed, from step `begin` to the end of the next motion.
+    Other steps, such as a WAIT, are left out and separate the groups.
     """
     part: list[Step] = []
     for step in steps[begin:]:
@@ -115,7 +117,8 @@ def _job(
 
 
 def _length(plan: MotionPlan, number: int, position: Array) -> float:
-    """Return the distance that the moving frame of a linear motion has covered [m]; 0 for a joint motion.
+    """Return the distance that the moving frame has covered in a linear motion when the robot is at
+    `position` [m]; 0 for a joint motion.
 
     Args:
         plan: the program.

@@ -1,4 +1,4 @@
-"""Plan motions along the path on which a run was stopped.
+"""Plan motions back or forward along the path on which a robot was stopped.
 
 Beside a part that is taken or put down, only this path is known to be free.
 """
@@ -43,8 +43,8 @@ _STEP = 1e-3
 def along_the_path(
     plan: MotionPlan, number: int, position: Array, now: Parts | None = None
 ) -> Compiled | None:
-    """Return a certified motion to the start of motion `number`, from a place on the path of a motion beside
-    a gripper's SET.
+    """Plan and certify a motion along the program's own path to the start of motion `number`, for a robot
+    that was stopped while it moved to or from a part.
 
     The motion goes back along the path of motion `number`, or forward to the end of the previous motion. The
     parts are where they are during that motion, and the same bodies may touch.
@@ -53,7 +53,7 @@ def along_the_path(
         plan: the program that was stopped.
         number: number of the motion to begin with.
         position: position of the robot (n,) [rad or m].
-        now: places of the parts; None: as the program has them there.
+        now: current places of the parts; None: where the program has them.
 
     Returns:
         None if the robot isn't on such a path, or if the motion can't be proved.
@@ -71,11 +71,11 @@ def along_the_path(
 
 
 def can_go_on(plan: MotionPlan, number: int, position: Array) -> bool:
-    """Return True if a robot can reach the start of a motion without hitting parts. If there are no parts,
-    nothing is checked.
+    """Return True if a motion of the robot to the start of a motion is proved, without hitting parts. Without
+    parts, nothing is checked.
 
     Args:
-        plan: the program. The parts are where it has them at the motion.
+        plan: the program. The parts are assumed to be where it has them at the motion.
         number: number of the motion.
         position: (n,) position of the robot [rad or m].
     """
@@ -98,8 +98,10 @@ def _is_on_path(plan: MotionPlan, number: int, position: Array) -> bool:
 
 
 def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
-    """Yield the cell during a motion to or away from a part, if the parts are where the program has them
-    then.
+    """Yield the cell during motion `number`, or nothing.
+
+    It is yielded only if this motion goes to or away from a part that is taken or put down, and if the parts
+    that may be touched are where the program has them (`now`; None: assume so).
     """
     whole, cell, step = followed_plan(plan), plan.program.cell, plan.motions[number].step
     runs = handling_of(plan.robot, cell, plan.program.steps).runs

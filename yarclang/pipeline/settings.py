@@ -1,5 +1,5 @@
 """Write and verify a robot's controller settings, and list the settings that the runtime checks before
-anything moves. Both use the same verified text.
+the robot moves. Both use the same verified text.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from yarclang.source import SourceFile
 
 
 def settings_of(robot: Robot) -> Result[str]:
-    """Write the settings of a robot's controller, and verify them.
+    """Write the settings text of a robot's controller, and verify it.
 
     Returns:
-        The text; None, with findings, if a part of it isn't proved.
+        The text; None, with findings, if not all of it is proved.
     """
     settings = backend_of(robot).settings()
     text = settings.text(robot)
@@ -29,10 +29,10 @@ def settings_of(robot: Robot) -> Result[str]:
 
 
 def proved_settings(robot: Robot) -> str:
-    """Return the settings of a robot's controller: exactly the text that was proved.
+    """Return the settings text of a robot's controller, exactly as it was proved.
 
     Raises:
-        Trouble: a part of them isn't proved.
+        Trouble: not all of it is proved.
     """
     judged = settings_of(robot)
     if judged.value is None:
@@ -47,12 +47,12 @@ def check_settings(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
     settings`.
 
     Args:
-        source: the text, with a character for each byte.
+        source: the text, with one character per byte.
         robot: robot whose controller it is for.
 
     Returns:
-        Descriptions of what was proved, with a warning for each difference; None, with the errors, if a part
-        isn't proved.
+        Descriptions of what was proved, with a warning for each difference; None, with the errors, if not all
+        of it is proved.
     """
     settings = backend_of(robot).settings()
     judged, own = settings.judge(source, robot), settings_of(robot)
@@ -62,8 +62,8 @@ def check_settings(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
 
 
 def items_of(robot: Robot) -> tuple[Item, ...]:
-    """List the settings that a controller must have for a robot: for each permanent setting of
-    `yarc settings`, the query and its expected answer.
+    """List the settings that a robot's controller must have: for each permanent setting that `yarc settings`
+    writes, the query and the answer that the controller must give.
 
     Raises:
         Trouble: the settings aren't proved.

@@ -1,4 +1,4 @@
-"""Plan and prove the lines of an OFFSET after registers have shifted its frame."""
+"""Plan and prove the lines of an OFFSET at run time, when registers have shifted its frame."""
 
 from __future__ import annotations
 
@@ -50,17 +50,17 @@ _SAME = 1e-6
 def shifted(
     plan: MotionPlan, number: int, position: Array, values: Sequence[int], request: Request
 ) -> Replanned | str:
-    """Return the lines to stream for an OFFSET.
+    """Plan and prove the lines of an OFFSET with shifted goals, and return them for streaming.
 
     Args:
         plan: the program.
-        number: number of its first motion.
+        number: number of the OFFSET's first motion.
         position: (n,) position of the robot [rad or m].
-        values: value of the register for each of `SHIFTS`; 0 without a register.
+        values: value of the register for each axis of `SHIFTS`; 0 for an axis without a register.
         request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        A text with the reason instead, if this isn't possible.
+        A text with the reason instead, if the lines can't be planned and proved.
     """
     made = shifted_program(plan, number, position, values, request)
     if isinstance(made, str):
@@ -73,7 +73,9 @@ def shifted(
 def shifted_program(
     plan: MotionPlan, number: int, position: Array, values: Sequence[int], request: Request
 ) -> Compiled | str:
-    """Plan and prove the lines of an OFFSET. Arguments and error texts are those of `shifted`."""
+    """Plan and prove the lines of an OFFSET with shifted goals, and return the compiled program. Arguments
+    and error texts are those of `shifted`.
+    """
     whole = plan.program
     begin, end = around(whole.steps, plan.motions[number].step)
     when = whole.steps[begin]
@@ -121,8 +123,8 @@ def numbers_of(values: Sequence[int]) -> Array:
 def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tuple[Step, ...]:
     """Return the steps of an OFFSET with shifted goals.
 
-    The shift is added as one more frame to the frames in which goals were written, so that the judge computes
-    each goal independently.
+    The shift is inserted as one more frame between the OFFSET's frame and the goals, so that the judge
+    computes each goal independently.
     """
     if not any(values):
         return tuple(steps)
@@ -131,7 +133,7 @@ def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tup
 
 
 class _Carrying:
-    """Converter of goals that move with a shifted frame."""
+    """Converter of goals to goals that move with the OFFSET's shifted frame."""
 
     def __init__(self, offset: Offset, numbers: Array) -> None:
         self._offset, self._numbers = offset, numbers
@@ -159,7 +161,7 @@ class _Carrying:
         return replace(goal, base_from_moving=placed, told=told, shifted=False)
 
     def _link(self, link: FrameLink) -> FrameLink:
-        """Return a frame that moves with the shifted frame."""
+        """Return a frame in a form in which it moves with the OFFSET's shifted frame."""
         known = self._links.get(id(link))
         if known is None:
             known = link, self._moved(link)
@@ -175,19 +177,19 @@ class _Carrying:
 
 
 def _ending(step: Step, leads: Array) -> Step:
-    """Return the last motion with the joint position of the program's own plan as its goal, so that it ends
-    in the same inverse kinematics solution.
+    """Replace the goal of the last joint motion by the joint position at which it ends in the program's own
+    plan, so that it ends in the same inverse kinematics solution.
     """
     return replace(step, goal=JointGoal(leads)) if isinstance(step, JointMove | AvoidMove) else step
 
 
 def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
-    """Return the parts; those that are still where the cell's file has them, in the frame, are shifted with
-    it.
+    """Move the parts that lie in the OFFSET's frame and are still where the cell's file has them: they are
+    shifted with the frame. Return all parts.
 
     Args:
         parts: the parts where the program has them.
-        offset: the frame.
+        offset: the OFFSET.
         own: (4, 4) shift of the frame in its own axes.
     """
     placed = offset.base_from_frame
@@ -197,7 +199,9 @@ def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
 
 
 def _left_elsewhere(plan: MotionPlan, compiled: Compiled, end: int) -> str:
-    """Return a text if a part ends up elsewhere than in the program without the shift; empty if none does."""
+    """Return how a part ends up elsewhere than in the program without the shift, as a text; empty if none
+    does.
+    """
     after, meant = followed_plan(compiled.plan), parts_before(plan, end)
     if after is None or meant is None or are_same(after.end, meant):
         return ""

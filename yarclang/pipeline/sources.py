@@ -43,7 +43,7 @@ _OTHER_MARKS = (
 def read_source(path: str, most: int = LARGEST_PROGRAM) -> Result[SourceFile]:
     """Read a program from a file, or from standard input (`-`).
 
-    A byte order mark is removed. Content that isn't UTF-8 text gives one finding, at its first invalid byte.
+    A byte order mark is removed. If the content isn't UTF-8 text, the finding is at the first invalid byte.
 
     Args:
         path: the file's path, or `-`.

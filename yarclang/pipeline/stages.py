@@ -38,8 +38,8 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
 CellNow = Callable[[Cell, Array], Cell | None]
-"""Function that returns a cell with its current parts, for a program that starts at joint positions (n,). It
-returns None if only the cell's file is known.
+"""Function that takes a cell and the joint positions (n,) at which a program starts, and returns the cell
+with its parts where they are now. It returns None if only the places in the cell's file are known.
 """
 
 
@@ -52,17 +52,17 @@ class Request:
         fallback_start: (n,) [rad or m] position of the robot if the program has no START.
         tm: longest segment time to use [ms].
         tolerance: tolerance of the path; None: the robot's.
-        target: kind of text; empty: the first kind that the robot's controller has.
-        load: reads the program's modules.
-        load_cell: reads its cell.
-        load_table: reads its timetables.
+        target: kind of controller text; empty: the first kind that the robot's controller has.
+        load: function that reads the program's modules.
+        load_cell: function that reads the program's cell.
+        load_table: function that reads the program's trajectory files.
         cell: cell that is used even if the program has no CELL line.
         index_needed: True if every command must have an index.
         memory: cache for results of the stages.
         enough: number of lines in loops and SUBs after which a quick check stops.
-        present: returns the program's cell with its parts where they are when it starts; None: as in the
-            cell's file.
-        avoid_effort: number of ways round obstacles to search, of which the fastest is taken.
+        present: function that returns the program's cell with its parts where they are when it starts; None:
+            the parts are where the cell's file has them.
+        avoid_effort: number of paths around obstacles to search for, of which the fastest is taken.
     """
 
     robot: Robot
@@ -103,7 +103,7 @@ def check_program(module: Module, request: Request) -> Result[Program]:
 
 
 def context_of(request: Request) -> Context:
-    """Return the parts of a request that the checks need."""
+    """Return what the checks need from a request."""
     return Context(
         request.robot,
         profile_names(),
@@ -150,7 +150,7 @@ def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
 
 
 def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPlan]:
-    """Plan the program that a check returned, and return the findings of both."""
+    """Plan a program that was checked, and return the findings of the check and of the planning together."""
     assert checked.value is not None  # a check always gives a program
     program = checked.value
     if has_errors(checked.diagnostics):
@@ -166,8 +166,8 @@ ENOUGH_MOTIONS = 300
 
 
 def _shortened(program: Program) -> Program:
-    """Return the part of a program with errors that is planned. Repeated lines in loops and SUBs are included
-    only up to a number of motions.
+    """Return a program with errors in the form in which it is planned: motions in loops and SUBs are replaced
+    by gaps after the first `ENOUGH_MOTIONS`.
     """
     remaining, steps = ENOUGH_MOTIONS, list[Step]()
     for step in program.steps:
@@ -183,7 +183,7 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
     """Compile a syntax tree to certified controller text.
 
     Returns:
-        None if a stage finds an error. A text whose proof fails is never returned.
+        None if a stage finds an error. A text that isn't completely proved is never returned.
     """
     planned = plan_module(module, request)
     if planned.value is None:
@@ -193,8 +193,8 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 
 
 def certified_whole(planned: MotionPlan, request: Request) -> Result[Compiled]:
-    """Certify a complete program: its text, and the ways out of its ONs from all places at which they may
-    begin.
+    """Certify a complete program: its controller text, and the ways out of its ONs (the SUBs by which the
+    robot withdraws) from all places at which they may begin.
     """
     compiled = certified(planned, request)
     if compiled.value is None:
@@ -239,7 +239,7 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
 
 
 def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
-    """Verify a controller text against the program. The judge reads both by itself.
+    """Verify a controller text against its source program. The judge reads both independently.
 
     Args:
         text: the controller text.
@@ -252,8 +252,8 @@ def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certifica
 
 @cache
 def _made_with(searches: bool) -> str:
-    """Return the packages that affect the result, with their versions. These don't change while the
-    process runs.
+    """Return the names and versions of the packages that affect a compiled program, as a text for its
+    header.
     """
     import pinocchio
     import scipy
@@ -271,7 +271,9 @@ def _no_target(backend: Backend, target: str) -> Diagnostic:
 
 
 def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
-    """Return the header, which describes the text to a reader. Certificate and seal are added later."""
+    """Return the header of a controller text, which describes the text to a reader. Certificate and seal are
+    added later.
+    """
     robot = planned.robot
     searches = any(
         isinstance(step, AvoidMove) or (isinstance(step, LineMove) and step.avoids)
@@ -305,7 +307,9 @@ def _printable(name: str) -> str:
 
 
 def claims_of(planned: MotionPlan) -> Claims:
-    """Return all claims of the plan for the judge; docs/certificate.md lists how each value is checked."""
+    """Return all claims of a plan (values that the judge checks instead of computing). docs/certificate.md
+    lists how each value is checked.
+    """
     steps = planned.program.steps
     return Claims(
         witnesses={motion.step: np.asarray(motion.waypoints) for motion in planned.motions},

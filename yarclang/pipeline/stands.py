@@ -1,4 +1,4 @@
-"""Find the places at which the way out of an ON may begin: where the robot is at rest before its motions."""
+"""Find the places at which the way out of an ON may begin: where the robot is at rest before a motion."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.motion.plan import MotionPlan
 
 
 def stand_before(plan: MotionPlan, number: int) -> int:
-    """Return the motion at whose start the robot was last at rest before motion `number`."""
+    """Return the number of the last motion up to motion `number` at whose start the robot is at rest."""
     while number and plan.motions[number - 1].flows:
         number -= 1
     return number
@@ -30,7 +30,8 @@ def title_of(plan: MotionPlan, number: int) -> str:
 
 
 def way_out_from(plan: MotionPlan, way: WayOut, position: Array) -> Program:
-    """Return a way out as a program of its own, from the robot's position (n,) [rad or m].
+    """Return the way out of an ON as a program of its own, which begins at the robot's position (n,) [rad or
+    m].
 
     During a way out, the watched inputs only hold the motion; they start no other way out.
     """
@@ -41,11 +42,12 @@ def way_out_from(plan: MotionPlan, way: WayOut, position: Array) -> Program:
 
 
 def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) -> Iterator[Diagnostic]:
-    """Try each way out from each place at which it may begin; yield a finding for each that fails somewhere.
+    """Plan and prove each way out from each place at which it may begin; yield a finding for each way out
+    that fails from one of these places.
 
     Args:
         plan: the program.
-        refused: plans and proves a program; returns the first error, or an empty text.
+        refused: function that plans and proves a program, and returns the first error, or an empty text.
     """
     if not plan.program.ways_out:
         return
@@ -65,9 +67,11 @@ def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) ->
 
 
 def _stands(plan: MotionPlan) -> Iterator[int]:
-    """Yield the first motion that begins from rest at each place, except motions after a search.
+    """Yield, for each joint position at which a motion begins from rest, the number of the first such motion.
+    Motions after a search are left out.
 
-    After a search the inputs only hold, because the place at which the next motion begins isn't known.
+    After a search, the position at which the next motion begins isn't known, and watched inputs only hold the
+    motion.
     """
     searched = {one.step for one in searches_of(plan.program)}
     places_so_far: set[bytes] = set()

@@ -1,4 +1,4 @@
-"""Find the files of timed trajectories: in the folder of the program or module that names them."""
+"""Find the files of timed trajectories, in the folder of the program or module that names them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from yarclang.source import SourceFile
 
 
 class TrajectoryLoader:
-    """Reads the trajectory files of a program. A file that has changed is read again.
+    """Reader of the trajectory files that a program names. A file that has changed is read again.
 
     Args:
         folder: folder of the program.
-        texts: open files, as for modules.
+        texts: files that are open in an editor; they replace the saved files.
         memory: cache of what was read.
     """
 
@@ -32,15 +32,15 @@ class TrajectoryLoader:
         self._known: dict[Path, tuple[Stamp, Result[TrajectoryFile]]] = {}
 
     def __call__(self, path: str, module: SourceFile | None) -> Result[TrajectoryFile]:
-        """Read the file that a line names.
+        """Read the trajectory file that a line names.
 
         Args:
             path: path in the line.
             module: module with the line; None: the program.
 
         Returns:
-            None, with a finding without a place, if the file isn't beside the program, or can't be read as
-            text.
+            None, with a finding that has no line yet, if the file isn't beside the program, or can't be read
+            as text.
         """
         folder = self._folder if module is None else Path(module.name).parent
         refusal = _refusal(path, folder)

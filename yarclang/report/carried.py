@@ -1,5 +1,5 @@
-"""Follow the parts of a cell through a program, for display: their positions from each step on, and the
-effect of each SET on them.
+"""Follow the parts of a cell through a program, for display: where they are from each step on, and what each
+SET of a gripper does to them.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from yarclang.robot.model import Array, Robot
 
 @frozen(eq=False)
 class State:
-    """State of the parts from the beginning of a step on.
+    """Where the parts of a cell are from the beginning of a step on.
 
     Attributes:
         step: number of the step; -1 before the program.
-        parts: parts of the cell.
+        parts: parts of the cell, with their positions.
         is_motion: True if the step moves the robot.
         touches: pairs of bodies that may touch where a part is taken or put down.
         allowed: names of the pairs of bodies that may touch because the program or the cell allows it.
@@ -42,11 +42,11 @@ class State:
 
 @frozen(eq=False)
 class Carried:
-    """The parts through a program.
+    """How the parts of a cell move in a program.
 
     Attributes:
         handling: the program's steps, with the grippers and parts of its cell.
-        states: in the order of the steps; the first one is before the program.
+        states: positions of the parts in the order of the steps; the first state is before the program.
         grasps: actions of grippers, by the step of the SET.
         removed: names of the parts that machines remove, by the step of the SET.
         names: names of the parts that grippers hold during each motion, by its step.
@@ -59,11 +59,13 @@ class Carried:
     names: Mapping[int, tuple[str, ...]]
 
     def cell_of(self, state: State) -> Cell | None:
-        """Return the cell with its parts where they are in a state."""
+        """Return the cell with its parts where they are in a given state."""
         return surroundings(self.handling.cell, state.parts, state.touches, state.allowed)
 
     def deeds(self, step: int) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """Return the effects of a SET on parts: verbs with names, such as ("takes", ("BOX 3",))."""
+        """Return what a SET does to parts: verbs, each with the names of the parts, such as ("takes",
+        ("BOX 3",)).
+        """
         if step in self.removed:
             return (("removes", self.removed[step]),)
         grasp = self.grasps.get(step)
@@ -75,11 +77,11 @@ class Carried:
 def carried_parts(
     robot: Robot, program: Program, start: Array, ends: Mapping[int, Array], left_out: Collection[int] = ()
 ) -> Carried | None:
-    """Follow the parts through a program.
+    """Follow the parts of a cell through a program.
 
     Args:
         robot: robot whose flange carries them.
-        program: its steps, and its cell.
+        program: the program, with its cell.
         start: (n,) joint positions at the start [rad or m].
         ends: (n,) end of each motion [rad or m], by its step; motions that can't be planned are missing.
         left_out: steps that aren't executed. A WHEN can only be left out together with its ELSE and END. The
@@ -100,8 +102,9 @@ def carried_parts(
 
 
 def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
-    """Return the states with the pairs that may touch. For motions, these are the pairs in the certificate.
-    For states at rest, they are those of a neighbouring motion with no SET of a gripper in between.
+    """Add to each state the pairs of bodies that may touch. For motions, these are the pairs in the
+    certificate. For states at rest, they are those of a neighbouring motion with no action of a gripper in
+    between.
     """
     motions = {step: _may_touch(cell) for step, cell in followed.cells.items()}
     states_found: list[State] = []
@@ -126,8 +129,8 @@ def _may_touch(cell: Cell | None) -> _MayTouch:
 def _beside(
     states: list[State], at: int, motions: Mapping[int, _MayTouch], grasps: Mapping[int, Grasp]
 ) -> _MayTouch:
-    """Return the pairs that may touch while the robot rests in a state: those of the previous motion. If a
-    gripper has moved since that motion, they are those of the next motion.
+    """Return the pairs of bodies that may touch while the robot rests: those of the previous motion. If a
+    gripper has taken or put down a part since that motion, they are those of the next motion.
     """
     for later in range(at, -1, -1):
         if states[later].is_motion:
@@ -143,8 +146,8 @@ def _beside(
 
 
 def carried_in_plan(plan: MotionPlan) -> Carried | None:
-    """Follow the parts through a planned program. Return None if the cell has no parts and the program allows
-    no bodies to touch.
+    """Follow the parts of a cell through a planned program. Return None if the cell has no parts and the
+    program allows no bodies to touch.
     """
     if not _is_needed(plan.program):
         return None
@@ -165,7 +168,7 @@ def end_of(curve: Curve) -> Array:
 def carried_in_text(
     does: Executed, program: Program | None, left_out: Collection[int] = ()
 ) -> Carried | None:
-    """Follow the parts through a controller text.
+    """Follow the parts of a cell through a controller text.
 
     Args:
         does: execution of the text.
@@ -182,8 +185,9 @@ def carried_in_text(
 
 
 def begins_in_text(does: Executed, steps: int, *, counts_dwells: bool = True) -> tuple[float, ...]:
-    """Return the time in a text at which each step of a program begins [s], with the branches of a WHEN one
-    after the other. A step without lines in the text begins with the next step that has lines.
+    """Return the time in a controller text at which each step of its program begins [s]. The branches of a
+    WHEN follow one after the other. A step without lines in the text begins with the next step that has
+    lines.
 
     Args:
         does: execution of the text.

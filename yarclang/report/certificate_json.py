@@ -1,4 +1,4 @@
-"""Write certificates as JSON, command by command.
+"""Write certificates as JSON, command by command, since the whole wouldn't fit into memory.
 
 A certificate of 100,000 commands has 170 MB as JSON, and ten times as much as plain data in memory.
 """
@@ -16,11 +16,12 @@ _NONE = "[]\n}"
 
 
 def certificate_pieces(certificate: Certificate, *, ascii_only: bool = True) -> Iterator[str]:
-    """Yield the text of `json.dumps(certificate.to_json(), indent=2)` in pieces.
+    """Yield a certificate as JSON, in pieces of text. Joined, they are
+    `json.dumps(certificate.to_json(), indent=2)`.
 
     Args:
         certificate: certificate to write.
-        ascii_only: True to escape all other characters.
+        ascii_only: True to escape all characters that aren't ASCII.
     """
     whole = json.dumps({**certificate.whole_to_json(), "commands": []}, indent=2, ensure_ascii=ascii_only)
     if not certificate.commands:
@@ -36,7 +37,7 @@ def certificate_pieces(certificate: Certificate, *, ascii_only: bool = True) -> 
 
 
 def report_pieces(report: dict[str, Any], certificate: Certificate | None) -> Iterator[str]:
-    """Yield a report as JSON in pieces.
+    """Yield a report as JSON, in pieces of text.
 
     Args:
         report: plain data.
@@ -53,7 +54,9 @@ def report_pieces(report: dict[str, Any], certificate: Certificate | None) -> It
 
 
 def reports_pieces(reports: list[tuple[dict[str, Any], Certificate | None]]) -> Iterator[str]:
-    """Yield the document of `--format json` in pieces: the report of each file with its certificate."""
+    """Yield the document that `--format json` prints, in pieces of text: the report about each file, with its
+    certificate.
+    """
     yield '{\n  "version": 1,\n  "files": ['
     begin = ""
     for report, certificate in reports:
@@ -65,5 +68,5 @@ def reports_pieces(reports: list[tuple[dict[str, Any], Certificate | None]]) -> 
 
 
 def _indented(text: str, spaces: int) -> str:
-    """Return lines of JSON with more indentation. Strings in them must not have line breaks."""
+    """Return lines of JSON with more indentation. Strings in these lines must not have line breaks."""
     return text.replace("\n", f"\n{' ' * spaces}")

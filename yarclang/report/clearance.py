@@ -1,5 +1,5 @@
-"""Compute distances of bodies at joint positions, for display. They are samples; only the certificate proves
-distances.
+"""Compute distances between bodies at given joint positions, for display. These are samples; only the
+certificate proves distances.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ _BLOCK = 256
 
 @frozen(eq=False)
 class Near:
-    """Distances of bodies at P joint positions.
+    """Smallest distances between bodies at P joint positions.
 
     Attributes:
         apart: (P,) smallest distance of two bodies, at most `SEEN` [m].
-        pair: (P,) the pair with this distance, -1 for none.
+        pair: (P,) number of the pair with this distance, -1 for none.
         closest: (P,) smallest difference of a pair's distance and its margin, at most `SEEN` [m].
-        worst: (P,) the pair with this difference, -1 for none.
+        worst: (P,) number of the pair with this difference, -1 for none.
     """
 
     apart: Array
@@ -35,7 +35,7 @@ class Near:
 
 
 def near(scene: Scene, q: Array) -> Near:
-    """Return the nearest pairs at joint positions `q` (P, n)."""
+    """Return the smallest distances between bodies at joint positions `q` (P, n)."""
     blocks = [_near(scene, q[at : at + _BLOCK]) for at in range(0, len(q), _BLOCK)]
     return Near(
         *(

@@ -1,4 +1,4 @@
-"""Describe proved distances."""
+"""Describe the proved distances of a command in words."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from yarclang.units import MM
 
 
 def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
-    """Return the proved distances of a command, and its speeds in slow zones: the name and the text of
-    each.
+    """Return the proved distances of a command, and its proved speeds in slow zones, as pairs of a name
+    and a text.
     """
     distances = [
         (name, distance_text(clearance))
@@ -27,19 +27,21 @@ def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
 
 
 def distance_text(clearance: Clearance) -> str:
-    """Return a distance: `at least 12.3 mm (FINGERS, BENCH), nearest at 1.250 s`."""
+    """Return a proved distance in words: `at least 12.3 mm (FINGERS, BENCH), nearest at 1.250 s`."""
     between = f" ({clearance.first}, {clearance.second})" if clearance.first else ""
     return f"at least {whole_tenths(clearance.distance)} mm{between}{when_text(clearance, ', nearest')}"
 
 
 def when_text(clearance: Clearance, word: str = "") -> str:
-    """Return the time of the nearest distance after the command's start, if it is known."""
+    """Return in words, after `word`, the time from a command's start at which bodies are nearest; empty if
+    unknown.
+    """
     return "" if clearance.at is None else f"{word} at {clearance.at:.3f} s"
 
 
 def whole_tenths(distance: float) -> str:
-    """Return a distance [m] in mm with one decimal. It is rounded down, so that the printed number is proved
-    as well.
+    """Return a distance [m] in mm with one decimal. It is rounded down, so that the printed distance is
+    also proved.
     """
     return down(least(distance, MM), 1)
 

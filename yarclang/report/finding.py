@@ -15,8 +15,8 @@ _WIDEST = 150
 
 
 def finding_text(diagnostic: Diagnostic) -> str:
-    """Return a finding as text: file:line:column, severity, code, message; the source line with carets; the
-    line of the called module; the remedy.
+    """Return a finding as text for people: file:line:column, severity, code and message; then the source line
+    with carets, the line of the called module, and the remedy.
     """
     place = ""
     if diagnostic.source is not None:
@@ -37,8 +37,8 @@ def finding_text(diagnostic: Diagnostic) -> str:
 
 
 def _excerpt(diagnostic: Diagnostic) -> list[str]:
-    """Return the source line with carets below the span. If the line is very long, only the part around the
-    span is shown.
+    """Return a finding's source line with carets below the place of the finding. Of a very long line, only
+    the surroundings of this place are shown.
     """
     if diagnostic.source is None or diagnostic.span is None:
         return []
@@ -83,8 +83,8 @@ def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
 
 
 def _within_json(within: Within) -> dict[str, Any]:
-    """Return the place of a finding's cause in a module. For an installed module there is no file, because
-    users don't edit it.
+    """Return where in a module the cause of a finding is, as plain data. For an installed module there is no
+    file, because users don't edit it.
     """
     span, source = within.span, within.source
     return {
@@ -117,8 +117,8 @@ def _fix_json(fix: Fix | None) -> dict[str, Any] | None:
 
 
 def told_text(diagnostic: Diagnostic) -> str:
-    """Return a finding for display by other programs: the message, the line of the called module, the
-    remedy.
+    """Return a finding as text for editors and other programs: the message, the line of the called module,
+    the remedy.
     """
     within = diagnostic.within.text if diagnostic.within is not None else ""
     return "\n".join(part for part in (diagnostic.message, within, diagnostic.help) if part)

@@ -1,6 +1,7 @@
-"""Find when the rules of a plan hold (KEEP and `[[keep]]`), and measure them at joint positions, for display.
+"""Find when the rules in a plan are in force (KEEP and `[[keep]]`), and compute the angles and distances that
+they limit at given joint positions, for display.
 
-The measurements are samples; only the certificate proves that a rule is kept.
+These values are samples; only the certificate proves that a rule is kept.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from yarclang.units import DEG, MM
 
 @frozen(eq=False)
 class HeldRule:
-    """A rule with the times at which it holds.
+    """A KEEP rule, with the times at which it is in force.
 
     Attributes:
         keep: the rule.
-        begins: (k,) times from which on it holds [s], increasing.
-        ends: (k,) times up to which it holds [s].
+        begins: (k,) times at which it comes into force [s], increasing.
+        ends: (k,) times at which it ceases to be in force [s].
     """
 
     keep: Keep
@@ -33,7 +34,7 @@ class HeldRule:
 
 @frozen(eq=False)
 class Quantity:
-    """An angle or a distance that a rule limits, at N instants.
+    """An angle or a distance that a KEEP rule limits, at N instants.
 
     Attributes:
         name: "angle" or "distance".
@@ -51,11 +52,12 @@ class Quantity:
 
 
 def held_rules(plan: MotionPlan) -> tuple[HeldRule, ...]:
-    """Return the rules of a plan's motions: first those of the cell, then those of the program in the order
-    in which they begin.
+    """Return the rules that a plan's motions keep, with the times at which they are in force: first those of
+    the cell, then those of the program in the order in which they begin.
 
-    A rule holds from the start of its first motion to the end of its last one, except during motions between
-    them to which it doesn't apply: between its own motions the robot is at rest, and keeps to it.
+    A rule is in force from the start of its first motion to the end of its last one, except during motions
+    between them to which it doesn't apply. It also counts as in force between two successive motions of its
+    own, since the robot is at rest there.
     """
     cell = plan.program.cell
     of_cell = () if cell is None else cell.rules
@@ -75,7 +77,7 @@ def held_rules(plan: MotionPlan) -> tuple[HeldRule, ...]:
 
 
 def measured(keep: Keep, chain: Chain, q: Array) -> tuple[Quantity, ...]:
-    """Return the angle, the distance, or both, that a rule limits.
+    """Return the angle, the distance, or both, that a KEEP rule limits, at given joint positions.
 
     Args:
         keep: the rule.
@@ -105,7 +107,9 @@ def measured(keep: Keep, chain: Chain, q: Array) -> tuple[Quantity, ...]:
 
 
 def _between(vectors: Array, axis: Array) -> Array:
-    """Return the angles (N,) between vectors (N, 3) and an axis (3,) or (N, 3) of any length [rad]."""
+    """Return the angles (N,) [rad] between vectors (N, 3) and an axis, which is (3,) or (N, 3). The vectors
+    may have any length.
+    """
     # The arc tangent is exact for small angles too, where the cosine is flat.
     across = np.linalg.norm(np.cross(vectors, axis), axis=1)
     found: Array = np.arctan2(across, (vectors * axis).sum(axis=1))

@@ -1,4 +1,4 @@
-"""Build the reference of a module from its comments.
+"""Build the reference of a module of the robot language from its comments.
 
 The comment at the top of the file describes the module. The comment directly above a SUB describes the SUB.
 Indented lines in this comment describe one parameter each. They begin with the parameter's name and unit as
@@ -26,11 +26,11 @@ WIDTH = 96
 
 @frozen
 class ParameterText:
-    """A parameter of a SUB.
+    """Description of a parameter of a SUB.
 
     Attributes:
-        name: name as in the head, such as `{AT}` or `T (s)`.
-        meaning: meaning from the comment.
+        name: name as in the SUB's first line, such as `{AT}` or `T (s)`.
+        meaning: description from the comment.
         default: its value if a CALL gives none; empty without a default.
     """
 
@@ -52,12 +52,12 @@ class ParameterText:
 
 @frozen
 class SubText:
-    """A SUB.
+    """Description of a SUB.
 
     Attributes:
         name: name of the SUB.
-        purpose: description.
-        parameters: parameters of its head, in order.
+        purpose: text of its comment.
+        parameters: parameters in its first line, in order.
         strangers: parameters that only the comment has.
         example: a call.
     """
@@ -76,12 +76,12 @@ class SubText:
 
 @frozen
 class FunctionText:
-    """A FUNC.
+    """Description of a FUNC.
 
     Attributes:
         name: name of the FUNC.
-        purpose: description.
-        parameters: parameters as in its head, such as `A` or `H (mm)`.
+        purpose: text of its comment.
+        parameters: parameters as in its first line, such as `A` or `H (mm)`.
     """
 
     name: str
@@ -96,11 +96,11 @@ class FunctionText:
 
 @frozen
 class ModuleText:
-    """A module.
+    """Description of a module of the robot language.
 
     Attributes:
         name: name of the module.
-        paragraphs: description.
+        paragraphs: text of the comment at the top of its file.
         subs: its SUBs.
         functions: its FUNCs.
     """
@@ -216,7 +216,9 @@ def _function(statement: Statement, comments: dict[int, str]) -> FunctionText:
 
 
 def _head_name(value: Value) -> str:
-    """Return a word of the head in standard form: names in upper case, units in lower case."""
+    """Return a name or parameter in a SUB's first line in standard form: names in upper case, units in
+    lower case.
+    """
     if isinstance(value, FrameName):
         return f"{{{value.name}}}"
     if isinstance(value, Parameter):
@@ -254,7 +256,7 @@ def _parts(lines: list[str]) -> tuple[str, dict[str, str], str]:
 
 
 def _plain(parameter: str) -> str:
-    """Return a parameter in the form in which parameters are compared: `t(S)` and `T (s)` are equal."""
+    """Return a parameter in a form in which different spellings are equal, such as `t(S)` and `T (s)`."""
     word, bracket, unit = parameter.partition("(")
     return f"{word.strip().upper()} ({unit.rstrip(') ').lower()})" if bracket else word.strip().upper()
 

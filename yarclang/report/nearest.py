@@ -1,4 +1,4 @@
-"""Find the places of a program that come nearest to a limit, a tolerance, a margin or a border."""
+"""Find where a program comes nearest to a limit, a tolerance, a margin or the border of a zone."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ MOST = 10
 """Largest number of places that are shown."""
 
 _MORE, _LESS = 1.0 + 1e-15, 1.0 - 1e-15
-"""Bounds of the relative error in products of shares and limits, which are rounded three times."""
+"""Bounds on the relative error of products of shares and limits, which are rounded three times."""
 
 
 @frozen
 class Nearest:
-    """A place.
+    """A command that comes near to a limit, a tolerance, a margin or a border.
 
     Attributes:
         command: command of the program.
@@ -57,13 +57,13 @@ class Nearest:
 
 
 def source_command(command: CommandCertificate) -> tuple[str, int, str]:
-    """Return a key that all commands from one line of a source have in common: module, line and name."""
+    """Return a key that is equal for all commands from one line of the source: module, line and name."""
     return command.module, command.source_line, command.name
 
 
 def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) -> tuple[Nearest, ...]:
-    """Return the places nearest to their limits: the nearest place of each quantity and, if there is room,
-    the nearest places of all others. The result is sorted.
+    """Return the commands that come nearest to their limits, sorted: the nearest one for each measured
+    quantity and, if there is room, further ones.
 
     A line of the source that is executed several times is listed once for a quantity, with its worst value.
 
@@ -99,8 +99,8 @@ _MANY = 4_096
 
 
 def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str, int, str, str], _Found]:
-    """Return the nearest places of each quantity, as many as could be listed, in the order in which they were
-    found.
+    """Keep only the nearest candidates for each measured quantity, as many as could be listed, in the order
+    in which they were found.
     """
     by_quantity: dict[str, list[tuple[str, int, str, str]]] = {}
     for key in worst:
@@ -114,8 +114,8 @@ def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str,
 
 
 class _Found(NamedTuple):
-    """A candidate for the nearest places, with the attributes of `Nearest`. Its figure is formatted only when
-    it is needed, by `words` from `values`.
+    """A candidate for the list of commands nearest to a limit, with the attributes of `Nearest`. Its figure
+    is formatted only when it is needed, by `words` from `values`.
     """
 
     command: CommandCertificate
@@ -134,7 +134,7 @@ _rank = attrgetter("rank")
 
 
 class _Measure:
-    """Measurement of a command of a robot in a cell."""
+    """Converter of a proved command to measured quantities, for a robot in a cell."""
 
     def __init__(self, tolerance: Tolerance, robot: Robot, cell: Cell | None) -> None:
         self._tolerance = tolerance
@@ -196,30 +196,32 @@ class _Measure:
 
 
 def _before_limit(name: str, share: float, half: float, unit: str) -> str:
-    """Format `J2 12.3 deg before its limit`."""
+    """Return a position in words: `J2 12.3 deg before its limit`."""
     return f"{name} {down_to(max(0.0, (1.0 - share) * half) * _LESS, 4)} {unit} before its limit"
 
 
 def _of_limit(load: Load, limit: float, unit: str, form: str) -> str:
-    """Format `J2 90 of 100 deg/s`."""
+    """Return a velocity or another limited quantity in words: `J2 90 of 100 deg/s`."""
     used = load.share * limit * _MORE
     told = f"{math.ceil(used):,}" if form == ",.0f" else up_to(used, 4)
     return f"{load.name} {told} of {limit:{form}} {unit}"
 
 
 def _of_tolerance(value: float, limit: float, unit: float, called: str) -> str:
-    """Format `0.0012 of 0.02 mm`."""
+    """Return a deviation in words: `0.0012 of 0.02 mm`."""
     return f"{bound_text(value, unit)} of {limit / unit:.4g} {called}"
 
 
 def _in_zone(speed: ZoneSpeed) -> str:
-    """Format `FINGERS 90 of 100 mm/s in WORKER`. For the motion's own ceiling, no zone is named."""
+    """Return a speed in a zone in words: `FINGERS 90 of 100 mm/s in WORKER`. If the motion's own speed limit
+    applies, no zone is named.
+    """
     where = "" if speed.of_motion else f" in {speed.zone}"
     return f"{speed.part} {up_to(most(speed.largest, MM), 4)} of {speed.limit / MM:.4g} mm/s{where}"
 
 
 def _distance(near: Clearance, margin: float) -> str:
-    """Format `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
+    """Return a distance in words: `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
     wanted = f", margin {margin / MM:.4g} mm" if margin > 0.0 else ""
     return f"{whole_tenths(near.distance)} mm ({near.first}, {near.second}){wanted}"
 

@@ -10,7 +10,9 @@ from yarclang.units import DEG, MM
 
 
 def pose_values(pose: Array) -> Array:
-    """Return x y z [mm] and roll pitch yaw [deg] (6,) of a pose (4, 4): R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Return position and orientation of a pose (4, 4), as x y z [mm] and roll pitch yaw [deg] (6,): R =
+    Rz(yaw) Ry(pitch) Rx(roll).
+    """
     return np.concatenate((pose[:3, 3] / MM, roll_pitch_yaw(pose[:3, :3]) / DEG))
 
 

@@ -8,7 +8,9 @@ from yarclang.units import MS
 
 
 def robot_text(robot: Robot) -> str:
-    """Return a text for people with joints and their limits, frames, positions and controller."""
+    """Return a description of a robot as text for people: joints and their limits, frames, positions and
+    controller.
+    """
     limits, units = robot.limits, robot.axis_units
     names = joint_labels(robot.joint_names)
     wide = max(8, *(len(name) + 2 for name in names))

@@ -15,14 +15,14 @@ AROUND = 32
 _RINGS = 8
 """Number of rings of a half sphere."""
 _MOST_TRIANGLES = 40_000
-"""Largest number of triangles of a mesh. A picture needs no more, and a browser can't draw more 30 times a
-second.
+"""Largest number of triangles of a mesh that is drawn. A picture needs no more, and a browser can't draw more
+30 times a second.
 """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
-    """A surface of triangles.
+    """The surface of a shape, as triangles.
 
     Attributes:
         vertices: (V, 3) corners in the shape's frame [m].
@@ -52,12 +52,12 @@ def solid_of(shape: Shape) -> Solid | None:
 
 
 def cone(angle: float, near: float, far: float) -> Solid:
-    """Return the surface of the points in a cone that are between two distances from its apex.
+    """Return the surface of a cone, cut off by two spheres around its apex.
 
     Args:
         angle: angle between the axis, which is z, and the side [rad].
-        near: least distance from the apex [m].
-        far: largest distance [m].
+        near: radius of the inner sphere [m].
+        far: radius of the outer sphere [m].
     """
     turn = np.linspace(0.0, angle, _RINGS + 1)
     distance = np.repeat([near, far], _RINGS + 1)
@@ -80,7 +80,8 @@ def _box(size: Array) -> Solid:
 
 
 def _arc(radius: float, half: float) -> tuple[Array, Array]:
-    """Return radii and heights of two half spheres, from the lower pole to the upper one.
+    """Return radii and heights of the profile of a capsule (two half spheres), from the lower pole to the
+    upper one.
 
     Args:
         radius: radius of the half spheres [m].
@@ -92,7 +93,7 @@ def _arc(radius: float, half: float) -> tuple[Array, Array]:
 
 
 def _turned(radius: Array, height: Array) -> Solid:
-    """Return the solid that results from rotating a profile about z.
+    """Return the surface that results from rotating a profile about z.
 
     Args:
         radius: (K,) radii of the profile, from its lower end to its upper one [m].

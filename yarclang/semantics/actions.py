@@ -1,5 +1,5 @@
-"""Read commands that don't move the robot, assignments to registers and outputs, and conditions of WHEN and
-WAIT.
+"""Read commands that don't move the robot, assignments to registers and outputs, and the conditions of WHEN
+and WAIT.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ LONGEST_WAIT = 3600.0
 def read_action(
     statement: Statement, spec: ActionSpec, scope: Scope, defaults: Defaults, findings: Collector
 ) -> tuple[Action, ...] | None:
-    """Return the steps of an action; None with findings if it has an error."""
+    """Return the steps of a command that doesn't move the robot; None with findings if it has an error."""
     before = len(findings.found)
     origin = origin_of(statement, spec.name, findings)
     refused = ("a moving frame", "a base frame", "options")
@@ -97,11 +97,11 @@ def _in_steps(
     statement: Statement,
     findings: Collector,
 ) -> tuple[ActionValue, ...] | None:
-    """Convert an action's numbers for an analogue output or input to steps of that signal.
+    """Convert the numbers of a command to steps of the analogue output or input that it names.
 
     Returns:
-        All values of the action; values of signals that aren't analogue are unchanged. None with a finding if
-        a number is out of range or is between two steps.
+        All values of the command; without an analogue signal they are unchanged. None with a finding if a
+        number is out of range or is between two steps.
     """
     found = next((scope.name(one.name) for one in given if isinstance(one, Word)), None)
     if not isinstance(found, Output | Input) or found.step is None:
@@ -123,8 +123,8 @@ def _in_steps(
 
 
 def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement, findings: Collector) -> bool:
-    """Return True if every name in braces in a text is a register; otherwise report the first name that
-    isn't.
+    """Return True if every name in braces in the text of a SAY is a register; otherwise report the first name
+    that isn't.
     """
     wrong = next((one for one in names_in(step.text) if not isinstance(scope.name(one), Register)), None)
     if wrong is None:
@@ -139,8 +139,11 @@ def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement,
 def _keeps_to_groups(
     statement: Statement, form: ActionForm, values: tuple[ActionValue, ...], findings: Collector
 ) -> bool:
-    """Return True if every group of bits is only set, and only to numbers that it can hold; otherwise add a
-    finding.
+    """Check the groups of bits in a command: only a SET of an output may name a group, and only with a number
+    that the group can hold.
+
+    Returns:
+        False with a finding if this is violated.
     """
     groups = [one for one in values if isinstance(one, Signal) and is_group(one.variable)]
     for one in groups:
@@ -194,7 +197,8 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
 def read_wait_else(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> When | None:
-    """Read WAIT DOOR ON [5] ELSE as a WHEN whose condition must become true within the time.
+    """Read WAIT DOOR ON [5] ELSE as a WHEN. Its first branch is taken if the condition becomes true within
+    the time, else its ELSE.
 
     Returns:
         None with findings if the line has an error, or if it lacks its condition or its time.
@@ -241,7 +245,7 @@ def read_wait_else(
 def read_wait(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> WaitInput | WaitUntil | None:
-    """Read WAIT DOOR = ON AND JOB > 2 [5]; None with findings if it has an error."""
+    """Read a line such as WAIT DOOR = ON AND JOB > 2 [5]; None with findings if it has an error."""
     assert statement.expression is not None
     before = len(findings.found)
     refuse_parts(statement, ("a moving frame", "a base frame", "options"), findings)
@@ -286,7 +290,9 @@ def _is_outside(name: str, scope: Scope) -> bool:
 
 
 def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> Assign | None:
-    """Read SET COUNT = COUNT + 1, SET GO = COUNT or SET GO COUNT; None with findings if it has an error."""
+    """Read an assignment such as SET COUNT = COUNT + 1, SET GO = COUNT or SET GO COUNT; None with findings if
+    it has an error.
+    """
     before = len(findings.found)
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     word, *others = values_of(statement)
@@ -347,7 +353,7 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
 
 
 def assigns(statement: Statement, scope: Scope) -> bool:
-    """Return True if a SET has an equals sign or names a register.
+    """Return True if a SET has an equals sign or names a register, so that it is read as an assignment.
 
     Examples without an equals sign are SET GO COUNT and SET FLAG ON.
     """
@@ -420,10 +426,10 @@ def _value(
 def _seconds(
     statement: Statement, form: ActionForm, scope: Scope, defaults: Defaults, findings: Collector
 ) -> float | None:
-    """Return the time in square brackets [s].
+    """Return the time in square brackets of a command [s].
 
     Returns:
-        None without brackets; a finding is added if the action needs a time, or if the time has an error.
+        None without brackets; a finding is added if the command needs a time, or if the time has an error.
     """
     units = resolve_units(statement, statement.units, findings)
     time, word = statement.time, statement.name.name

@@ -17,7 +17,7 @@ from yarclang.syntax.ast import Module
 
 
 def check(module: Module, context: Context) -> Result[Program]:
-    """Check a module, and carry out its loops and calls.
+    """Check a program's syntax tree, and carry out its loops and calls.
 
     Args:
         module: the program's file.

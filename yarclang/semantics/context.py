@@ -25,8 +25,8 @@ class GivenCell:
     Attributes:
         path: the cell's file, as shown in messages.
         loaded: the cell and the findings of its file.
-        giver: origin of the path, for messages: `yarc.toml` or `the command line`.
-        remedy: the change to make there, for the help of a finding.
+        giver: who names the file, for messages: `yarc.toml` or `the command line`.
+        remedy: what to change there, for the help of a finding.
         source: the file that names the cell; None for the command line.
         span: place of the path in `source`.
     """
@@ -40,7 +40,9 @@ class GivenCell:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """The findings of the cell's file. A finding without a place gets the place that names the file."""
+        """The findings about the cell's file. A finding without a place gets the place where the file is
+        named.
+        """
         return tuple(
             one if one.source is not None else replace(one, source=self.source, span=self.span)
             for one in self.loaded.diagnostics
@@ -49,18 +51,19 @@ class GivenCell:
 
 @frozen
 class Context:
-    """The inputs of the checks that are not in the text.
+    """The inputs of the checks besides the program's text.
 
     Attributes:
         robot: the robot.
-        profiles: names of the planner's profiles.
+        profiles: names of the planner's motion profiles.
         start: (n,) [rad or m] start that overrides a START line; None without one.
         fallback_start: (n,) [rad or m] start of a program without a START line.
-        load: returns the module with a name, or a finding.
-        load_cell: returns the cell at a path that is relative to a module's file (None: to the program).
-            Returns the same object for the same file.
-        load_table: returns the trajectory file at a path that is relative to a module's file (None: to the
-            program). Returns the same object as long as the file doesn't change.
+        load: function that takes a module's name, and returns the module, or a finding.
+        load_cell: function that takes a path and the module with the line that names it (None: the program),
+            and returns the cell at this path. It returns the same object for the same file.
+        load_table: function that takes a path and the module with the line that names it (None: the program),
+            and returns the trajectory file at this path. It returns the same object as long as the file
+            doesn't change.
         cell: the cell that the command line or yarc.toml names.
         index_needed: True if every command needs an index; False in the live interpreter.
         memory: cache for the steps of commands.
@@ -82,7 +85,7 @@ class Context:
 
 @frozen
 class Defaults:
-    """The parts that a DEFAULT line gives to lines without them.
+    """What a DEFAULT line gives to lines that don't say it themselves.
 
     Attributes:
         scope: names of the file.

@@ -12,12 +12,12 @@ from yarclang.syntax.ast import Block, Statement, Value
 
 @dataclass(slots=True, eq=False)
 class File:
-    """A file that is being read.
+    """A file (the program or a module) whose lines are being carried out.
 
     Attributes:
         findings: collects the findings of the file.
         scope: names of the file.
-        defaults: parts of its DEFAULT line.
+        defaults: what its DEFAULT line gives.
         is_program: True for the program, False for a module.
         seen: first line of each kind of declaration so far, by its word.
         command_seen: True after the first command.
@@ -33,12 +33,12 @@ class File:
 
 @dataclass(slots=True, eq=False)
 class Sub:
-    """A SUB.
+    """A declared SUB.
 
     Attributes:
-        block: its lines.
+        block: lines of the SUB.
         scope: the names that its file had declared before the SUB.
-        file: the file, with its defaults and findings.
+        file: the file with the SUB, with its DEFAULT and findings.
     """
 
     block: Block
@@ -52,5 +52,7 @@ class Sub:
 
 
 def values_of(statement: Statement) -> list[Value]:
-    """Return the values of all way-points; for lines that don't move, the values after the name."""
+    """Return the values of all way-points of a line. For a line without motion, these are the values after
+    its first word.
+    """
     return [value for waypoint in statement.waypoints for value in waypoint.values]

@@ -69,8 +69,8 @@ def _number(statement: Statement) -> int:
 
 
 def _following(commands: list[Statement]) -> list[int]:
-    """Return for each command the next index after it. Commands after the last index get a number above all
-    indices.
+    """Return for each command the first index of the commands after it; if none of these has an index, a
+    number above all indices.
     """
     found, following = 10**LONGEST_INDEX, []
     for statement in reversed(commands):
@@ -84,8 +84,8 @@ def _free(before: int, following: int, taken: set[int]) -> int:
     """Reserve and return an unused index between two others; -1 if there is none.
 
     Args:
-        before: the index below.
-        following: the index above.
+        before: the lower of the two indices.
+        following: the higher of the two indices.
         taken: indices in use; the new one is added.
     """
     number = max(before, 0) + STEP

@@ -1,4 +1,4 @@
-"""Refuse parts that a statement doesn't accept."""
+"""Refuse syntax that a statement doesn't accept, such as a frame or a motion time."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ ALL_PARTS = ("a moving frame", "values", "a motion time", "units", "a base frame
 
 
 def refuse_parts(statement: Statement, refused: Container[str], findings: Collector) -> None:
-    """Add a finding at the first refused part of a statement.
+    """Add a finding if a statement has syntax that it doesn't accept, such as a frame or a motion time. Only
+    the first such part of the statement is reported.
 
     Args:
         statement: the line.
-        refused: names of parts, as in ALL_PARTS.
+        refused: names of what the statement doesn't accept, as in ALL_PARTS.
         findings: receives the finding.
     """
     places: list[tuple[str, Place]] = []

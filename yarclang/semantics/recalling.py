@@ -1,4 +1,4 @@
-"""Cache the steps of commands, with their text and the meanings of the names in them as key."""
+"""Cache the steps of commands. The key is the text of a command and the meanings of the names in it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,9 @@ class _Watched(Scope):
         self._scope = scope
         self.asked: dict[tuple[bool, str], Named | Frame | None] = {}
         self.is_listed = False
-        """True if all names were listed: the result then depends on every name, and isn't cached."""
+        """True if a list of all names was requested: the result then depends on every name, and isn't
+        cached.
+        """
 
     def name(self, name: str) -> Named | None:
         found = self.asked[False, name] = self._scope.name(name)
@@ -74,14 +76,15 @@ class _Watched(Scope):
 
 _Asked = tuple[tuple[bool, str, Hashable], ...]
 _Link = tuple[int, bool, str]
-"""Origin of a frame: number of the scope, True for a frame's name (False: name of a pose in the frame), name.
+"""Where a frame was looked up: number of the scope, True for a frame's name (False: name of a pose in the
+frame), and this name.
 """
 _Links = tuple[_Link | None, _Link | None]
 
 
 @frozen
 class _Kept:
-    """A step without its place in the text.
+    """A cached step without its place in the text.
 
     Attributes:
         made: type of the step.
@@ -118,10 +121,10 @@ def step_before(
         memory: the cache.
         robot: the robot of the program.
         statement: the command.
-        defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        defaults: what the DEFAULT line of its file gives.
+        scope: the names in scope at this line.
         findings: the findings of the command's file; receives those of `make`.
-        make: reads the command with given defaults and scope.
+        make: function that reads the command with given defaults and scope.
     """
     source = findings.source
     default = defaults.statement
@@ -157,7 +160,9 @@ def _text(source: SourceFile, statement: Statement) -> Hashable:
 
 
 def _meaning(found: Named | Frame | None) -> Hashable:
-    """Return a meaning as a value that can be compared. SUBs and modules are compared by identity."""
+    """Return the meaning of a name as a value that can be compared. SUBs and modules are compared by
+    identity.
+    """
     match found:
         case Frame():
             return found.transform.tobytes(), found.on_flange, _meaning_of_link(found.link)
@@ -185,8 +190,8 @@ def _meaning_of_link(link: FrameLink | None) -> Hashable:
 def _frames_as_they_were(
     kept: _Kept, defaults: Defaults, scope: Scope
 ) -> tuple[FrameLink | None, ...] | None:
-    """Return the current frames of a cached command; None if a name that it looked up has another meaning
-    now.
+    """Return the current moving frame and base frame of a cached command; None if a name that the command
+    uses has another meaning now.
 
     The scope caches the answer up to its next declaration. The id of `kept.asked` is part of the key. The
     scope also stores `kept.asked` itself, so that no other object can get this id.
@@ -215,8 +220,8 @@ _LOST = (-1, False, "")
 
 
 def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> _Link | None:
-    """Return the scope and the name under which a frame was looked up; _LOST if it wasn't looked up by
-    name.
+    """Return the number of the scope and the name under which a frame was looked up; _LOST if it wasn't
+    looked up by name.
     """
     if link is None:
         return None

@@ -143,7 +143,7 @@ def _checked(
     writes: bool = False,
     diff: bool = False,
 ) -> bool:
-    """Check files and report the findings; return True if the exit status is to be a failure."""
+    """Check files and report their findings; return True if the exit status is to report a failure."""
     from yarclang.cli.checks import check_all
     from yarclang.cli.show import show_findings
     from yarclang.report.finding import count_text
@@ -190,8 +190,8 @@ def _checked(
 
 
 def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
-    """Write a fixed file, or print the difference. A program from standard input is written to standard
-    output.
+    """Write a file after its fixes, or print the difference to its old text. A program from standard input is
+    written to standard output.
     """
     from yarclang.cli.differences import difference, with_mark
     from yarclang.cli.work import write_standard_output, write_whole

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from yarclang.robot.model import Tolerance
 
 _HEADER = 4096
-"""Number of characters at the beginning of a text that contain the robot's fingerprint."""
+"""Number of characters at the beginning of a controller text that certainly contain the robot's
+fingerprint.
+"""
 
 _COLOURS = {"+": "green", "-": "red", "~": "yellow"}
 
@@ -109,8 +111,8 @@ def _show(comparison: Comparison, all_commands: bool, format_: str) -> None:
 
 
 def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
-    """Return the requested tolerance in mm and deg. A missing angle is computed by the ratio of the
-    robot's own tolerance.
+    """Return the requested tolerance in mm and deg. If the angle isn't given, its ratio to the length is that
+    of the robot's own tolerance.
     """
     from yarclang.robot.model import Tolerance
     from yarclang.units import DEG, MM

@@ -226,7 +226,9 @@ def _export_robot(name: str | None, output: str | None, *, overwrite: bool) -> N
 def _write_package(
     package: Package | None, output: str | None, diagnostics: Found, *, overwrite: bool
 ) -> None:
-    """Write a package as a folder, and report the findings. The package is None if findings forbid it."""
+    """Write an exported package as a folder, and report the findings. The package is None if findings
+    forbid it.
+    """
     from yarclang.cli.show import show_findings
     from yarclang.export.folder import judged, write_folder
     from yarclang.report.finding import count_text

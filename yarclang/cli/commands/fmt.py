@@ -22,8 +22,8 @@ class _Command(click.Command):
     """A command whose --renumber takes two numbers, or none."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Pass the numbers directly after --renumber to this option, and all other arguments to the
-        command.
+        """Parse the command line. Numbers directly after --renumber are passed to this option, and all other
+        arguments to the command.
         """
         if "--renumber" in args:
             at = args.index("--renumber") + 1

@@ -148,8 +148,8 @@ def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int
 
 
 def _say_unknown(program: Program, place: str | None, line: int | None, wrong: bool, findings: Any) -> None:
-    """Report that no command matches, by the findings that explain it, or else by a list of the existing
-    commands.
+    """Report that no command matches the one that was named: by the findings that explain it, or else by a
+    list of the existing commands.
     """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic, grouped, in_order

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 def _of_template(name: str, robot: Robot) -> str:
-    """Return the text of a template for a robot, after a proof that the program works for this robot."""
+    """Return the text of a template's program for a robot, after a proof that the program works for this
+    robot.
+    """
     import tempfile
 
     from yarclang.runtime.actions import Trouble

@@ -208,7 +208,9 @@ def _said(box: Sequence[Range], one: Candidate) -> str:
 
 
 def _map(task: Task, placing: Placing) -> Iterator[str]:
-    """Yield the lines of the grid's map: along the first two axes, at the best values of the other axes."""
+    """Yield the lines of a map of the tried positions: along the first two axes, at the best values of the
+    other axes.
+    """
     first = task.box[0]
     second = task.box[1] if len(task.box) > 1 else None
     cells: dict[tuple[float, float], Candidate] = {}

@@ -51,7 +51,7 @@ def command(
 
 
 def _destinations(names: tuple[str, ...], output: str | None, folder: Path) -> dict[str, str]:
-    """Return the path of each robot's picture. A robot that can't be read has findings instead of a path.
+    """Return for each robot the path of its picture, or findings if the robot can't be read.
 
     Raises:
         click.UsageError: two robots have the same name.

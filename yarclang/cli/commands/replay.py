@@ -87,7 +87,9 @@ def _show(run: RecordedRun, speed: float) -> None:
 
 
 class _Screen:
-    """Standard output. On a terminal one line changes; elsewhere a further line is printed now and then."""
+    """Standard output for a replayed run. On a terminal, a status line changes in place; elsewhere it is
+    printed again from time to time.
+    """
 
     def __init__(self, *, live: bool) -> None:
         self._live = live
@@ -122,7 +124,9 @@ class _Screen:
         self._shown = True
 
     def _is_due(self, moment: Moment) -> bool:
-        """Return True if the progress needs a new line: a new command has begun, or some time has passed."""
+        """Return True if the progress is to be printed in a new line: a new command has begun, or some
+        time has passed.
+        """
         from yarclang.report.runs.text import PLAIN_EACH
 
         progress = moment.view.progress

@@ -7,7 +7,7 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 20.0
-"""Longest wait until a run continues [s]. It is long because the robot must come to rest first."""
+"""Longest wait until a run continues [s]. It is long because the robot may have to come to rest first."""
 
 
 @click.command("resume")

@@ -56,7 +56,7 @@ def command(robot: str, format_: str) -> None:
 
 
 def _times(robot: Robot) -> Iterator[Item]:
-    """Yield the measured times of inverse kinematics for many poses at once, in process time."""
+    """Yield lines with the measured times of inverse kinematics for many poses at once, in process time."""
     import time
 
     from yarclang.robot.checklist.geometry import POSES

@@ -122,8 +122,8 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
 
 
 def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
-    """Return the folders with ROS packages: first those of the options, then those of ROS 1, then those of
-    ROS 2.
+    """Return the folders in which ROS packages are looked for: first those of the options, then those of ROS
+    1, then those of ROS 2.
     """
     import os
 
@@ -196,8 +196,8 @@ def _position(arm: Arm, text: str) -> tuple[str, tuple[float, float]]:
 
 
 def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ...]) -> Arm:
-    """Ask for unknown values and add the answers to the options. Return the arm, which another tip or base
-    changes.
+    """Ask the user for unknown values, and add the answers to the options. Return the arm, since another tip
+    or base gives another arm.
     """
     import sys
 
@@ -363,7 +363,7 @@ def _unseen(meshes: tuple[tuple[str, str], ...]) -> Iterator[str]:
     """Yield a note for each reason why visual meshes aren't copied.
 
     Args:
-        meshes: name of each mesh, and its reason.
+        meshes: name of each mesh, and the reason why it isn't copied.
     """
     from yarclang.robot.checklist.item import listed
 

@@ -145,7 +145,9 @@ def _check_compiled_usage(first: str | None, options: dict[str, Any]) -> None:
 
 
 def _again(file: str, to: Address | None, options: dict[str, Any]) -> str:
-    """Return the command line without the options that apply to a single run; empty for standard input."""
+    """Return the command line without the options that apply to a single run, for running the program again;
+    empty for standard input.
+    """
     if file == "-":
         return ""
     words = ["yarc", "run", file, *(["--to", str(to)] if to is not None else [])]

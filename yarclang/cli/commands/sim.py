@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 _LOOK = 0.2
-"""Time after which the simulator is checked again for words that it doesn't simulate [s]."""
+"""Time between two looks for words that the simulator doesn't simulate [s]."""
 
 
 class _Rate(ParamType[float | None]):
@@ -45,7 +45,9 @@ class _Rate(ParamType[float | None]):
 
 
 class _Address(ParamType[str]):
-    """Parser of an address or a name. An empty text would mean all addresses, and is rejected."""
+    """Parser of an IP address or a host name on the command line. An empty text would mean all addresses, and
+    is rejected.
+    """
 
     name = "ADDRESS"
 
@@ -181,7 +183,9 @@ def _made(backend: Backend) -> Bench:
 
 
 def _around(robot: str | None, inputs: str | None, cell: str | None) -> SimulatedCell:
-    """Return the machines of a script, and the sensors of a cell. The script may use the cell's names."""
+    """Return the machines around the simulated robot: those of a script, and the sensors of a cell. The
+    script may use the cell's names.
+    """
     from dataclasses import replace
 
     from yarclang.cli.show import show_findings
@@ -238,8 +242,8 @@ async def _serve(server: Server, what: str) -> None:
 
 
 async def _watch(server: Server) -> None:
-    """Report each word of a program that the simulator ignores or carries out differently from a
-    controller, once.
+    """Report, once each, the words of a program that the simulator ignores or carries out differently from a
+    controller.
     """
     import asyncio
 
@@ -258,8 +262,8 @@ def _place(server: Server) -> str:
 
 
 def _reason(error: OSError) -> str:
-    """Return why the server can't listen on an address. The address, which asyncio adds to the message, is
-    left out.
+    """Return the reason why the server can't listen on an address. The address, which asyncio adds to its
+    message, is left out.
     """
     import os
     import socket

@@ -61,7 +61,9 @@ def command(run: str | None, to: Address | None, robot: str | None, format_: str
 
 
 def _columns(lines: list[tuple[str, str]]) -> str:
-    """Return titles and texts as two columns that are aligned for any length of joint names."""
+    """Return pairs of a title and a text as lines with two columns, which are aligned for any length of
+    joint names.
+    """
     width = max(_LEAST_WIDTH, *(len(title) for title, _ in lines))
     return "\n".join(f"{title:<{width}} {text}" for title, text in lines)
 

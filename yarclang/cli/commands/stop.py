@@ -24,12 +24,14 @@ _PATIENCE = 30.0
 """Longest wait until a run ends [s], including the time to come to rest and to reconnect."""
 
 _TELL = 0.3
-"""Longest wait for an answer of a run that drives the controller [s]. It is short because the run may
+"""Longest wait for an answer of the run that drives the controller [s]. It is short because the run may
 hang.
 """
 
 _LET_END = 2.0
-"""Longest wait [s] until a run that has answered ends. After that the controller itself is stopped."""
+"""Longest wait [s] until a run that has answered the order to stop ends. After that the controller itself
+is stopped.
+"""
 
 
 @click.command("stop")
@@ -82,8 +84,8 @@ def _stop_controller(to: Address, name: str, what: str) -> None:
 
 
 def _tell_run(to: Address, what: str) -> None:
-    """Ask the run that drives the controller to end its program, since the run can stop it more gently. A run
-    that hangs doesn't prevent the stop.
+    """Ask the run that drives the controller to end its program, since the run can stop the robot more gently
+    than the controller alone. A run that hangs doesn't prevent the stop.
     """
     from yarclang.cli.ordering import send
     from yarclang.runtime.actions import Trouble

@@ -88,7 +88,7 @@ def command(
 def _check_usage(
     file: str | None, live: bool, run: str | None, to: Address | None, planning: dict[str, Any]
 ) -> None:
-    """Check that either a file or --live is given, each with its own options only.
+    """Check that either a file or --live is given, and only options that apply to the one that is given.
 
     Raises:
         click.UsageError: the combination is wrong.
@@ -111,7 +111,9 @@ def _check_usage(
 
 
 def _stage(file: str, planning: dict[str, Any]) -> Stage:
-    """Return the stage (what the view shows) of a file. Without anything to show, exit with status 1."""
+    """Return the stage of a file: what the three-dimensional view shows. If there is nothing to show, exit
+    with status 1.
+    """
     from yarclang.cli.show import show_findings, show_without_notes
     from yarclang.cli.work import Progress, options_from
     from yarclang.pipeline.controller_text import is_compiled, robot_of_text
@@ -166,7 +168,7 @@ def _serve(stage: Stage, door: Door, *, opens: bool) -> None:
 
 
 def _ready(real: Door, title: str, seen: str, opens: bool) -> None:
-    """Print the address of the view.
+    """Print the address of the three-dimensional view.
 
     Args:
         real: address at which the view is served.

@@ -11,12 +11,12 @@ FORMATS = ("json", "sarif", "github", "junit")
 
 
 def document(format_: str, files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:
-    """Return findings in a format, with a final newline.
+    """Return findings as a document in an output format, with a final newline.
 
     Args:
         format_: one of FORMATS.
         files: all files that were checked.
-        found: their findings.
+        found: findings about these files.
         strict: True if warnings count as errors.
     """
     write: Callable[..., str] = import_module(f"yarclang.cli.formats.{format_}").write

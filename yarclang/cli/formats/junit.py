@@ -1,5 +1,5 @@
-"""JUnit XML: each file is a test suite, each finding a test case. Findings that aren't failures become
-output.
+"""Write findings as JUnit XML: each file is a test suite, and each finding a test case. Findings that aren't
+failures become output.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:
-    """Return one suite for each file, followed by the suites of findings in other files and of findings
-    without a file.
+    """Return findings as JUnit XML: one test suite for each checked file, followed by the suites for findings
+    in other files and for findings without a file.
     """
     by_file: dict[str, list[Diagnostic]] = {("<stdin>" if file == "-" else file): [] for file in files}
     for one in found:

@@ -77,7 +77,7 @@ def _rule(finding: Finding, documentation: str) -> dict[str, Any]:
 
 
 def _results(found: Sequence[Diagnostic], codes: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the results. Each has a fingerprint that doesn't change if its line moves."""
+    """Return findings as results of SARIF. Each has a fingerprint that doesn't change if its line moves."""
     seen: Counter[str] = Counter()
     results = []
     for one in found:
@@ -122,7 +122,9 @@ def _fix(fix: Fix, artifact: dict[str, str]) -> dict[str, Any]:
 
 
 def _related(within: Within) -> dict[str, Any]:
-    """Return a line in a module. An installed module has a name instead of a file of this project."""
+    """Return where in a module a finding comes from, as a related location of SARIF. An installed module has
+    a name instead of a file of this project.
+    """
     place: dict[str, Any] = {"id": 1, "message": {"text": within.text}}
     if within.source.is_installed:
         return {**place, "logicalLocations": [{"name": within.source.module, "kind": "module"}]}
@@ -131,8 +133,8 @@ def _related(within: Within) -> dict[str, Any]:
 
 
 def _region(span: Span) -> dict[str, int]:
-    """Return a region. As in a span, lines and columns count from 1, and the end column is after the last
-    character.
+    """Return a span as a region of SARIF. In both, lines and columns count from 1, and the end column is
+    after the last character.
     """
     return {
         "startLine": span.line,

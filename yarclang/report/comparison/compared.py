@@ -1,4 +1,6 @@
-"""Compare two programs by the robot's behaviour: paths, times, configurations, outputs and waits."""
+"""Compare two programs by the behaviour of the robot: paths, times, inverse kinematics solutions, outputs and
+waits.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,8 @@ SAME_TIME = 5e-4
 """Durations that differ by less count as equal [s], because segment times are multiples of a small step."""
 
 _OTHER_JOINTS = 1.0
-"""Difference of a joint, at an equal tool pose, above which the plans use different inverse kinematics
-solutions [deg or mm].
+"""Difference of a joint, with the tool at the same pose, above which two plans use different inverse
+kinematics solutions [deg or mm].
 """
 
 Status = Literal["same", "changed", "added", "removed"]
@@ -27,11 +29,11 @@ Status = Literal["same", "changed", "added", "removed"]
 
 @frozen(eq=False)
 class Compared:
-    """A command of the first program, one of the second, or both.
+    """A command of the first program beside the command of the second program that corresponds to it.
 
     Attributes:
-        first: command of the first program; None if it has none.
-        second: command of the second program; None if it has none.
+        first: command of the first program; None if only the second program has it.
+        second: command of the second program; None if only the first program has it.
         path: difference of the paths of two motions.
         differs: True if this difference is beyond the tolerance.
         other_branch: True if the tool has the same end but the joints have other values.
@@ -39,7 +41,7 @@ class Compared:
         what: True if two commands without motion do different things.
         carries: True if the robot carries other parts during the commands.
         touches: True if other bodies may touch.
-        keeps: True if other rules apply to the motion.
+        keeps: True if other KEEP rules apply to the motion.
     """
 
     first: Act | None
@@ -55,7 +57,7 @@ class Compared:
 
     @property
     def status(self) -> Status:
-        """Kind of the difference."""
+        """Whether and how the two commands differ."""
         if self.first is None:
             return "added"
         if self.second is None:
@@ -92,7 +94,9 @@ class Comparison:
 
     @property
     def holds_otherwise(self) -> bool:
-        """True if other inputs hold the motions, or if the robot withdraws by other motions after a hold."""
+        """True if the programs watch different inputs to hold the motion, or react to them by different
+        ways out.
+        """
         return self.first.watches != self.second.watches
 
     @property
@@ -103,7 +107,7 @@ class Comparison:
         )
 
     def count(self, status: Status) -> int:
-        """Return the number of commands with a status."""
+        """Return the number of commands with a given status."""
         return sum(one.status == status for one in self.commands)
 
     @property
@@ -114,12 +118,12 @@ class Comparison:
 
 
 def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparison:
-    """Compare two programs for robots of one kind.
+    """Compare two programs for robots of the same kind.
 
     Args:
         first: execution of the first program.
         second: execution of the second program, with the same number of joints.
-        tolerance: allowed difference of the tool.
+        tolerance: allowed difference of the tool's path.
     """
     robot = second.robot
     frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"

@@ -1,4 +1,4 @@
-"""Pair the commands of two programs: by effect and order, then by place.
+"""Pair the commands of two programs by effect and order, and then by place (their index in loops and calls).
 
 An inserted command counts as new, wherever it is. If equal commands have different indices, that is no
 difference.
@@ -17,10 +17,10 @@ from yarclang.progress import go_on
 Pair = tuple[Act | None, Act | None]
 
 _FINE = 1e-3
-"""Ends of motions that round to the same multiple of this are sure to be equal [rad or m]."""
+"""Step to which ends of motions are rounded [rad or m]. Motions with equal rounded ends are paired."""
 
 _MOST_CELLS = 200_000
-"""Largest table that is searched for the best pairs. If a table would be larger, commands are paired by
+"""Largest table of two groups of commands that is searched for the best pairs. Larger groups are paired by
 place.
 """
 
@@ -29,16 +29,18 @@ _OTHER_PLACE = 0.3
 _OTHER_NAME = 0.15
 _OTHER_END = 0.8
 _FAR = 0.5
-"""Distance of two ends [rad or m] from which on their cost is the whole of `_OTHER_END`."""
+"""Distance between the ends of two motions [rad or m] from which on the cost of pairing them is the whole of
+`_OTHER_END`.
+"""
 
 
 def pairs_of(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """Return pairs of the commands of two programs, in order; None for a missing partner."""
+    """Pair the commands of two programs, in order; a command without a partner is paired with None."""
     return _aligned(first, second, [_key(one) for one in first], [_key(one) for one in second], _closest)
 
 
 def _key(act: Act) -> Hashable:
-    """Return a value that is equal only for commands that are sure to have the same effect."""
+    """Return a value that is equal only for commands whose effect is certainly the same."""
     if act.curve is None:
         return act.kind, act.what
     return act.kind, tuple(np.round(act.curve.points[-1] / _FINE).astype(int).tolist())
@@ -51,7 +53,7 @@ def _aligned(
     others: Sequence[Hashable],
     rest: Callable[[Sequence[Act], Sequence[Act]], list[Pair]],
 ) -> list[Pair]:
-    """Pair commands with equal keys; `rest` pairs the commands between them."""
+    """Pair commands with equal keys; `rest` is the function that pairs the commands between them."""
     pairs: list[Pair] = []
     for tag, i, j, k, m in SequenceMatcher(None, keys, others, autojunk=False).get_opcodes():
         if tag == "equal":
@@ -66,8 +68,8 @@ def _apart(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
 
 
 def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """Return the pairs with the smallest total cost that keep the order of both programs. A command without a
-    partner also has a cost.
+    """Return the pairs of commands with the smallest total cost that keep the order of both programs. A
+    command without a partner also has a cost.
     """
     n, m = len(first), len(second)
     if n * m == 0:

@@ -1,6 +1,4 @@
-"""Compute the difference of two executed motions, place by place along their paths, regardless of their
-timing.
-"""
+"""Compute the difference of two executed motions at equal places along their paths, regardless of timing."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ _PLACES = 513
 
 @frozen
 class PathDifference:
-    """The largest differences of two motions.
+    """The largest differences between the paths of two motions.
 
     Attributes:
         position: difference of the tool's position [m].
@@ -42,7 +40,7 @@ SAME_PATH = PathDifference(0.0, 0.0, 0, 0.0, 0.0)
 
 
 def path_difference(robot: Robot, frame: str, curve: Curve, other: Curve) -> PathDifference:
-    """Compare two curves at equal shares of their lengths in joint space.
+    """Compare two motions at equal shares of their lengths in joint space.
 
     Args:
         robot: robot of both motions.

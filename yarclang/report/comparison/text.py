@@ -19,8 +19,11 @@ _SIGNS = {"same": " ", "changed": "~", "added": "+", "removed": "-"}
 
 
 def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Iterator[tuple[str, str]]:
-    """Yield sign and line of each difference: ~ for a changed command, + for a command only in the second
-    program, - for one only in the first; then the totals, without a sign.
+    """Yield a sign and a line of text for each difference of two programs, then lines with the totals,
+    without a sign.
+
+    The signs are ~ for a changed command, + for a command only in the second program, - for one only in the
+    first.
     """
     robot = comparison.second.robot
     if comparison.starts_elsewhere:
@@ -44,7 +47,7 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
 
 
 def _watched_lines(first: Sequence[Watch], second: Sequence[Watch]) -> Iterator[tuple[str, str]]:
-    """Yield the differences of the inputs that hold the motions."""
+    """Yield how two programs differ in the inputs that hold the motions."""
     before, behind = ({(one.variable, one.value): one for one in watches} for watches in (first, second))
     yielded = False
     for key in dict.fromkeys((*before, *behind)):
@@ -130,7 +133,9 @@ def _touching(act: Act) -> str:
 
 
 def path_text(robot: Robot, path: PathDifference) -> str:
-    """Return a difference of paths: `5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`."""
+    """Return the difference of two paths in words, such as
+    `5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`.
+    """
     joint = f"{robot.joint_names[path.joint]} by {path.joint_off:.4g} {robot.axis_unit_names[path.joint]}"
     return (
         f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % "
@@ -159,7 +164,9 @@ def totals_text(comparison: Comparison) -> str:
 
 
 def compared_json(comparison: Comparison) -> dict[str, Any]:
-    """Return plain data, with units in the names. A missing command is null."""
+    """Return a comparison of two programs as plain data, with units in the names. A missing command is
+    null.
+    """
     robot = comparison.second.robot
     return {
         "version": 1,

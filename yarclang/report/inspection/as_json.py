@@ -16,7 +16,9 @@ from yarclang.units import MS
 
 
 def inspected_json(inspected: Inspected) -> dict[str, Any]:
-    """Return everything that the text shows. Joints are given by name, and unknown values are null."""
+    """Return as plain data everything that the text about an inspected command shows. Joints are given by
+    name, and unknown values are null.
+    """
     origin, robot = inspected.origin, inspected.robot
     motion = inspected.motion
     return {

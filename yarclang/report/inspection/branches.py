@@ -1,4 +1,6 @@
-"""Find all joint positions that reach a pose, and the reason why one was chosen and the others weren't."""
+"""Find all joint positions that reach a pose, and the reason why the planner chose one of them and not the
+others.
+"""
 
 from __future__ import annotations
 
@@ -18,18 +20,20 @@ MOST_TRIED = 24
 
 Verdict = Literal["chosen", "farther", "continuity", "fails later", "works", "out of limits"]
 Follow = Callable[[Array], str]
-"""Function that returns a sentence about what fails after a joint position (n,); empty if nothing fails."""
+"""Function that takes a joint position (n,), and returns a sentence about what fails if a motion ends there;
+empty if nothing fails.
+"""
 
 
 @frozen(eq=False)
 class Solution:
-    """A joint position that reaches the pose.
+    """An inverse kinematics solution: a joint position that reaches a pose.
 
     Attributes:
         q: (n,) [rad or m].
-        distance: sum of squared joint differences from the reference (rad and m).
+        distance: sum of squared joint differences from the reference position (rad and m).
         excess: (n,) distance of each joint beyond its limits [rad or m]; 0 within.
-        verdict: whether it was chosen, and the kind of the reason.
+        verdict: whether it was chosen, and if not, the kind of the reason.
         reason: the reason in words.
     """
 
@@ -49,7 +53,7 @@ def solutions_of(
     *,
     along_path: bool,
 ) -> tuple[Solution, ...]:
-    """Return all inverse kinematics solutions, including those that differ by full turns.
+    """Return all inverse kinematics solutions for a pose, including those that differ by full turns.
 
     Solutions within the limits come first, sorted by distance; solutions beyond the limits follow.
 
@@ -58,8 +62,9 @@ def solutions_of(
         base_from_flange: (4, 4), the pose.
         reference: (n,) position from which the distance is measured [rad or m].
         chosen: (n,) the plan's solution; None if it has none.
-        follow: returns what fails after a solution.
-        along_path: True if the motion keeps its configuration, so that there is no choice.
+        follow: function that takes a solution, and returns what fails in the motions after it; empty for
+            nothing.
+        along_path: True if the motion keeps its inverse kinematics branch, so that there is no choice.
     """
     chain, limits = robot.chain, robot.limits
     found, reached = branches(chain, base_from_flange[None], hold=reference)
@@ -118,7 +123,7 @@ def _verdict(
 
 
 def excess_text(robot: Robot, excess: Array) -> str:
-    """Return the joints beyond their limits: `J3 12.5 deg above, J5 3 deg below its limit`."""
+    """Return in words which joints are beyond their limits: `J3 12.5 deg above, J5 3 deg below its limit`."""
     parts = [
         f"{name} by {abs(value) / unit:.4g} {unit_name} {'above' if value > 0 else 'below'}"
         for name, value, unit, unit_name in zip(

@@ -1,4 +1,4 @@
-"""Count the convex pieces of the bodies whose meshes are divided into some (`pieces = N`)."""
+"""Count the convex pieces of the bodies whose meshes are divided into several (`pieces = N`)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from yarclang.shapes import Mesh, Shape
 
 @frozen
 class Divided:
-    """A body in convex pieces.
+    """A body whose mesh is divided into convex pieces.
 
     Attributes:
-        name: name of the body; of parts of one kind, without a number.
+        name: name of the body; of parts of the same kind, without a number.
         count: number of its pieces.
-        most: number that is asked for.
+        most: largest number of pieces that the description allows.
     """
 
     name: str
@@ -35,8 +35,8 @@ class Divided:
 
 
 def divided_bodies(robot: Robot, cell: Cell | None) -> tuple[Divided, ...]:
-    """Return the bodies of a robot and its cell whose meshes are divided, in the order of their files. Meshes
-    that can't be read are left out.
+    """Return the bodies of a robot and its cell whose meshes are divided into convex pieces, in the order of
+    their files. Meshes that can't be read are left out.
     """
     counts: dict[str, list[int]] = {}
     for name, shape, is_hull in _shapes(robot, cell):
@@ -50,7 +50,9 @@ def divided_bodies(robot: Robot, cell: Cell | None) -> tuple[Divided, ...]:
 
 
 def _shapes(robot: Robot, cell: Cell | None) -> Iterator[tuple[str, Shape, bool]]:
-    """Yield names and shapes, each with True if a mesh counts as its hull unless pieces are asked for."""
+    """Yield names and shapes of bodies, each with True if a mesh without `pieces` counts as its convex
+    hull.
+    """
     for link in robot.shapes:
         yield link.link, link.shape, True
     for tool in robot.tools:

@@ -12,7 +12,7 @@ from yarclang.motion.plan import MotionPlan
 
 @frozen
 class Flowing:
-    """A corner that is passed without a stop.
+    """A corner between two commands that the robot passes without a stop.
 
     Attributes:
         first: command before the corner.
@@ -31,7 +31,7 @@ class Flowing:
 
 @frozen
 class Flows:
-    """Corners of a command. Each is None if the robot stops there.
+    """The corners at the start and the end of a command. Each is None if the robot stops there.
 
     Attributes:
         before: corner at the start of a motion.
@@ -61,7 +61,7 @@ def flows_of(plan: MotionPlan, number: int) -> Flows:
 
 
 def flow_lines(flows: Flows) -> Iterator[str]:
-    """Yield the lines about a motion's corners."""
+    """Yield lines of text about the corners of a motion that are passed without a stop."""
     if flows.before is not None:
         yield f"flows in from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
     if flows.behind is not None:
@@ -82,7 +82,7 @@ def when_set(flows: Flows) -> str:
 
 
 def flows_json(flows: Flows) -> dict[str, Any]:
-    """Return plain data, with units in the names."""
+    """Return the corners of a command as plain data, with units in the names."""
     return {
         name: corner
         and {

@@ -1,5 +1,5 @@
-"""Collect complete information about one command of a program: frames, target, joints, solutions, time,
-proofs, and its controller lines.
+"""Collect complete information about one command of a program: frames, target, joints, inverse kinematics
+solutions, time, proofs, and its lines in the controller text.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ from yarclang.robot.model import Robot
 
 @frozen(eq=False)
 class Studied:
-    """The results of the stages that a program reached, with its findings. It is planned and certified only
-    if it has no errors.
+    """A checked program: its findings, and the results of the compiler's stages that it reached. It is
+    planned and certified only if it has no errors.
     """
 
     program: Program
@@ -52,7 +52,7 @@ class Studied:
 
 @frozen(eq=False)
 class WayPoint:
-    """A pose to which a motion goes.
+    """A pose to which a motion goes, and the joint positions that reach it.
 
     Attributes:
         pose: (4, 4) base_from_moving.
@@ -73,12 +73,12 @@ class WayPoint:
 
 @frozen(eq=False)
 class Inspected:
-    """A command.
+    """Everything that is known about one command of a program.
 
     Attributes:
         robot: robot of the program.
         step: the command's step.
-        number: its number in the program.
+        number: number of this step in the program.
         start: (n,) joint positions before it [rad or m]; None if unknown because of errors.
         end: (n,) joint positions after it [rad or m]; None if unknown because of errors.
         motion: the planned motion; None for a command without motion, or one that can't be planned.
@@ -86,14 +86,14 @@ class Inspected:
             unknown.
         total: duration of the program; None if unknown.
         waypoints: the poses to which it goes.
-        pace: limits of its time.
-        certificate: its proof.
-        stretches: its lines in the controller's text.
-        text: lines of the controller's text; empty if the program has errors.
+        pace: what limits its duration.
+        certificate: what is proved about it.
+        stretches: groups of its lines in the controller text.
+        text: lines of the controller text; empty if the program has errors.
         findings: findings about this command.
         flows: its corners that are passed without a stop.
         carries: parts that grippers hold during a motion.
-        deeds: effects of a SET on parts, verb and names.
+        deeds: what a SET does to parts: verbs with the names of the parts.
         divided: bodies in convex pieces; empty for a command without motion.
     """
 
@@ -207,8 +207,8 @@ def _own_findings(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
 
 
 def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
-    """Return the poses of a motion with their solutions. For a Cartesian motion, this is only its last
-    pose.
+    """Return the poses to which a motion goes, with the joint positions that reach them. For a Cartesian
+    motion, this is only its last pose.
     """
     step = studied.program.steps[number]
     robot = studied.request.robot

@@ -1,5 +1,5 @@
-"""Compute the limits of a motion's time, the places on its path where they are reached, and the shortest
-possible time.
+"""Compute which limits of the robot determine the duration of a motion, where on its path they are reached,
+and the shortest possible duration.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _TRIALS = 20
 
 @frozen
 class Limit:
-    """Use of a limit by a motion.
+    """How much of one of the robot's limits a motion uses.
 
     Attributes:
         kind: kind of the limit.
@@ -44,11 +44,12 @@ class Limit:
 
 @frozen
 class Pace:
-    """Limits of a motion's time.
+    """What limits the duration of a motion.
 
     Attributes:
-        limits: uses of the limits, the largest share first.
-        shortest: shortest possible time [s]; None if there is none, or the motion has no time of its own.
+        limits: uses of the robot's limits, the largest share first.
+        shortest: shortest possible duration [s]; None if there is none, for a motion with a
+            timetable, and for one that begins or ends without a stop.
     """
 
     limits: tuple[Limit, ...]
@@ -63,7 +64,7 @@ class Pace:
 def pace_of(
     program: Program, step: Motion, start: Array, motion: PlannedMotion, request: Request, *, flows: bool
 ) -> Pace:
-    """Compute the limits of a planned motion.
+    """Compute what limits the duration of a planned motion.
 
     Args:
         program: program of the step.
@@ -71,8 +72,8 @@ def pace_of(
         start: (n,) start of the motion [rad or m].
         motion: the planned motion.
         request: settings with which it was planned.
-        flows: True if it begins or ends without a stop. Its time is then that of its chain, and no shortest
-            time is computed.
+        flows: True if it begins or ends without a stop. Its time is then that of its chain of motions, and no
+            shortest duration is computed.
     """
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)

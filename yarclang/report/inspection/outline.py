@@ -1,4 +1,4 @@
-"""Build the outline of a program as a tree: its branches and loops with their durations."""
+"""Build an outline of a program as a tree: its branches and loops with their durations."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ from yarclang.motion.plan import MotionPlan
 
 @frozen
 class Row:
-    """A line of the tree.
+    """A line in the outline of a program.
 
     Attributes:
         depth: number of enclosing branches and loops.
-        kind: `step`, `way`, `loop` or `block`.
+        kind: `step`, `way` (a branch), `loop` or `block`.
         label: the command's place, or the line of a word without an index.
         text: description of the step.
         takes: duration of a motion, a branch, or one pass of a loop; None for others.
-        step: its number in the program.
+        step: number of the step in the program.
     """
 
     depth: int
@@ -58,7 +58,7 @@ class Row:
     step: int
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data."""
+        """Return the line of the outline as plain data."""
         takes = None if self.takes is None else self.takes.to_json()
         return {
             "depth": self.depth,
@@ -152,8 +152,8 @@ class _Outline:
 
 
 def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
-    """Return the ELSE (None without one) and the end of each WHEN and loop. If one has no end, it ends with
-    the program.
+    """Return the numbers of the steps at the ELSE (None without one) and at the end of each WHEN and loop. If
+    one has no end, it ends with the program.
     """
     ends: dict[int, tuple[int | None, int]] = {}
     opened: list[tuple[int, int | None]] = []

@@ -53,8 +53,8 @@ FEW = 3
 """Number of lines of controller text that are shown at the beginning and at the end."""
 
 _NO_SHORTER = 2e-3
-"""A time that is longer than the shortest time by less than this counts as the shortest, since the shortest
-time is rounded up [s].
+"""A duration that is longer than the shortest possible one by less than this [s] counts as the shortest,
+since the shortest duration is rounded up.
 """
 
 _MOST_SOLUTIONS = 12
@@ -70,11 +70,11 @@ class Section:
 
 
 def sections_of(inspected: Inspected, *, all_lines: bool = False) -> tuple[Section, ...]:
-    """Return all information about a command, in the order in which it is computed.
+    """Return all information about a command as sections of text, in the order in which it is computed.
 
     Args:
         inspected: the command.
-        all_lines: True to show its whole controller text.
+        all_lines: True to show all lines of its controller text.
     """
     motion = isinstance(inspected.step, Motion)
     all_sections = [
@@ -122,7 +122,7 @@ def _command(inspected: Inspected) -> Iterator[str]:
 
 
 def _effect(inspected: Inspected, step: Step) -> str | None:
-    """Return the effect of a step without motion; None if there is nothing to report."""
+    """Return in words what a step without motion does; None if there is nothing to report."""
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
             return (
@@ -269,7 +269,9 @@ def joint_cells(robot: Robot, q: Array, sign: str = "") -> tuple[str, ...]:
 
 
 def table(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
-    """Yield rows as lines with columns: the first column left-aligned, the others right-aligned."""
+    """Yield the rows of a table as lines of text with aligned columns: the first column left-aligned, the
+    others right-aligned.
+    """
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     for row in rows:
         cells = (
@@ -373,7 +375,9 @@ def _table(step: TimedMove) -> Iterator[str]:
 
 
 _AT_ITS_SPEED = 0.99
-"""Share of a zone's speed, or of a ceiling, from which on it counts as a limit of the motion."""
+"""Share of a zone's speed, or of a command's speed limit (V<=), from which on it is said to limit the
+motion.
+"""
 
 
 def _asked_time(timing: Timing) -> str:
@@ -445,8 +449,8 @@ def _load(name: str, load: Load) -> str:
 def stretch_lines(
     stretches: Sequence[Stretch], text: Sequence[str], *, all_lines: bool = False
 ) -> Iterator[str]:
-    """Yield numbered lines of controller text with their purpose: all lines, or the first and last lines
-    of each stretch.
+    """Yield numbered lines of controller text with their purpose: all lines, or the first and last lines of
+    each group of lines with one purpose.
     """
     for stretch in stretches:
         size = stretch.last - stretch.first + 1

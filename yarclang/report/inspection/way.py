@@ -1,4 +1,6 @@
-"""Find where the robot is before a command, by planning the steps before it. Other steps may have errors."""
+"""Find where the robot is before a command, by planning only the steps before it that are needed. The program
+may have errors elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ from yarclang.ways import Turn, line_to
 
 @frozen(eq=False)
 class Way:
-    """A motion and its start.
+    """A planned motion and the joint position at its start.
 
     Attributes:
         start: (n,) start of the motion [rad or m]; None if unknown because of earlier errors.
@@ -72,13 +74,13 @@ def stands_before(program: Program, number: int, request: Request) -> Array | No
 
 
 def alone(step: Motion) -> Motion:
-    """Return a motion that ends at rest, without a blend."""
+    """Return a motion in a form that ends at rest, without its blend."""
     return replace(step, blend=None)
 
 
 def trouble_behind(program: Program, number: int, stands: Array, request: Request) -> str:
-    """Return what fails in the Cartesian motions directly after step `number`, if the robot is at
-    `stands` (n,) [rad or m].
+    """Return what fails in the Cartesian motions directly after step `number` if this step ends at joint
+    positions `stands` (n,) [rad or m].
 
     Returns:
         The first error in words; empty for none.
@@ -103,7 +105,9 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
 
 
 def _behind(program: Program, start: Array, line: tuple[Step, ...], request: Request) -> Array | None:
-    """Return the joint positions after some steps from a start; None if a step can't be planned."""
+    """Return the joint positions after a group of steps that begins at `start`; None if a step can't be
+    planned.
+    """
     if any(isinstance(one, Gap | Stop | Finish) for one in line):
         return None
     motions = tuple(alone(one) for one in line if isinstance(one, Motion))

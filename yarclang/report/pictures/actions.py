@@ -1,5 +1,5 @@
-"""Find what a program does besides its motions, over the time of its plan: waits, outputs, and awaited
-inputs.
+"""Find what a program does besides its motions, and when in its plan: waits, outputs that it sets, and inputs
+for which it waits.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ Sort = Literal["set", "wait", "dwell"]
 
 @frozen
 class Action:
-    """A command that isn't a motion.
+    """A wait, a dwell, or the setting of an output, as shown in a picture.
 
     Attributes:
-        sort: sort of the command.
+        sort: which of these it is.
         text: text to be shown.
         start: time of its beginning [s].
         end: time of its end in the plan [s]. Waiting for an input takes no time in the plan.
@@ -78,11 +78,11 @@ def _said(step: Step) -> tuple[Sort, str] | None:
 
 
 def planned_signals(plan: MotionPlan) -> tuple[SignalRow, ...]:
-    """Return the outputs that a plan sets, and the inputs that it waits for, in the order of their first
-    commands.
+    """Return the outputs that a plan sets, and the inputs for which it waits, with their values over time, in
+    the order of their first commands.
 
-    An output's value is known from its first SET on. After a WHEN whose branches leave different values, it
-    is unknown until the next SET.
+    The value of an output is known from its first SET on. After a WHEN whose branches leave different values,
+    it is unknown until the next SET.
     """
     places = plan.schedule.places
     follows = _Followed()
@@ -124,7 +124,7 @@ class _Followed:
                 self._become({name: value for name, value in last.items() if other.get(name) == value}, time)
 
     def rows(self, end: float) -> tuple[SignalRow, ...]:
-        """Return all rows, up to the end of the plan [s]."""
+        """Return the rows of all outputs, up to the end of the plan [s]."""
         self._become({}, end)
         return tuple(
             SignalRow(name, is_input, tuple(stretches), tuple(self._waits.get((name, is_input), ())))

@@ -26,7 +26,7 @@ from yarclang.units import MM
 Kind = Literal["robot", "tool", "part", "obstacle", "zone"]
 
 _MOST_TRIANGLES = 300
-"""Largest number of triangles of a body. A body with more triangles is drawn as the hull of its extreme
+"""Largest number of triangles of a drawn body. A body with more triangles is drawn as the hull of its extreme
 corners.
 """
 
@@ -42,7 +42,7 @@ _MOST_PIECES = 2_500
 
 @frozen(eq=False)
 class Body:
-    """A drawn body.
+    """A body that is drawn in a picture.
 
     Attributes:
         name: name of the link, tool, part, obstacle or zone.
@@ -59,7 +59,7 @@ class Body:
 
 @frozen(eq=False)
 class Surroundings:
-    """The bodies around a path.
+    """The bodies that are drawn around a tool's path.
 
     Attributes:
         bodies: bodies that can be drawn.
@@ -92,8 +92,8 @@ _Placed = tuple[str, Kind, Array, Shape]
 
 
 def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
-    """Yield the links with their visual shapes. If a link has no visual shape that can be read, its collision
-    shapes are used. If no link has a shape, bars from joint to joint are used.
+    """Yield the robot's links with their visual shapes. If a link has no visual shape that can be read, its
+    collision shapes are used. If no link has a shape, bars from joint to joint are used.
     """
     moved = _moved(robot, q)
     visuals = [(visual, solid_of(visual.shape)) for visual in visual_shapes(robot)]
@@ -111,7 +111,9 @@ def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
 
 
 def _moved(robot: Robot, q: Array) -> Array:
-    """Return the transforms (n + 1, 4, 4) that the first k joints apply to a body at joint positions `q`."""
+    """Return the transforms by which the first k joints move a body at joint positions `q`, for k = 0 ... n,
+    as (n + 1, 4, 4).
+    """
     chain, own = robot.chain, robot.chain.kinematics
     pose = placements(chain.screws, q[None]) if own is None else own.placements(chain, q[None])
     moved = np.tile(np.eye(4), (len(pose), 1, 1))
@@ -161,8 +163,8 @@ def _triangles(solid: Solid, pose: Array) -> Array:
 
 
 def _outline(vertices: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Return corners and faces of the hull of the extreme corners in `_DIRECTIONS` directions. If the corners
-    are in one plane, return the box around them.
+    """Return corners and faces of a simplified body: the hull of its extreme corners in `_DIRECTIONS`
+    directions. If these corners are in one plane, return the box around them.
     """
     from scipy.spatial import ConvexHull, QhullError
 
@@ -186,7 +188,7 @@ def _outline(vertices: Array) -> tuple[Array, NDArray[np.int64]]:
 
 
 def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
-    """Return the part of a body in a box, in triangles small enough to be sorted by depth.
+    """Cut the triangles of a body at a box. Return those inside it, small enough to be sorted by depth.
 
     Args:
         triangles: (F, 3, 3) [mm].
@@ -214,8 +216,8 @@ def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
 
 
 def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
-    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger
-    than `sign` times `bound`.
+    """Cut triangles (F, 3, 3) at a plane, and return those on one side: where `sign` times the coordinate is
+    no larger than `sign` times `bound`.
     """
     beyond = sign * (triangles[:, :, axis] - bound)
     outside = beyond > 0.0

@@ -1,5 +1,5 @@
-"""Draw the upper right of a motion's picture: the robot in its cell at the start, with the path of its
-tool.
+"""Draw the upper right of the picture of a program's motion: the robot in its cell at the start, with the
+path of its tool.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ _ZONES: dict[str, Colour] = {
 }
 
 _AROUND = 0.25
-"""Width of the margin around robot and path in which the cell is shown, as a share of their longest side."""
+"""Width of the margin around the robot and the path within which the cell is drawn, as a share of the longest
+side of the box around them.
+"""
 
 _FINEST = 14
 """Number of triangles along the longest side of the box, for sorting by depth."""
@@ -51,8 +53,8 @@ _LIGHT = np.array([0.35, -0.55, 0.76])
 """Direction to the light, a unit vector."""
 
 _FACING_AWAY = -0.25
-"""Cosine of the angle to the viewer below which a triangle isn't visible, with an allowance for
-perspective.
+"""Cosine of the angle between a triangle's normal and the direction to the viewer below which the triangle
+isn't drawn. It allows for perspective.
 """
 
 _MOST_NAMES = 24
@@ -109,8 +111,8 @@ def _box(points: Array, surroundings: Surroundings) -> tuple[Array, Array]:
 
 
 def _draw_bodies(axes: Any, drawn: list[tuple[Body, Array]]) -> None:
-    """Draw all bodies as one collection, since matplotlib sorts only triangles of the same collection by
-    depth.
+    """Draw all bodies as one matplotlib collection, since only triangles of the same collection are sorted
+    by depth.
     """
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 

@@ -1,4 +1,4 @@
-"""Sample distances of bodies over the time of a plan, for display. This proves nothing."""
+"""Sample distances between bodies over the time of a plan, for display. This proves nothing."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _SAMPLES = 400
 """Number of samples over the whole plan."""
 
 _MOST_STATES = 60
-"""Largest number of states of the parts that are followed. If a program has more, only some of them are
-sampled.
+"""Largest number of states of the cell's parts (where they are) for which distances are computed. If a
+program has more states, only some of them are sampled.
 """
 
 
 @frozen(eq=False)
 class Clearance:
-    """The smallest distance of two bodies over time.
+    """The smallest distance between any two bodies over time.
 
     Attributes:
         times: (N,) [s].
@@ -39,8 +39,8 @@ class Clearance:
 
 
 def clearance_of(plan: MotionPlan) -> Clearance | None:
-    """Sample the distances of bodies, with the parts where the program has moved them. None if there is no
-    body that could collide.
+    """Sample the smallest distance between bodies over a plan, with the parts where the program has moved
+    them. None if there are no two bodies that could collide.
     """
     times = np.linspace(0.0, plan.duration or STANDING, _SAMPLES)
     cells, owner = _cells(plan, times)
@@ -65,7 +65,9 @@ def clearance_of(plan: MotionPlan) -> Clearance | None:
 
 
 def _cells(plan: MotionPlan, times: Array) -> tuple[tuple[Cell | None, ...], Rows]:
-    """Return the cells of a plan's states, and the number of the cell that applies at each time (N,) [s]."""
+    """Return the cells during a plan, with their parts in different places, and the number of the cell that
+    applies at each time (N,) [s].
+    """
     carried = carried_in_plan(plan)
     if carried is None:
         return (plan.program.cell,), np.zeros(len(times), dtype=np.int64)

@@ -12,10 +12,10 @@ from yarclang.robot.model import Robot
 
 @frozen(eq=False)
 class DrawnFrame:
-    """A frame on the flange.
+    """A frame on the flange whose path is drawn.
 
     Attributes:
-        name: without braces.
+        name: name without braces.
         flange_from_frame: (4, 4).
     """
 
@@ -24,8 +24,8 @@ class DrawnFrame:
 
 
 def drawn_frame(plan: MotionPlan) -> DrawnFrame:
-    """Return the frame that most motions move; the first one wins a tie. {TCP} if there are only joint
-    motions.
+    """Return the frame whose path is drawn: the one that most motions of a plan move, or the first of several
+    such frames. If all are joint motions, return {TCP}.
     """
     led = [found for motion in plan.motions if (found := led_by(plan.program.steps[motion.step])) is not None]
     if not led:
@@ -36,12 +36,16 @@ def drawn_frame(plan: MotionPlan) -> DrawnFrame:
 
 
 def moving_frame(step: Step) -> Array | None:
-    """Return the frame that a motion moves, as flange_from_moving (4, 4); None for a joint motion."""
+    """Return the pose on the flange of the frame that a motion moves, as flange_from_moving (4, 4); None for
+    a joint motion.
+    """
     return step.flange_from_moving if isinstance(step, Motion) else None
 
 
 def led_by(step: Step) -> DrawnFrame | None:
-    """Return the frame that a motion moves; None for a joint motion, or a frame without a name."""
+    """Return the frame that a motion moves, with its name; None for a joint motion, or a frame without a
+    name.
+    """
     frame = moving_frame(step)
     if frame is None or not isinstance(step, Motion) or step.origin.moving is None:
         return None

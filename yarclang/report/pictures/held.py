@@ -1,4 +1,4 @@
-"""Draw the workspace of an arm."""
+"""Draw the workspace of an arm: where it can hold its flange."""
 
 from __future__ import annotations
 

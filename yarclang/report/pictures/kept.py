@@ -1,5 +1,5 @@
-"""Sample the rules that motions keep (KEEP) over the time of a plan, and draw a row for each angle and
-distance that they limit. This proves nothing.
+"""Sample the angles and distances that KEEP rules limit over the time of a plan, and draw a row of a picture
+for each. This proves nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _LIMIT_COLOUR = "#B2182B"
 _SAMPLES = 2000
 """Number of samples of a rule, which are distributed over the times at which it holds."""
 _FEWEST = 12
-"""Smallest number of samples from the beginning to the end of a time at which a rule holds."""
+"""Smallest number of samples of each interval of time in which a rule is in force."""
 _LONGEST_TITLE = 70
 _LEAST_RANGE = 1.0
 """Smallest upper end of a scale [deg or mm]. With a smaller scale, rounding errors would look like motion."""
@@ -36,15 +36,15 @@ _LEAST_RANGE = 1.0
 
 @frozen(eq=False)
 class KeptRow:
-    """A limited quantity over time.
+    """An angle or a distance that a KEEP rule limits, over time.
 
     Attributes:
         title: the rule, and the quantity with its unit.
         times: (N,) never decreasing [s].
-        quantity: its values at these times, and its limits.
-        begins: (k,) times from which on the rule holds [s].
-        ends: (k,) times up to which it holds [s].
-        breaks: (k,) the first sample of each of these times.
+        quantity: values of the angle or distance at these times, and its limits.
+        begins: (k,) times at which the rule comes into force [s].
+        ends: (k,) times at which it ceases to be in force [s].
+        breaks: (k,) number of the first sample in each of these intervals.
     """
 
     title: str
@@ -56,7 +56,9 @@ class KeptRow:
 
 
 def kept_rows_of(plan: MotionPlan) -> tuple[KeptRow, ...]:
-    """Sample the rules of a plan while they hold. Returns one or two rows for each rule."""
+    """Sample the angles and distances that a plan's KEEP rules limit, while the rules are in force. Return
+    one or two rows for each rule.
+    """
     return tuple(row for held in held_rules(plan) for row in _rows(plan, held))
 
 
@@ -80,7 +82,7 @@ def _title(held: HeldRule, quantity: Quantity) -> str:
 
 
 def draw_kept(axes: Axes, row: KeptRow, factor: float, unit: str, width: float) -> str:
-    """Draw a quantity and its limits; times in units of `factor` [s].
+    """Draw an angle or a distance that a rule limits, and its limits; times in units of `factor` [s].
 
     Returns:
         The values nearest to the limits, in words.

@@ -1,4 +1,6 @@
-"""Colours that people with any kind of colour vision can distinguish, and their assignment to commands."""
+"""Colours that people with any kind of colour vision can distinguish, and their assignment to a program's
+commands.
+"""
 
 from __future__ import annotations
 
@@ -20,20 +22,20 @@ CORNER_COLOUR = "#E66100"
 """Colour of corners that are passed without a stop."""
 
 MOST_BARS = 256
-"""Largest number of bars and colours. If there are more commands, neighbours share a bar, because they
-couldn't be distinguished.
+"""Largest number of bars and colours in a picture. If there are more commands, neighbours share a bar,
+because they couldn't be distinguished.
 """
 
 
 Sort = Literal["process", "led", "joints"]
-"""Sorts of motions: motions of the tool at a programmed speed, other motions of the tool along a path, and
-joint motions.
+"""Kinds of motions that are drawn differently: motions of the tool at a programmed speed, other motions of
+the tool along a path, and joint motions.
 """
 
 
 @frozen
 class Bar:
-    """Consecutive motions in one colour.
+    """Consecutive motions that are drawn as one bar in one colour.
 
     Attributes:
         first: number of the first motion.
@@ -44,7 +46,7 @@ class Bar:
         name: name of the first motion's command.
         colour: colour of the bar.
         text_colour: colour of text that is legible on `colour`.
-        sort: sort of the first motion.
+        sort: kind of the first motion.
     """
 
     first: int
@@ -64,7 +66,7 @@ def joint_style(joint: int) -> tuple[str, Literal["-", "--", ":"]]:
 
 
 def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
-    """Return the motions of a plan in at most `MOST_BARS` bars.
+    """Group the motions of a plan into at most `MOST_BARS` bars with colours.
 
     The lines of the program have the colours of viridis, in their order. Passes of a loop, and calls of a
     SUB, have the colours of their lines.
@@ -100,7 +102,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
 
 
 def sort_of(plan: MotionPlan, number: int) -> Sort:
-    """Return the sort of a motion, counted from 0."""
+    """Return the kind of a motion, which is given by its number from 0."""
     step = plan.program.steps[plan.motions[number].step]
     assert isinstance(step, Motion)
     if not step.leads_frame:

@@ -1,5 +1,5 @@
-"""Draw the left side of a motion's picture: shares of the limits over time, in one panel for each quantity,
-and the tool's speed.
+"""Draw the left side of the picture of a program's motion: shares of the joints' limits over time, in one
+panel for each quantity, and the tool's speed.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ _APART = 14.0
 """Smallest distance of two texts above a panel [pixels]."""
 
 _MOST_BOUNDARIES = 80
-"""Largest number of boundaries between commands that are drawn. More boundaries would cover the curves."""
+"""Largest number of boundaries between commands that are marked. More marks would cover the curves."""
 
 
 def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
@@ -131,7 +131,9 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
 
 
 def _quantities(robot: Robot, trace: Trace) -> list[_Panel]:
-    """Return the panels of shares. The limits that they name are those of joints, in deg or mm."""
+    """Return the panels that show shares of limits. Limits that are named in a panel are those of joints, in
+    deg or mm.
+    """
     joints, units = joint_labels(robot.joint_names), robot.axis_unit_names
     rates = tuple(
         _Limits(getattr(robot.limits, name) / robot.axis_units, tuple(f"{unit}{per}" for unit in units))
@@ -180,7 +182,7 @@ def _head(axes: Axes, title: str, note: str, extreme: str) -> None:
 
 @frozen(eq=False)
 class Shown:
-    """Contents of the picture.
+    """Everything that the picture of a program's motion shows.
 
     Attributes:
         trace: motion of the joints.
@@ -189,8 +191,8 @@ class Shown:
         corners: corners that are passed without a stop.
         actions: waits and outputs.
         signals: inputs and outputs over time.
-        clearance: sampled distances; None if there is no body that could collide.
-        kept: angles and distances that rules limit (KEEP).
+        clearance: sampled distances; None if there are no two bodies that could collide.
+        kept: angles and distances that KEEP rules limit.
     """
 
     trace: Trace
@@ -222,11 +224,11 @@ class _Limits:
 
 @frozen(eq=False)
 class _Panel:
-    """A panel with one quantity.
+    """A panel of a picture with one quantity, such as the joints' velocities.
 
     Attributes:
         title: title of the panel.
-        values: (N, n) shares.
+        values: (N, n) shares of the limits.
         names: names of the columns.
         note: a remark.
         height: height relative to the other panels.
@@ -272,7 +274,7 @@ def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> No
 
 
 def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
-    """Choose the scale of a panel that includes the limits and values up to +-`peak` [%].
+    """Choose the vertical scale of a panel so that it includes the limits and values up to +-`peak` [%].
 
     Returns:
         A remark on the scale, if the scale isn't uniform.
@@ -291,8 +293,8 @@ def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
 
 
 def _zoom(axes: Axes, inner: float) -> None:
-    """Give the range +-`inner` [%] most of the height, and compress the range up to the limits into shaded
-    strips.
+    """Give the range +-`inner` [%] most of a panel's height, and compress the range up to the limits into
+    shaded strips.
     """
     outer = 100.0 + 0.35 * (100.0 - inner)
     # use one straight piece from `inner` to beyond the limit, so that the slope is the same on both sides of
@@ -322,7 +324,9 @@ def _round_up(value: float) -> float:
 
 
 def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> None:
-    """Mark the starts of commands, and the blends, if they are far enough apart to be distinguished."""
+    """Mark in a panel the starts of commands, and the blends, if they are far enough apart to be
+    distinguished.
+    """
     if len(corners) <= _MOST_BOUNDARIES:
         for begin, end in zip(corners.begins / factor, corners.ends / factor, strict=True):
             axes.axvspan(begin, end, color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, zorder=0)
@@ -333,7 +337,9 @@ def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> 
 
 
 def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
-    """Draw the joints' colours, the limits' dashes and the corners' shade, in one row above the panels."""
+    """Draw a legend of the joints' colours, the limits' dashes and the corners' shade, in one row above
+    the panels.
+    """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -364,9 +370,9 @@ def legend_row(
 
     Args:
         figure: figure to draw on.
-        handles: its entries.
+        handles: entries of the legend.
         left_end: left end, as a share of the figure's width.
-        height: height of its middle, as a share of the figure's height.
+        height: height of the legend's middle, as a share of the figure's height.
         right: rightmost allowed end, as a share of the figure's width.
     """
     canvas: Any = figure.canvas

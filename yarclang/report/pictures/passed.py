@@ -21,16 +21,16 @@ _SAME = 1e-9
 
 @frozen(eq=False)
 class Passed:
-    """The c corners, in order of time.
+    """The c corners between motions that a plan passes without a stop, in order of time.
 
     Attributes:
-        motions: (c,) numbers of the motions that end in them.
+        motions: (c,) numbers of the motions that end in the corners.
         begins: (c,) times at which both motions begin to overlap [s].
         middles: (c,) times at which one motion ends and the other begins in the plan [s].
         ends: (c,) ends of the overlaps [s].
-        places: (c, 3) places of the drawn frame in the corners themselves [mm in {B}].
-        radii: (c,) allowed distances from these places [mm]. 0 if the motion must not leave the path, NaN if
-            the blend is given for joints or for another tool than this frame.
+        places: (c, 3) positions of the drawn frame in the corners themselves [mm in {B}].
+        radii: (c,) allowed distances from these positions [mm]. 0 if the motion must not leave the path, NaN
+            if the blend is given for joints or for another frame than the drawn one.
     """
 
     motions: NDArray[np.intp]
@@ -62,8 +62,8 @@ def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
 
 
 def _radius(plan: MotionPlan, number: int, frame: DrawnFrame) -> float:
-    """Return the allowed distance of the drawn frame from a corner [mm]; NaN if no distance is given for this
-    frame.
+    """Return how far the drawn frame may be from a corner while it passes [mm]; NaN if no distance is given
+    for this frame.
     """
     step = plan.program.steps[plan.motions[number].step]
     assert isinstance(step, Motion)

@@ -1,5 +1,5 @@
-"""Draw the motion of a program: joints against their limits and the tool's speed over time, and its path in
-space.
+"""Draw the motion of a program: joints against their limits and the tool's speed over time, and the tool's
+path in space.
 
 No window is opened. The figure is drawn in memory, so that it works without a screen, and equal programs give
 equal bytes.
@@ -52,7 +52,7 @@ _UNDATED: dict[Format, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pd
 
 
 def draw(plan: MotionPlan, format_: Format) -> bytes:
-    """Draw a plan.
+    """Draw the motion of a planned program.
 
     Args:
         plan: plan to draw.
@@ -112,7 +112,7 @@ def _title(figure: Figure, plan: MotionPlan) -> None:
 
 
 def time_facts(lasting: Lasting, drawn: float) -> tuple[str, ...]:
-    """Return the texts about the time of a program in a picture.
+    """Return the texts about a program's duration that a picture shows.
 
     Args:
         lasting: duration of the program.

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 
 def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: Passed, place: Place) -> None:
-    """Draw the path with each command in its colour, the way-points, the corners that are passed without a
-    stop, and start and end.
+    """Draw the tool's path with each command in its colour, the way-points, the corners that are passed
+    without a stop, and start and end.
     """
     axes = space_axes(figure, place, "path")
     low, high = box_around(path.points)
@@ -82,8 +82,8 @@ _MOST_BALLS = 60
 
 
 def _draw_corners(axes: Any, corners: Passed) -> None:
-    """Draw a cross in each corner that is passed without a stop, and the outline of the ball in which the
-    motion may leave the path.
+    """Draw a cross in each corner that is passed without a stop, and the outline of the ball within which the
+    tool may leave the path.
     """
     every = -(-len(corners) // MOST_DOTS)
     label = "corners passed in motion" if every == 1 else f"corners passed (one of {every})"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_ROWS = 8
-"""Largest number of signals that have a row. They are chosen in the order of their first reports."""
+"""Largest number of signals that have a row. Signals that are reported first are chosen."""
 OUTPUT, INPUT, WAIT = "#0072B2", "#009E73", "#E69F00"
 _LONGEST = 12
 """Largest number of characters of a name."""
@@ -26,12 +26,13 @@ _HIGH = 0.62
 
 @frozen(eq=False)
 class SignalRow:
-    """A signal over time [s].
+    """The values of an input or output over time [s].
 
     Attributes:
         name: name of the signal.
         is_input: False for an output.
-        stretches: (beginning, end, value); before the first stretch the value is unknown.
+        stretches: (beginning, end, value) of each interval with one value; before the first interval the
+            value is unknown.
         waits: (beginning, end, True if the awaited value came).
     """
 
@@ -42,7 +43,7 @@ class SignalRow:
 
 
 def draw_rows(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float) -> None:
-    """Draw signals below each other over time.
+    """Draw rows for signals below each other, over time.
 
     Args:
         axes: axes to draw on.

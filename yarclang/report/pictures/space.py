@@ -29,7 +29,9 @@ _MARGINS = np.array([76.0, 40.0])
 """Space for the labels of the axes: at the sides of the box, and below and above it [pixels]."""
 
 _SLIMMEST = 0.35
-"""Smallest side of the box as a share of the longest side, so that a path in a plane has space around it."""
+"""Smallest side of the drawn box as a share of the longest side, so that a path in a plane has space
+around it.
+"""
 
 _SMALLEST = 10.0
 """Smallest length of the longest side [mm]."""
@@ -43,8 +45,8 @@ _LINES: dict[Sort, tuple[float, Any, str]] = {
 
 
 def space_axes(figure: Figure, place: Place, label: str) -> Any:
-    """Add axes that are larger than a place, because matplotlib draws 3D axes in squares and clips at
-    their borders.
+    """Add 3D axes for a rectangle of the figure. They are larger than the rectangle, because matplotlib draws
+    3D axes in squares and clips at their borders.
     """
     left, bottom, width, height = place
     size = figure.get_size_inches()
@@ -71,7 +73,9 @@ def line_width(bars: tuple[Bar, ...]) -> float:
 
 
 def draw_path(axes: Any, path: ToolPath, bars: tuple[Bar, ...], width: float) -> None:
-    """Draw the path with each command in its colour. Each sort of motion is one collection with a label."""
+    """Draw a tool's path with each command in its colour. The motions of each kind are one collection with
+    a label.
+    """
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
     for sort in dict.fromkeys(bar.sort for bar in bars):
@@ -118,7 +122,7 @@ def dress(axes: Any, low: Array, high: Array, place: Place, title: str) -> None:
 
 
 def space_legend(figure: Figure, handles: Sequence[Artist], place: Place, columns: int) -> None:
-    """Draw a legend below a place."""
+    """Draw a legend below the rectangle `place` of the figure."""
     figure.legend(
         handles=list(handles),
         loc="upper center",
@@ -133,7 +137,9 @@ def space_legend(figure: Figure, handles: Sequence[Artist], place: Place, column
 
 
 def _fill(axes: Any, low: Array, high: Array, place: Place) -> None:
-    """Set equal scales, and the zoom with which the box from `low` to `high` (3,) fills a place."""
+    """Set equal scales, and a zoom with which the box from `low` to `high` (3,) fills the rectangle `place`
+    of the figure.
+    """
     size = axes.figure.get_size_inches() * axes.figure.dpi
     room = np.array(place[2:]) * size - 2.0 * _MARGINS
     corners = np.stack(np.meshgrid(*zip(low, high, strict=True), [1.0])).reshape(4, -1)

@@ -40,8 +40,8 @@ LONGEST_NAME = 20
 
 
 def short_name(name: str) -> str:
-    """Return a name that can be drawn, with at most `LONGEST_NAME` characters. If it is longer, its middle
-    is left out.
+    """Return a name in a form that can be drawn, with at most `LONGEST_NAME` characters. If it is longer, its
+    middle is left out.
     """
     name = printable(name)
     kept = (LONGEST_NAME - 1) // 2

@@ -1,5 +1,5 @@
-"""Draw the rows below the joints' shares: the tool's speed, the arm's distance from a singularity, and the
-distances of bodies.
+"""Draw the rows of a picture below the joints' shares of their limits: the tool's speed, the arm's distance
+from a singularity, and the distances between bodies.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _LEAST_TOP = 0.1
 """Smallest upper end of the scale for the singular value."""
 
 _ZOOMED_BELOW = 0.4
-"""If the requested speeds are below this share of the largest speed, they get `_ZOOMED_HEIGHT` of the
-height.
+"""If the requested speeds are below this share of the tool's largest speed, they get `_ZOOMED_HEIGHT` of the
+panel's height.
 """
 
 _ZOOMED_HEIGHT = 0.75
@@ -38,7 +38,7 @@ _TOGETHER = 1e-6
 """Times that differ by less count as equal [s]."""
 
 _LEAST_SPEED = 1.0
-"""Smallest upper end of the speed's scale [mm/s]. With a smaller scale, rounding errors would look like
+"""Smallest upper end of the scale of speeds [mm/s]. With a smaller scale, rounding errors would look like
 motion.
 """
 
@@ -78,7 +78,7 @@ def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: fl
 
 
 def _joined(requested: Array) -> Array:
-    """Join consecutive rows of equal requested speeds (k, 3)."""
+    """Join consecutive intervals with equal requested speeds (k, 3)."""
     if len(requested) < 2:
         return requested
     same = (requested[1:, 2] == requested[:-1, 2]) & (
@@ -90,8 +90,8 @@ def _joined(requested: Array) -> Array:
 
 
 def _scale(axes: Axes, requested: float, top: float) -> str:
-    """Choose the scale of the speeds up to `top`. If `requested` is much smaller, the requested speeds get
-    most of the height.
+    """Choose a scale for speeds up to `top`. If `requested` is much smaller, the requested speeds get most of
+    the panel's height.
 
     Returns:
         A remark on the scale.
@@ -125,7 +125,7 @@ def _scale(axes: Axes, requested: float, top: float) -> str:
 
 
 def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: float) -> str:
-    """Draw the smallest singular value; times in units of `factor` [s].
+    """Draw the smallest singular value of the Jacobian; times in units of `factor` [s].
 
     Returns:
         The smallest value in words.
@@ -138,7 +138,7 @@ def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, wid
 
 
 def draw_clearance(axes: Axes, trace: Clearance, factor: float, unit: str, width: float) -> str:
-    """Draw the smallest distance of two bodies; times in units of `factor` [s].
+    """Draw the smallest distance between two bodies; times in units of `factor` [s].
 
     Returns:
         The smallest value in words, with the pair of bodies.
@@ -164,9 +164,7 @@ def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:
 
 
 def _scale_to(axes: Axes, top: float) -> None:
-    """Set the scale from 0 to `top`. Numbers so near the top that they would touch the panel above are
-    left out.
-    """
+    """Scale a panel from 0 to `top`. Numbers on the axis that would touch the panel above are left out."""
     axes.set_ylim(0.0, top)
     axes.locator_params(axis="y", nbins=4)
     axes.set_yticks([tick for tick in axes.get_yticks() if tick <= _HIGHEST_TICK * top])

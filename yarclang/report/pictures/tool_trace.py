@@ -1,4 +1,4 @@
-"""Sample the tool's speed during a plan, and its distance from singularities, in a bounded number of
+"""Sample the tool's speed during a plan, and the arm's distance from singularities, with a bounded number of
 samples.
 """
 
@@ -17,8 +17,8 @@ from yarclang.robot.kinematics.singularity import smallest_singular_values
 from yarclang.units import MM
 
 _FEWEST = 12
-"""Smallest number of samples of a motion. Its speed profile has one peak, which the samples miss by at most a
-few percent.
+"""Smallest number of samples of a motion. The speed of a motion has one peak, which the samples miss by at
+most a few percent.
 """
 
 _AT_ONCE = 20_000
@@ -94,9 +94,9 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
 
 
 def _requested(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
-    """Return the speeds (k, 3) that commands request for the frame: start [s], end [s], and speed [mm/s].
+    """Return the speeds (k, 3) that commands request for a frame: start [s], end [s], and speed [mm/s].
 
-    Ceilings are included if they are below twice the `fastest` speed [mm/s].
+    Upper limits on the speed (V<=) are included if they are below twice the frame's `fastest` speed [mm/s].
     """
     rows = []
     for number, motion in enumerate(plan.motions):

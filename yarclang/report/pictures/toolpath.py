@@ -31,9 +31,9 @@ class ToolPath:
         frame: frame on the flange.
         points: (N, 3) points of all motions. Motion k is `points[bounds[k] : bounds[k + 1]]`, from its start
             to its end.
-        bounds: ranges of the motions.
-        waypoints: (w, 3) positions that the commands name, including their ends. If there are too many, only
-            every `every`-th of them.
+        bounds: where the points of each motion begin in `points`.
+        waypoints: (w, 3) positions that the commands name, including the ends of motions. If there are too
+            many, only every `every`-th of them.
         every: thinning of the way-points.
     """
 
@@ -45,7 +45,7 @@ class ToolPath:
 
 
 def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
-    """Compute the path of a frame on the flange.
+    """Compute the path of a frame on the flange during a plan.
 
     The points are distributed by the lengths of the motions in joint space. A short program thus gets many
     points for its length, while the number of points of a long program is bounded.
@@ -78,6 +78,6 @@ def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
 
 
 def _places(robot: Robot, q: Array, frame: DrawnFrame) -> Array:
-    """Return the origin of a frame on the flange in {B} (N, 3) [mm], for joint positions `q` (N, n)."""
+    """Return the origin of a frame on the flange at joint positions `q` (N, n), as (N, 3) [mm] in {B}."""
     places: Array = tool_poses(robot.chain, q, frame.flange_from_frame)[:, :3, 3] / MM
     return places

@@ -21,14 +21,15 @@ columns of pixels.
 """
 
 _PARTS = (2, 16)
-"""The smallest and the largest number of parts of a segment. In a segment, jerk is constant and acceleration
-is linear, so that both are exact at its ends. With two parts, a peak of the velocity between samples exceeds
-them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50 ms, 60 deg/s.
+"""The smallest and the largest number of equal parts into which a segment of a curve is divided for sampling.
+In a segment, jerk is constant and acceleration is linear, so that both are exact at its ends. With two parts,
+a velocity peak between samples exceeds them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50
+ms, 60 deg/s.
 """
 
 _COLUMNS = 4_000
-"""Number of intervals of a thinned trace, each with its smallest and largest values: several for each
-pixel.
+"""Number of short intervals in a thinned trace. Of each, the smallest and largest values are kept: several
+intervals for each pixel.
 """
 
 _AT_ONCE = 4_096
@@ -43,11 +44,11 @@ STANDING = 1.0
 
 @frozen(eq=False)
 class Trace:
-    """Motion of joints and motors, as shares of their limits: 1.0 is the limit itself.
+    """Motion of joints and motors over time, as shares of their limits: 1.0 is the limit itself.
 
-    At the boundary of two segments a time is repeated, with the jerk before and after it. The quantities are
-    (N, n), one column for each joint or motor. A thinned trace has two rows for each short interval, at its
-    first and last time: the smallest and the largest values in it.
+    At the boundary of two segments a time is repeated, with the jerk before and after it. Each quantity is
+    (N, n), with one column for each joint or motor. A thinned trace has two rows for each short interval, at
+    its first and last time: the smallest and the largest values in it.
 
     Attributes:
         times: (N,) never decreasing [s].
@@ -78,12 +79,12 @@ class Trace:
 
 @frozen
 class Peak:
-    """The largest share of a quantity.
+    """The largest share of a limit that a motion uses.
 
     Attributes:
         share: share of the limit.
         column: joint or motor, counted from 0.
-        time: [s].
+        time: time of the largest share [s].
     """
 
     share: float
@@ -123,8 +124,8 @@ def trace_of(plan: MotionPlan) -> Trace:
 
 
 def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tuple[Array, Array]]:
-    """Yield times (N,) [s] and all shares, side by side, for each group of motions and for each stretch
-    during which the robot rests.
+    """Yield times (N,) [s] and all shares of limits, side by side, for each group of motions without a rest
+    in between and for each rest.
     """
     ends = np.concatenate(([0.0], plan.ends))
     begins = np.concatenate((plan.begins, [plan.duration]))
@@ -156,8 +157,10 @@ def _standing(limits: _Limits, plan: MotionPlan, times: Array) -> Array:
 def _sampled(
     limits: _Limits, plan: MotionPlan, motions: NDArray[np.intp], segments: NDArray[np.intp], parts: int
 ) -> tuple[Array, Array]:
-    """Return times (N,) [s] in motions, with each segment in so many parts, and all shares, side by side (N,
-    5 n) or (N, 6 n).
+    """Sample motions, with each segment divided into a given number of equal parts.
+
+    Returns:
+        Times (N,) [s], and all shares of limits, side by side (N, 5 n) or (N, 6 n).
     """
     curves = [plan.motions[number].curve for number in motions.tolist()]
     number = np.repeat(motions, segments)
@@ -173,7 +176,7 @@ def _sampled(
 
 @frozen(eq=False)
 class _Limits:
-    """Numbers by which values are divided to get shares.
+    """The robot's limits, by which values are divided to get shares.
 
     Attributes:
         middle: (n,) middle of each joint's range [rad or m].
@@ -194,9 +197,11 @@ class _Limits:
     robot: Robot | None
 
     def shares(self, q: Array, v: Array, a: Array, j: Array) -> Array:
-        """Return the shares of position, velocity, acceleration and jerk (N, n each), whose values are given
-        in SI, followed by those of the motors' speeds (in all N, 5 n) and, if known, of the torques (in all
-        N, 6 n).
+        """Divide positions, velocities, accelerations and jerks (N, n each, in SI) by their limits.
+
+        Returns:
+            These shares side by side, followed by those of the motors' speeds (in all N, 5 n) and, if the
+            robot's masses are known, of the torques (in all N, 6 n).
         """
         dynamics = self.robot.dynamics if self.robot else None
         rows = np.empty((len(q), 5 if dynamics is None else 6, q.shape[1]))
@@ -234,13 +239,14 @@ def has_limits(robot: Robot) -> NDArray[np.bool_]:
 def extremes(
     first: Array, last: Array, least: Array, most: Array, duration: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Join neighbouring intervals that begin in the same one of `_COLUMNS` equal parts of `duration` [s].
+    """Thin samples: join neighbouring intervals that begin in the same one of `_COLUMNS` equal parts of
+    `duration` [s].
 
     Args:
         first: (N,) beginning of each interval [s], never decreasing.
         last: (N,) end of each interval [s].
-        least: (N, m) smallest values in it.
-        most: (N, m) largest values in it.
+        least: (N, m) smallest values in each interval.
+        most: (N, m) largest values in each interval.
         duration: duration of the whole plan [s].
 
     Returns:

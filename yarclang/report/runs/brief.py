@@ -14,13 +14,15 @@ from yarclang.report.runs.kind import MAGIC
 from yarclang.runtime.log_record import FORMAT, METADATA
 
 ReadAt = Callable[[int, int], bytes]
-"""Function that reads a number of bytes at an offset; it returns fewer bytes at the end of the file."""
+"""Function that takes an offset and a number of bytes, and reads these bytes of a file; it returns fewer
+bytes at the end of the file.
+"""
 
 _HEAD = 1 << 16
 _MOST_INDEX = 1 << 23
 """Largest number of bytes of an index that are read: the index of four hours."""
 _MOST_CHUNK, _MOST_UNPACKED = 1 << 21, 1 << 23
-"""Largest size of the last chunk, packed and unpacked [bytes]. A chunk is written twice a second."""
+"""Largest size of a log's last chunk, packed and unpacked [bytes]. A chunk is written twice a second."""
 _LONGEST = 300
 """Largest number of characters of a text."""
 _FOOTER = struct.Struct("<BQQQI")
@@ -29,7 +31,7 @@ _CHANNEL, _MESSAGE, _STATISTICS, _CHUNK, _CHUNK_INDEX, _METADATA, _OFFSET = 4, 5
 
 @frozen
 class Brief:
-    """Summary of a run's log.
+    """Summary of a run, from its log.
 
     Attributes:
         program: name of the program for people.
@@ -43,7 +45,7 @@ class Brief:
         duration: time from the first message to the last [s]; None if unknown.
         well: True if the run came to its end; None if unknown.
         what: reason why it didn't end well.
-        code: code of the finding.
+        code: code of the finding with this reason.
     """
 
     program: str
@@ -61,10 +63,10 @@ class Brief:
 
 
 def brief_of(read: ReadAt, size: int) -> Brief | None:
-    """Return the summary of a log; None if the file isn't the log of a run.
+    """Return the summary of a run from its log; None if the file isn't the log of a run.
 
     Args:
-        read: reads from the file.
+        read: function that reads from the file.
         size: size of the file [bytes].
     """
     try:
@@ -109,7 +111,7 @@ def _facts(head: bytes) -> dict[str, str] | None:
 
 
 def _footer(read: ReadAt, size: int) -> tuple[int, int]:
-    """Return the offsets of the summary and of its offset section.
+    """Return where a log's summary begins in the file, and where the offsets in this summary begin [bytes].
 
     Raises:
         ValueError: the file has no valid footer.
@@ -190,7 +192,7 @@ def _text(data: bytes, at: int) -> tuple[str, int]:
 
 
 def _texts(data: bytes, at: int) -> dict[str, str]:
-    """Return a map of strings."""
+    """Return the names and texts in a map of strings."""
     (length,) = struct.unpack_from("<I", data, at)
     at, ends = at + 4, min(len(data), at + 4 + length)
     found: dict[str, str] = {}

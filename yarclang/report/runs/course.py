@@ -24,14 +24,14 @@ _AT_ONCE = 0.1
 
 @frozen
 class Span:
-    """A state over time.
+    """An interval of a run in which the robot was in one state.
 
     Attributes:
         state: state of the robot.
-        start: [s of the run].
-        end: [s of the run].
-        begins: [s of the program]; None before the program has begun.
-        ends: [s of the program]; None before the program has begun.
+        start: beginning of the interval [s of the run].
+        end: end of the interval [s of the run].
+        begins: beginning of the interval [s of the program]; None before the program has begun.
+        ends: end of the interval [s of the program]; None before the program has begun.
     """
 
     state: State
@@ -43,11 +43,11 @@ class Span:
 
 @frozen
 class Mark:
-    """A notable event.
+    """A notable event of a run.
 
     Attributes:
-        time: [s of the run].
-        at: [s of the program]; None before the program has begun.
+        time: time of the event [s of the run].
+        at: time of the event [s of the program]; None before the program has begun.
         text: description.
     """
 
@@ -71,8 +71,8 @@ def spans_of(run: RecordedRun, tracking: Tracking) -> tuple[Span, ...]:
 
 
 def marks_of(run: RecordedRun, tracking: Tracking) -> tuple[Mark, ...]:
-    """Return remarks, orders, and the causes of states that weren't planned. Simultaneous events become one
-    mark.
+    """Return the notable events of a run: remarks, orders of users, and the causes of states that weren't
+    planned. Simultaneous events become one.
     """
     marks: list[Mark] = []
     for message in run.told:
@@ -104,8 +104,8 @@ def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
 
 
 def _program_time(run: RecordedRun, tracking: Tracking, time: float) -> float | None:
-    """Return the program's time of an event. None if the event is before the program's first sample, or more
-    than a moment after its last.
+    """Convert the time of an event in a run to the time of the program. None if the event is long before the
+    program's first sample or long after its last.
     """
     times = run.times[tracking.rows]
     if not len(times) or not times[0] - 0.5 <= time <= times[-1] + 15.0:

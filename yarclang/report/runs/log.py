@@ -23,7 +23,7 @@ from yarclang.runtime.log_record import CERTIFICATE, FORMAT, JOB, METADATA, PROG
 
 @frozen(eq=False)
 class RecordedRun:
-    """A run from its log. Times are in s of the controller, from the log's start.
+    """A run as its log describes it. Times are in s of the controller's clock, from the log's start.
 
     Attributes:
         file: file that was read.
@@ -31,22 +31,23 @@ class RecordedRun:
         controller: address of the controller.
         version: version of yarclang that wrote the log.
         started: date and time in UTC, ISO 8601.
-        pace: seconds of the controller per second of the clock: 1, except for a simulator.
+        pace: seconds of the controller per second of real time: 1, except for a simulator.
         robot: robot as the log describes it.
         commands: commands of the program, with their times in it.
         duration: the last time of the program [s].
         lasting: duration of the program.
         counts_dwells: True if times of the program include dwells; False in older logs.
-        text: text for the controller.
-        source: the program; may be empty.
+        text: controller text that was streamed.
+        source: text of the program; may be empty.
         certificate: certificate as JSON; may be empty.
         told: all reports, in order.
-        times: (N,) of the samples [s].
-        program_times: (N,) the program's time, accurate to one or two segments [s].
+        times: (N,) times of the samples [s].
+        program_times: (N,) how far the program was at each sample [s of the program], accurate to one or two
+            segments.
         passes: (N,) number of the program's `Pass` to which each sample belongs, from 0; -1 during the motion
             to the start.
-        actual: (N, n) joint positions [rad or m].
-        commanded: (N, n) joint positions [rad or m].
+        actual: (N, n) actual joint positions [rad or m].
+        commanded: (N, n) commanded joint positions [rad or m].
         following: (N, n) following errors of the motors [counts].
         unread: number of damaged messages.
     """

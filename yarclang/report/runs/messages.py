@@ -23,7 +23,7 @@ _UNITS = {"deg": DEG, "mm": MM}
 
 @frozen(eq=False)
 class RecordedRobot:
-    """The robot as the log describes it.
+    """The robot as the log of a run describes it.
 
     Attributes:
         lower: (n,) lower limits of the joints [rad or m]; infinite if there is none.
@@ -46,7 +46,7 @@ class RecordedRobot:
 
 @frozen
 class Pass:
-    """Beginning of a job's execution.
+    """The beginning of a job's execution, as a log reports it.
 
     Attributes:
         time: time of the beginning [s].
@@ -80,7 +80,7 @@ Told: TypeAlias = Changed | Progress | Remark | Signal | Pass | Outcome
 
 @dataclass(slots=True)
 class Messages:
-    """Content of the messages.
+    """Contents of the messages in the log of a run.
 
     Attributes:
         told: reports.
@@ -119,7 +119,7 @@ def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, 
 
 
 def _row(robot: RecordedRobot, content: Mapping[str, Any]) -> tuple[float, ...]:
-    """Return a row of `Messages.rows`.
+    """Convert a message with a sample of joint positions to a row of `Messages.rows`.
 
     Raises:
         ValueError, KeyError, TypeError: a value is missing or invalid.
@@ -172,7 +172,7 @@ def _as_report(topic: str, content: Mapping[str, Any]) -> Told | None:
 
 
 def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
-    """Return a message about inputs and outputs; None for an unknown kind.
+    """Convert a message of a log to a report about inputs and outputs; None for a message of another kind.
 
     Raises:
         ValueError, KeyError, TypeError: a value is missing or invalid.
@@ -193,7 +193,7 @@ def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
 
 
 def read_robot(facts: Mapping[str, str], job: Mapping[str, Any]) -> RecordedRobot:
-    """Return the robot that metadata and job describe.
+    """Return the robot that the metadata and the job in a log describe.
 
     Raises:
         ValueError, KeyError, TypeError: a value is missing or invalid.

@@ -1,5 +1,5 @@
-"""Draw the panels of a run's picture: joints over the time of the program, errors, and the program's progress
-over the time of the clock.
+"""Draw the panels of a run's picture: joints and errors over the time of the program, and how far the program
+was over real time.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ _LEAST_OTHER = 0.005
 """Smallest half height for other units [deg or mm]."""
 
 _NARROWEST = 0.003
-"""Smallest width of a shade, as a share of the axis. It is needed because a hold takes no time of the
-program.
+"""Smallest width of a shaded interval, as a share of the axis. It is needed because a hold takes no time of
+the program.
 """
 
 
@@ -140,8 +140,8 @@ def draw_joint(axes: Axes, shown: Shown, joint: int) -> None:
 def draw_lines(
     axes: Axes, shown: Shown, values: Array, names: tuple[str, ...], units: tuple[str, ...]
 ) -> None:
-    """Draw one line for each column of `values` (M, n) over the program's time, and write the largest value
-    above.
+    """Draw one line for each column of `values` (M, n) over the time of the program, and write the largest
+    value above the panel.
     """
     factor = shown.unit[0]
     # draw the lines that vary most first, because they would cover the others
@@ -166,8 +166,8 @@ def draw_lines(
 
 
 def most_text(values: Array, names: tuple[str, ...], units: tuple[str, ...], times: Array, unit: str) -> str:
-    """Return the value with the largest magnitude in `values` (M, n) for each unit, with its name and its
-    time among (M,).
+    """Return in words the value with the largest magnitude in `values` (M, n) for each unit, with the name of
+    its column and its time from `times` (M,).
     """
     if not len(values):
         return "no samples"
@@ -193,8 +193,8 @@ def off_path_text(shown: Shown) -> str:
 def _largest(
     values: Array, names: tuple[str, ...], units: tuple[str, ...]
 ) -> Iterator[tuple[str, float, str, int]]:
-    """Yield for the columns of each unit: the unit, the largest magnitude, and its column's name and its
-    row.
+    """Yield for each unit: the unit, the largest magnitude in the columns with this unit, and the name and
+    the row of this value.
     """
     for unit in dict.fromkeys(units):
         columns = [column for column, one in enumerate(units) if one == unit]
@@ -204,7 +204,7 @@ def _largest(
 
 def _size(size: float) -> str:
     """Format a number with two significant digits, without an exponent, and with at most five decimals.
-    Smaller numbers are rounded up.
+    Numbers below 0.00001 are rounded up to it.
     """
     if size < 1e-5:
         return "0.00001" if size > 0.0 else "0"
@@ -212,12 +212,12 @@ def _size(size: float) -> str:
 
 
 def clock_end(run: RecordedRun) -> float:
-    """Return the end of the clock's axis [s]."""
+    """Return the end of the axis with real time [s]."""
     return 1.03 * max(run.end, 1e-3)
 
 
 def draw_clock(axes: Axes, shown: Shown) -> None:
-    """Draw the program's time over the time of the clock, with states and events."""
+    """Draw how far the program was over real time, with states and events."""
     run, tracking = shown.run, shown.tracking
     factor, unit = time_unit(run.end)
     end = clock_end(run)
@@ -253,16 +253,16 @@ def draw_clock(axes: Axes, shown: Shown) -> None:
 
 
 def is_shaded(span: Span, end: float) -> bool:
-    """Return True if a state is long enough to be visible on an axis up to `end` [s]. Loading that takes no
-    time isn't shown.
+    """Return True if a state is shaded on an axis up to `end` [s]: it lasts long enough to be visible.
+    Loading that takes no time isn't shaded.
     """
     is_brief = span.end - span.start < _NARROWEST * end
     return span.state in COLOURS and not (span.state is State.INIT and is_brief)
 
 
 def shade_program(axes: Axes, shown: Shown) -> None:
-    """Shade the parts of the program that weren't run, on an axis of the program's time, and mark holds
-    and failures.
+    """Shade the intervals of the program that weren't run, on an axis with the time of the program, and mark
+    holds and failures.
     """
     factor, duration = shown.unit[0], max(shown.planned.duration, 1e-3)
     axes.set_xlim(0.0, duration / factor)
@@ -289,15 +289,15 @@ def shade_program(axes: Axes, shown: Shown) -> None:
 
 
 def not_run(shown: Shown) -> bool:
-    """Return True if a part of the program was never run."""
+    """Return True if the program has an interval that was never run."""
     return shown.planned.duration - shown.reached > max(
         0.2, 2.0 * float(shown.planned.cubics.h.max(initial=0.0))
     )
 
 
 def passes_of(shown: Shown, values: Array) -> list[tuple[Array, Array]]:
-    """Return thinned lines over the program's time, one for each part of a run without a jump in time: times
-    (k,) [s], and `values` (M, m) at them.
+    """Split a run where the time of the program jumps, and return a thinned line for each piece: times (k,)
+    [s] and the `values` (M, m) at these times.
 
     A jump is a branch of a WHEN that was left out, or the beginning of another pass.
     """
@@ -322,8 +322,8 @@ def _planned_line(planned: Planned) -> tuple[Array, Array]:
 
 
 def thinned(times: Array, values: Array, columns: int) -> tuple[Array, Array]:
-    """Thin lines with increasing times (k,) and values (k, m), if they have too many points. Each of
-    `columns` intervals keeps its smallest and largest values.
+    """Thin lines with increasing times (k,) and values (k, m), if they have too many points. Of each of
+    `columns` intervals of time, the smallest and largest values are kept.
     """
     if len(times) <= 2 * columns:
         return times, values

@@ -1,5 +1,5 @@
-"""Reconstruct the planned motion from the controller text in a log. The cubics are exact: the text is read by
-the same strict reader as for the certificate.
+"""Reconstruct the planned motion of a run from the controller text in its log. The cubics are exact: the text
+is read by the same strict parser as for the certificate.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from yarclang.runtime.live import MADE_ON_THE_WAY
 
 @frozen(eq=False)
 class Planned:
-    """Planned positions over the time of a program, which includes motions and dwells, with the branches of a
-    WHEN one after the other.
+    """Planned positions over the time of a program. This time includes motions and dwells, with the branches
+    of a WHEN one after the other.
 
     Attributes:
-        cubics: its segments, in order [rad or m, s].
+        cubics: segments of the plan, in order [rad or m, s].
         begins: (N,) beginning of each segment [s]. If the next segment begins later than a segment ends, the
             robot rests in between.
-        stand: (n,) its start [rad or m].
+        stand: (n,) position at the start [rad or m].
         duration: duration of the whole program [s].
         dwells: (D, 2) beginning and end of each dwell [s], in order.
         ways: (W, 3) for each WHEN: the time at which its branches part, the time at which the second branch
@@ -49,7 +49,7 @@ class Planned:
 
     def at(self, times: Array) -> tuple[Array, Array]:
         """Return positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]. At rest,
-        the position is that of the end of the previous motion.
+        the position is that at the end of the previous motion.
         """
         if not len(self.begins):
             stand = np.tile(self.stand, (len(times), 1))
@@ -62,15 +62,17 @@ class Planned:
         return self.cubics.h[self._rows(times)] if len(self.begins) else np.zeros(len(times))
 
     def _rows(self, times: Array) -> NDArray[np.int64]:
-        """Return the segments at times (M,). Times before the first segment or after the last give these."""
+        """Return the number of the segment at each of the times (M,): the first segment before it begins, and
+        the last one after it ends.
+        """
         return np.clip(np.searchsorted(self.begins, times, side="right") - 1, 0, len(self.begins) - 1)
 
 
 def planned_motion(run: RecordedRun) -> Result[Planned]:
-    """Reconstruct the planned motion of a run.
+    """Reconstruct the planned motion of a run from its log.
 
     Returns:
-        None, with a finding, if the reader rejects the text.
+        None, with a finding, if the parser rejects the controller text in the log.
     """
     if run.text.startswith(f"; {MADE_ON_THE_WAY}"):
         message = (
@@ -95,8 +97,8 @@ def _refused(run: RecordedRun, reason: str) -> Result[Planned]:
 
 
 def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwells: bool) -> Planned:
-    """Return the segments of all sequences (TUM 289: S, S, S, c1 ... cM, cM, cM), which begin at `start` (n,)
-    in axis units.
+    """Return the segments of all sequences of moves in a controller text (TUM 289: S, S, S, c1 ... cM, cM,
+    cM). The first sequence begins at `start` (n,) in axis units.
     """
     if not counts_dwells:
         content = replace(content, course=tuple(one for one in content.course if not isinstance(one, Dwelt)))
@@ -138,9 +140,9 @@ def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwel
 
 def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, float, float]]:
     """Return for each WHEN the time at which its branches part, the time at which the second branch begins,
-    and the time at which it ends [s].
+    and the time at which the second branch ends [s].
 
-    The steps between an EXIT and the end of its loop also count as a branch. The reader has checked that
+    The steps between an EXIT and the end of its loop also count as a branch. The parser has checked that
     every WHEN has an end.
     """
     open_: list[tuple[int, float, float | None]] = []

@@ -40,7 +40,9 @@ SIZE = (1600, 1000)
 _DPI = 100
 
 _LEFT, _MIDDLE, _GAP, _RIGHT = 0.045, 0.565, 0.065, 0.985
-"""Left and right borders of the joints' panels, the gap after them, and the right border of the others."""
+"""Horizontal positions in the picture, as shares of its width: left and right borders of the joints' panels,
+the gap after them, and the right border of the other panels.
+"""
 
 _TOP, _BOTTOM = 0.865, 0.055
 
@@ -56,7 +58,7 @@ def draw_run(run: RecordedRun, planned: Planned, format_: Format) -> bytes:
 
     Args:
         run: the run, from its log.
-        planned: its plan.
+        planned: planned motion of the run.
         format_: format of the picture. A PNG has `SIZE`.
 
     Returns:

@@ -16,16 +16,18 @@ from yarclang.report.runs.kind import MAGIC
 from yarclang.runtime.log_scene import SCENE_TOPICS
 
 _LARGEST_CHUNK = 1 << 26
-"""Largest size of an unpacked chunk [bytes]. Chunks of `yarc run` have 1 MiB and one message more."""
+"""Largest size of an unpacked chunk of a log [bytes]. `yarc run` writes chunks of 1 MiB and one message
+more.
+"""
 _LEAST_LEFT, _PACKED = 1 << 28, 40
-"""Bound of the total size of all unpacked chunks: a fixed number of bytes, plus a number for each byte of the
-file. Logs are usually compressed to a tenth.
+"""Limit on the total size of all unpacked chunks of a log: a fixed number of bytes, plus a number for each
+byte of the file. Logs are usually compressed to a tenth.
 """
 
 
 @frozen(eq=False)
 class Records:
-    """Content of a file.
+    """Contents of a log (an MCAP file).
 
     Attributes:
         metadata: metadata by name.
@@ -44,7 +46,7 @@ class Records:
 
 
 def read_records(content: bytes) -> Records | None:
-    """Read the part of a file that is valid.
+    """Read a log (an MCAP file) as far as it is valid.
 
     Returns:
         None if the file doesn't begin like an MCAP file.
@@ -100,7 +102,7 @@ def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
 
 
 def _unpacked(chunk: Chunk, most: int) -> Chunk | None:
-    """Unpack a chunk, without trusting the size that it claims.
+    """Unpack a chunk of a log, without trusting the size that it claims.
 
     Returns:
         None if it has more than `most` bytes.

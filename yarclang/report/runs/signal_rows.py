@@ -48,7 +48,7 @@ def _stretches(changes: list[tuple[float, float]], end: float) -> tuple[tuple[fl
 
 
 def draw_signals(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float, unit: str) -> None:
-    """Draw signals below each other over the time of the run.
+    """Draw rows for inputs and outputs below each other, over the time of the run.
 
     Args:
         axes: axes to draw on.

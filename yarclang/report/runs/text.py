@@ -39,7 +39,7 @@ class HasJoints(Protocol):
 
 @frozen(eq=False)
 class View:
-    """State of the status line. Each method returns the view after an event.
+    """What the status line of a run shows. Each method returns the View after an event.
 
     Attributes:
         robot: robot with joint names and units.
@@ -56,7 +56,7 @@ class View:
     joints: Array | None = None
 
     def behind(self, notice: Notice) -> View:
-        """Return the view after a report."""
+        """Return the view after a report has come."""
         match notice:
             case Changed(state=state):
                 return replace(self, state=state)
@@ -75,7 +75,9 @@ class View:
 
     @property
     def line(self) -> str:
-        """Return the line: `P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left  J1 10.00 J2 -3.50 ...`."""
+        """Return the status line:
+        `P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left  J1 10.00 J2 -3.50 ...`.
+        """
         parts = [] if self.state is State.MOVE else [self.state.value]
         if self.progress is not None:
             parts.append(progress_text(self.progress, self.lasting))
@@ -100,8 +102,8 @@ def notice_text(notice: Notice) -> str:
 
 
 def progress_text(progress: Progress, lasting: Lasting | None = None) -> str:
-    """Return the command, the program's time, its duration, and the remaining time at the current
-    override.
+    """Return in words the current command, how far the program is [s], its duration, and the remaining time
+    at the current override.
     """
     of = f" of {lasting.text(time_text)}" if lasting is not None else ""
     times = f"{time_text(progress.done)}{of}, {time_text(progress.left)} left"
@@ -138,7 +140,9 @@ def head_text(run: RecordedRun) -> str:
 
 
 def _is_usual(report: Told) -> bool:
-    """Return True for a state that occurs between a WAIT and the next motion and needs no line of its own."""
+    """Return True for a report of a state that regularly occurs between a WAIT and the next motion, so that
+    no line is printed for it.
+    """
     return (
         isinstance(report, Changed)
         and not report.why
@@ -148,12 +152,12 @@ def _is_usual(report: Told) -> bool:
 
 @frozen(eq=False)
 class Moment:
-    """A moment of a recorded run.
+    """A moment of a recorded run, as it is replayed as text.
 
     Attributes:
-        time: [s].
-        view: view after the moment.
-        line: report of the moment; empty if there is none.
+        time: time of the moment [s].
+        view: the status line after this moment.
+        line: report at this moment; empty if there is none.
     """
 
     time: float

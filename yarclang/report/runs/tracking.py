@@ -1,14 +1,15 @@
-"""Compare a run with its plan: find the program's time of each sample, and the robot's distance from the
-plan.
+"""Compare a run with its plan: find how far the program was at each sample (its program time), and the
+robot's distance from the plan.
 
-Times of a program include its dwells, with the branches of a WHEN one after the other. For the search, dwells
+Program times include dwells, with the branches of a WHEN one after the other. For the search, dwells
 and branches that weren't taken are cut out. What remains is the curve that the robot followed from its
 beginning. For the time during which the robot rested, only the program times in the log are used.
 
-A sample's program time comes from the number of lines that the controller has left. It is accurate to one or
-two segments, and in a fast motion a segment is several degrees long. But commanded positions are on the
-planned curve, so the time is corrected to the time at which the curve is nearest to them. If the curve
-returns to the same place, there are two such times; then the neighbouring samples decide.
+A sample's program time in the log comes from the number of lines that the controller has left. It is accurate
+to one or two segments, and in a fast motion a segment is several degrees long. But commanded positions are on
+the planned curve. Each time is therefore corrected to the time at which the curve is nearest to the commanded
+position. If the curve returns to the same position, there are two such times; then the neighbouring samples
+decide.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from yarclang.report.runs.planned import Planned
 from yarclang.robot.model import Array
 
 _LATE = 0.3
-"""Largest error of a sample's program time [s] besides the error of some segments. It comes from the requests
-before the sample, and from a slow link.
+"""Largest error of a sample's program time in the log [s], besides the error of `_SEGMENTS`. It comes from
+requests that were sent before the sample's, and from a slow link.
 """
 
 _SEGMENTS = 4.0
@@ -37,22 +38,26 @@ _SURE = 0.12
 """Largest error of a time after its correction by the clock [s]."""
 
 _NEAR = 1e-3
-"""If the distances of two places on the curve differ by less, both are equally near [deg or mm]."""
+"""Two points of the planned curve count as equally near to a sample if their distances from it differ by less
+[deg or mm].
+"""
 
 _SAME = 2e-3
 """Times that differ by less count as equal [s]."""
 
 _DRIFT = 1e-3
-"""Largest relative deviation of the controller's clock from the host's. Quartz clocks are ten times
+"""Largest relative drift of the controller's clock against the computer's. Quartz clocks are ten times
 better.
 """
 
 _BESIDE = 0.02
-"""Distance in time from a rest within which the nearest place on the curve doesn't determine the time [s]."""
+"""Time before and after a rest in which the nearest point of the planned curve doesn't determine the program
+time [s].
+"""
 
 _BESIDE_WAY = 0.12
-"""Distance in time from the end of a branch within which a program time in the log may be outside of the
-branch [s].
+"""Time after the beginning and before the end of a branch in which a program time in the log may belong to
+the motion outside of the branch [s].
 """
 
 _WITHIN = 1e-6
@@ -65,14 +70,14 @@ _ROWS = 2048
 """Number of samples that are computed at once, to bound the memory."""
 
 _DOUBT = 1e-4
-"""Cost of a time at the end of the window, as a distance [deg or mm]. It is so small that a difference of a
-few counts decides, unless nothing moves.
+"""Penalty for a time at the end of the search window, as a distance [deg or mm]. It is so small that it
+decides only between positions that are equal within a few counts, as while nothing moves.
 """
 
 
 @frozen(eq=False)
 class Tracking:
-    """The M samples of a run's program, compared with its plan.
+    """The M samples of a run that belong to its program, compared with the plan.
 
     Attributes:
         rows: (M,) indices of the samples in the run.
@@ -90,7 +95,7 @@ class Tracking:
 
 
 def tracking_of(run: RecordedRun, planned: Planned) -> Tracking:
-    """Find the program's time of each sample."""
+    """Find the program time of each sample of a run, and compare the samples with the plan."""
     rows = np.flatnonzero(run.passes >= 0)
     times, nearest = np.empty(len(rows)), np.empty(len(rows))
     breaks = [np.empty(0, dtype=np.int64)]
@@ -118,11 +123,12 @@ def _parts(passes: NDArray[np.int64]) -> Iterator[slice]:
 
 @frozen(eq=False)
 class _Course:
-    """A planned motion without the stretches of time that a pass didn't follow.
+    """The planned motion that one pass of a program followed: without dwells and without branches that
+    weren't taken.
 
     Attributes:
-        planned: the motion.
-        cut: (C, 2) disjoint stretches that are cut out, in order [s of the program].
+        planned: the whole planned motion.
+        cut: (C, 2) disjoint intervals that are cut out, in order [s of the program].
         at_cut: (C,) times of these cuts [s of the course].
         stands: (D,) times at which the robot rested [s of the course], each once.
         skipped: (W, 2) branches of a WHEN that were left out [s of the program].
@@ -148,16 +154,16 @@ class _Course:
         return self.planned.segment_times(self.places(times))
 
     def places(self, times: Array) -> Array:
-        """Convert times (M,) of the course to times of the program [s]. A time at a cut becomes the end of
-        the cut.
+        """Convert times (M,) of the course to times of the program [s]. The time at which an interval was cut
+        out becomes the end of this interval.
         """
         longer = np.concatenate(([0.0], np.cumsum(np.diff(self.cut, axis=1))))
         found: Array = times + longer[np.searchsorted(self.at_cut, times, side="right")]
         return found
 
     def times(self, places: Array) -> Array:
-        """Convert times (M,) of the program to times of the course [s]. Times in a cut become the time of
-        the cut.
+        """Convert times (M,) of the program to times of the course [s]. All times in an interval that was cut
+        out become the same time.
         """
         if not len(self.cut):
             return places
@@ -167,10 +173,10 @@ class _Course:
         return np.where(at > 0, behind, places)
 
     def with_dwells(self, times: Array, logged: Array) -> Array:
-        """Convert times (M,) of the course to times of the program [s].
+        """Convert times (M,) of the course to times of the program [s], including dwells.
 
         Args:
-            times: never decreasing.
+            times: times of the course, never decreasing.
             logged: (M,) the program times in the log [s], which are used while the robot rested.
         """
         places = self.places(times)
@@ -185,8 +191,8 @@ class _Course:
 
 
 def _course(planned: Planned, logged: Array) -> _Course:
-    """Return the course that a pass with program times `logged` (M,) [s] can have followed: without dwells,
-    and without branches in which none of these times is.
+    """Return the planned motion that a pass followed, from its program times `logged` (M,) [s] in the log:
+    without dwells, and without branches in which none of these times is.
     """
     ways = np.concatenate((planned.ways[:, :2], planned.ways[:, 1:]))
     when = np.sort(logged)
@@ -210,8 +216,11 @@ def _course(planned: Planned, logged: Array) -> _Course:
 
 
 def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return two times of the course [s] for each sample of one pass: the first never decrease, and the
-    second are those at which the curve is nearest to the sample.
+    """Find the times of the course [s] for the samples of one pass.
+
+    Returns:
+        Two times for each sample: one that never decreases from sample to sample, and the one at which the
+        planned curve is nearest to the sample.
     """
     clock, points = run.times[rows] * (1.0 + _DRIFT), run.commanded[rows]
     units, told = run.robot.axis_units, planned.times(run.program_times[rows])
@@ -228,8 +237,8 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
 
 
 def _never_falling(values: Array, weights: Array) -> Array:
-    """Return the nearest values that never decrease (isotonic regression). Values with a large weight are
-    changed least.
+    """Return values that never decrease and are nearest to the given values (isotonic regression). Values
+    with a large weight are changed least.
     """
     from scipy.optimize import isotonic_regression
 
@@ -239,7 +248,7 @@ def _never_falling(values: Array, weights: Array) -> Array:
 
 @frozen(eq=False)
 class _Nearest:
-    """Times at which a curve is nearest to points.
+    """The times at which a planned curve is nearest to M points.
 
     Attributes:
         times: (M,) [s].

@@ -1,5 +1,5 @@
-"""Name the arguments of a CALL in findings: a finding about `$T` in a SUB names the line that gave T its
-value.
+"""Name the arguments of a CALL in findings about the SUB: a finding about `$T` in a SUB also names the CALL
+that gave T its value.
 """
 
 from __future__ import annotations
@@ -14,11 +14,15 @@ from yarclang.syntax.ast import Computed, ComputedPercent, Statement, Time
 from yarclang.syntax.expressions import Expression, Name, parts_of
 
 Given = Mapping[str, str]
-"""Text about the argument of each parameter of a SUB and the line of the CALL, by its name in upper case."""
+"""For each parameter of a SUB, by its name in upper case: a text with its argument and the line of the
+CALL.
+"""
 
 
 def said_of_time(time: Time | None, given: Given) -> str:
-    """Return the text about the arguments that a motion time uses; empty if it uses no parameter."""
+    """Return the text about the arguments of a CALL that a motion time uses; empty if it uses no
+    parameter.
+    """
     items = time.items if time is not None else ()
     return _said((item for item in items if isinstance(item, Computed | ComputedPercent)), given)
 
@@ -52,8 +56,8 @@ def name_arguments(statement: Statement, findings: Collector, since: int, given:
 
 
 def name_arguments_of_times(findings: Iterable[Diagnostic], steps: Iterable[Step]) -> Iterator[Diagnostic]:
-    """Yield the planner's findings. Those about a motion time also name the arguments that a CALL gave for
-    it.
+    """Yield the planner's findings. Those about a motion time that uses parameters of a SUB also name the
+    arguments that a CALL gave for them.
     """
     times: dict[tuple[SourceFile, Span, str], Origin] = {}
     for step in steps:

@@ -1,4 +1,4 @@
-"""CALL: find the SUB and bind its parameters."""
+"""Carry out CALL: find the SUB and bind its parameters to the arguments."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Calls:
         Args:
             statement: the CALL.
             file: the file of the CALL.
-            scope: the names that are known there.
+            scope: the names in scope at the CALL.
 
         Returns:
             The SUB, and the scope of its body with its parameters; None with a finding if the CALL is wrong.

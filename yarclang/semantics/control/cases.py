@@ -1,4 +1,4 @@
-"""CASE: choose one of several branches by the value of a register or an input."""
+"""Read CASE, which chooses one of several branches by the value of a register or an input."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ class Way:
 
     Attributes:
         of: the OF line.
-        condition: condition of the branch; None if the branch gets all values without an earlier OF.
+        condition: condition of the branch; None for the last branch of a CASE without ELSE, which gets all
+            remaining values.
         nodes: the lines of the branch.
     """
 

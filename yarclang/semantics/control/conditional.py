@@ -1,4 +1,6 @@
-"""Find the names that are known after an IF: the names that both of its branches declare."""
+"""Find the names that are declared after an IF whatever its condition is: those that both branches
+declare.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ _FRAMES = frozenset({"FRAME", "FRAME_QUAT"})
 
 
 class KnownBehind:
-    """Cache of the names that are known after each IF, since an IF in a loop is carried out many times."""
+    """Cache of the names that are declared after each IF, since an IF in a loop is carried out many times."""
 
     def __init__(self) -> None:
         self._found: dict[int, tuple[Block, frozenset[tuple[str, bool]]]] = {}
@@ -33,7 +35,7 @@ def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
         block: an IF, with an ELSE or without.
 
     Returns:
-        Names in upper case, each with True for a frame's name; empty without an ELSE.
+        Names in upper case, each with True if it is the name of a frame; empty without an ELSE.
     """
     if block.otherwise is None:
         return frozenset()
@@ -41,7 +43,9 @@ def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
 
 
 def _declared(nodes: tuple[Node, ...]) -> frozenset[tuple[str, bool]]:
-    """Return the names that some lines always declare: outside of any IF, or in both branches of an IF."""
+    """Return the names that a group of lines always declares: outside of any IF, or in both branches of an
+    IF.
+    """
     found: set[tuple[str, bool]] = set()
     for node in nodes:
         if isinstance(node, Block):

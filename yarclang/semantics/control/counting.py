@@ -1,4 +1,4 @@
-"""Count the commands and rounds of loops and calls before they are carried out.
+"""Count the commands of loops and calls, and the rounds of loops, before they are carried out.
 
 If all rounds of a loop are alike, one round is counted and its count is multiplied. A SUB is counted once for
 all calls with equal arguments. Rounds that differ are counted one by one up to the limit. They aren't counted
@@ -45,7 +45,7 @@ _FAULTS = 20
 
 @frozen
 class Count:
-    """Commands, lines and rounds of loops that a part of a program carries out."""
+    """Number of commands, lines and rounds of loops that a group of lines carries out."""
 
     commands: int = 0
     lines: int = 0
@@ -70,7 +70,7 @@ _NOTHING = (0, 0, 0, 0)
 
 
 class TooMuch(FindingError):  # noqa: N818 - ends the counting, and becomes a finding
-    """The error that a program exceeds a limit.
+    """The error that a program exceeds a limit on commands, lines or rounds.
 
     Attributes:
         file: the file of `statement`.
@@ -87,7 +87,7 @@ class TooMuch(FindingError):  # noqa: N818 - ends the counting, and becomes a fi
 
 
 class Counter:
-    """Counter of the commands in a program's blocks and calls.
+    """Counter of the commands, lines and rounds of a program's blocks and calls.
 
     Args:
         most: largest number of rounds that are counted one by one; None: no limit.
@@ -107,12 +107,12 @@ class Counter:
         self._behind = KnownBehind()
 
     def count(self, node: Node, file: File, scope: Scope, depth: int) -> Count:
-        """Count the commands of a block or a CALL.
+        """Count the commands, lines and rounds of a block or a CALL.
 
         Args:
             node: the block or CALL.
-            file: its file.
-            scope: the names that are known there.
+            file: file of the block or CALL.
+            scope: the names in scope there.
             depth: number of blocks and calls around it.
 
         Returns:
@@ -232,15 +232,15 @@ class Counter:
         return commands, lines, rounds, deepest
 
     def _least_round(self, block: Block, file: File, scope: Scope) -> Count:
-        """Return a lower bound for the count of one round of a REPEAT, computed from the names known outside
-        of it.
+        """Return a lower bound for the commands and lines of one round of a REPEAT. Only names in scope
+        before the REPEAT are used.
         """
         least = self._least(block.body, file, scope) + Count(lines=1, rounds=1)
         return least if least.commands else least + Count(commands=1)
 
     def _least(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> Count:
-        """Return a lower bound for the count of lines; a CALL or a loop with an unknown number of rounds
-        counts as one line.
+        """Return a lower bound for the commands of a group of lines. A CALL, and a loop whose number of
+        rounds isn't known yet, count as one line.
         """
         total, source = Count(), file.findings.source
         for node in nodes:
@@ -295,7 +295,7 @@ class Counter:
         return tally
 
     def _declare(self, statement: Statement, scope: Scope, needed: frozenset[str]) -> None:
-        """Carry out a LET if a count depends on it."""
+        """Carry out a LET if a number of rounds depends on its value."""
         if statement.name.name != "LET" or statement.expression is None:
             return
         (word,) = values_of(statement)
@@ -317,7 +317,7 @@ class Counter:
         return _NOTHING
 
     def _needed(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
-        """Return the names in some lines on which their count depends."""
+        """Return the names in a group of lines on which the number of its commands depends."""
         key = id(nodes) if len(nodes) != 1 else id(nodes[0])
         found = self._read.get(key)
         if found is None:
@@ -360,7 +360,7 @@ class Counter:
 
 
 class Uncounted(Exception):  # noqa: N818 - ends the counting
-    """The end of the counting without a result: there are too many mistakes, or too many differing rounds."""
+    """The error that counting was given up: there are too many mistakes, or too many differing rounds."""
 
 
 def _ofs(case: Block) -> int:
@@ -373,7 +373,7 @@ def _head(node: Node) -> Statement:
 
 
 def _backwards(nodes: tuple[Node, ...]) -> Iterator[Statement]:
-    """Yield the statements of some lines and of the blocks in them, from the last to the first."""
+    """Yield the statements of a group of lines and of the blocks in it, from the last to the first."""
     for node in reversed(nodes):
         if isinstance(node, Block):
             yield from _backwards(node.otherwise or ())
@@ -393,14 +393,16 @@ def _names_in(statement: Statement) -> Iterator[str]:
 
 
 def _too_many_together(file: File, statement: Statement, count: Count) -> TooMuch:
-    """Return the error that the lines of a body, up to a statement, together exceed a limit."""
+    """Return the error that the lines of a loop or SUB from its beginning to a statement together exceed a
+    limit.
+    """
     what, most = _excess(count)
     message = f"with this {statement.name.name} the lines around it come to {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
 
 
 def _too_many_alike(file: File, head: Statement, number: int, one: Count, about: str = "") -> TooMuch:
-    """Return the error that a REPEAT with equal rounds exceeds a limit.
+    """Return the error that a REPEAT whose rounds are all alike exceeds a limit.
 
     Args:
         file: the file.
@@ -430,7 +432,9 @@ def _too_many_rounds(file: File, head: Statement, done: int, number: int, count:
 
 
 def too_much_so_far(file: File, statement: Statement, count: Count) -> TooMuch | None:
-    """Return the error that the program up to a line exceeds a limit; None if it is within all limits."""
+    """Return the error that the program from its beginning to a line exceeds a limit; None if it is within
+    all limits.
+    """
     if not count.is_too_much:
         return None
     what, most = _excess(count)

@@ -1,7 +1,8 @@
-"""Write the blocks that are decided at run time: WHEN, CASE, LOOP, WHILE, and REPEAT or LOOP with a register.
+"""Convert the blocks that are decided at run time to steps: WHEN, CASE, LOOP, WHILE, and REPEAT or LOOP with
+a register.
 
-Each block becomes steps at which branches part, meet and start again. A WHILE becomes a LOOP with its body in
-a WHEN; a REPEAT counts down a register that is declared for it.
+A block becomes steps at which branches part and meet, and at which a loop starts again. A WHILE becomes a
+LOOP with its body in a WHEN. A REPEAT counts down a register that is declared for it.
 """
 
 from __future__ import annotations
@@ -39,23 +40,23 @@ from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Block, Node, Statement, Word
 
 SEARCHES = "SEARCH_"
-"""First part of the names of registers that become 1 when a search has found its input."""
+"""Prefix of the names of registers that become 1 when a search has found its input."""
 
 OFFSETS = "OFFSET_"
-"""First part of the names of registers that are 1 if the lines of an OFFSET can be carried out."""
+"""Prefix of the names of registers that are 1 if the lines of an OFFSET can be carried out."""
 
 COUNTER = "REPEAT_"
 """First part of the names of registers that count the passes of a REPEAT."""
 
 RETURNS = "RETURN_"
-"""First part of the names of registers that are 1 after a loop if one of its RETURNs leaves the enclosing
-SUB.
+"""Prefix of the names of registers that are 1 after a loop if a RETURN in this loop leaves the SUB around
+it.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """The reason why the lines after a line aren't reached.
+    """The reason why the lines after a line are never reached.
 
     Attributes:
         why: the reason, for the message.
@@ -70,12 +71,12 @@ class Ended:
 
 @dataclass(slots=True)
 class _Around:
-    """The blocks around a line in its SUB.
+    """The blocks around the current line, up to the SUB that it is in.
 
     Attributes:
         loops: for each loop, from the outermost to the innermost, True if a branch leaves it.
         ways: number of blocks with several branches, such as WHEN and CASE.
-        returned: True if one of these branches leaves the SUB.
+        returned: True if one of their branches leaves the SUB.
         returns: for each loop, True if it has a RETURN.
         flag: register that is 1 after a loop if a RETURN in the loop leaves the SUB; empty without one.
     """
@@ -88,13 +89,14 @@ class _Around:
 
 
 class Decided:
-    """Writer of the steps of blocks that are decided at run time. Also finds lines that are never reached.
+    """Converter of blocks that are decided at run time to steps. It also finds lines that are never reached.
 
     Args:
         steps: steps of the program; receives the new ones.
         registers: registers of the program; receives those of REPEAT, RETURN, OFFSET and searches.
-        carry_out: carries out lines of a file.
-        count: counts a command that is carried out, and the length of a line outside of loops and SUBs.
+        carry_out: function that carries out lines of a file.
+        count: function that counts a command that is carried out, and the length of a line outside of loops
+            and SUBs.
     """
 
     def __init__(
@@ -138,7 +140,7 @@ class Decided:
         """Enter a SUB. Its RETURNs jump to its end, and its lines can't leave the loops around its CALL.
 
         Args:
-            origin: returns the origin of the CALL.
+            origin: function that returns the origin of the CALL (its place in the source).
         """
         begin = len(self._steps)
         self._around.append(_Around())
@@ -190,7 +192,8 @@ class Decided:
         self._around[-1].returns.append(False)
 
     def _close_loop(self, origin: Origin) -> bool:
-        """Leave a loop, and write the steps that go on to the end of the SUB if a RETURN has left the loop.
+        """Leave a loop. If a RETURN in it leaves the SUB, write the steps that jump from the loop's end to
+        the end of the SUB.
 
         Returns:
             True if a branch leaves the loop.
@@ -232,7 +235,7 @@ class Decided:
     def wait(self, block: Block, file: File, scope: Scope, when: When | None) -> None:
         """Carry out a WAIT with its ELSE.
 
-        It becomes a WHEN with an empty first branch. The WHEN is decided as soon as the condition is true or
+        It becomes a WHEN whose first branch is empty. The WHEN is decided as soon as the condition is true or
         the time is over.
         """
         if when is None:
@@ -247,11 +250,12 @@ class Decided:
         self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
 
     def search(self, step: JointMove | LineMove, otherwise: Callable[[], None] | None, end: Origin) -> None:
-        """Write a motion with UNTIL, and the steps for an input that isn't found.
+        """Write a motion with UNTIL (a search), and the steps that are taken if its input isn't found.
 
         Args:
-            step: the motion, with a search.
-            otherwise: carries out the lines of its ELSE; None: the run ends if the input isn't found.
+            step: the motion, with its search.
+            otherwise: function that carries out the lines of its ELSE; None: the run ends if the input isn't
+                found.
             end: origin of the END.
         """
         assert step.search is not None
@@ -276,9 +280,9 @@ class Decided:
     def offset(self, block: Block, file: File, scope: Scope, cell: Cell | None) -> None:
         """Carry out an OFFSET, which becomes a WHEN.
 
-        The WHEN's condition is that the lines can be carried out with the frame at its shifted place. If they
-        can't and there is no ELSE, a run holds and shows the reason, and a controller text that runs by
-        itself ends.
+        The condition of the WHEN is that the lines can be carried out with the shifted frame. If they can't
+        and there is no ELSE, a run holds and shows the reason, and a controller text that runs without the
+        streaming runtime ends.
         """
         around, begin = file.findings.place, len(self._steps)
         flag = self._own_register(OFFSETS, 0, 1).name
@@ -366,7 +370,7 @@ class Decided:
             self._goes_on()
 
     def _times(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a LOOP with a number of passes."""
+        """Carry out a LOOP that makes at most a given number of passes."""
         head, values, end = block.head, values_of(block.head), block.end
         word = values[0] if len(values) == 1 and isinstance(values[0], Word) else None
         register = None if word is None else scope.name(word.name)
@@ -398,11 +402,11 @@ class Decided:
         """Carry out a REPEAT or LOOP whose passes are counted at run time.
 
         Args:
-            block: the lines.
-            file: their file.
-            scope: the names that are known there.
+            block: the loop.
+            file: file of the loop.
+            scope: the names in scope at the loop.
             count: number of passes.
-            bounds: a register with the smallest and largest possible number of passes.
+            bounds: a register whose range is that of the number of passes.
         """
         head, around = block.head, file.findings.place
         origin = _origin(head, head.name.name, file, around)
@@ -415,12 +419,12 @@ class Decided:
         self._looped(block, file, scope, [When(origin, Between(">", left, Constant(0.0))), counts], end)
 
     def _looped(self, block: Block, file: File, scope: Scope, begin: list[Step], end: Origin) -> None:
-        """Write a loop whose condition is at its head.
+        """Convert a loop whose condition is at its head to steps.
 
         Args:
-            block: the lines.
-            file: their file.
-            scope: the names that are known there.
+            block: the loop.
+            file: file of the loop.
+            scope: the names in scope at the loop.
             begin: the WHEN that leads into the body, and the first steps of the body.
             end: origin of the END.
         """
@@ -455,7 +459,7 @@ class Decided:
         around.ways -= 1
 
     def _way_ended(self) -> Ended | None:
-        """Return the reason that ended the last branch (None without one), and mark the next branch as
+        """Return why the last branch doesn't reach its end (None if it does), and mark the next branch as
         reachable.
         """
         ended = self.ended
@@ -466,13 +470,18 @@ class Decided:
         self.ended, self._told_unreachable = None, False
 
     def _meet(self, ended: list[Ended | None]) -> None:
-        """Continue after the branches of a block. If all branches have ended, the lines that follow are
+        """Continue after the branches of a block. If no branch reaches its end, the lines that follow are
         unreachable.
+
+        Args:
+            ended: for each branch, the reason why it doesn't reach its end; None if it does.
         """
         if all(one is not None for one in ended):
             self.ended = ended[-1]
 
 
 def _origin(statement: Statement, word: str, file: File, around: str) -> Origin:
-    """Return the origin of a step of a block. Its place is that of the block, not that of the lines."""
+    """Return the origin of a step that a block becomes, such as its WHEN. Its place is that of the block, not
+    that of a line in it.
+    """
     return replace(origin_of(statement, word, file.findings), place=around)

@@ -1,6 +1,6 @@
-"""Limit the number of lines of loops and calls that are carried out.
+"""Limit how many lines of loops and calls are carried out.
 
-A program without errors is carried out completely, unless the caller asks only for a first look.
+A program without errors is carried out completely, unless the caller asks only for a quick check.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ ENOUGH_WITH_ERRORS = 10_000
 """Number of lines in loops and SUBs that are carried out in a program with errors."""
 
 ENOUGH_WITH_SYNTAX_ERRORS = 1_000
-"""The same limit for a program with syntax errors. It is lower since the effect of an unreadable line is
-unknown.
+"""Number of lines in loops and SUBs after which carrying out stops in a program with syntax errors. It is
+lower than for other errors, since the effect of a line that can't be parsed is unknown.
 """
 
 _EVERY = 64
@@ -23,7 +23,7 @@ _EVERY = 64
 
 
 class Extent:
-    """Counter of the lines that are carried out.
+    """Counter of the lines that are carried out, with a limit.
 
     After the limit is reached, a loop starts no further round, and each SUB is carried out at most once more.
 

@@ -1,4 +1,4 @@
-"""KEEP: read the rule that all motions of a block keep on their whole path."""
+"""Read KEEP: a rule that all motions of a block satisfy along their whole paths."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _VALUES: dict[KeepKind, tuple[tuple[Kind, str], ...]] = {
     "FACING": (("angle", "the angle"), *_RANGE),
     "SEEN": (("angle", "the angle"), *_RANGE),
 }
-"""The kind and the description of each value of a rule; those after the first may be left out."""
+"""The kind and the description of each value of a KEEP rule; all but the first may be left out."""
 _REFUSED = ("a motion time", "options")
 
 
@@ -37,8 +37,8 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
 
     Args:
         head: the line.
-        scope: the names that are known there.
-        defaults: gives units to a line without them.
+        scope: the names in scope at this line.
+        defaults: what the DEFAULT line of its file gives.
         findings: receives the findings.
 
     Returns:
@@ -68,7 +68,9 @@ def keep_of(head: Statement, scope: Scope, defaults: Defaults, findings: Collect
 
 
 def _standing(head: Statement, scope: Scope, findings: Collector) -> Frame | None:
-    """Return the fixed frame of the rule, which is {B} if the line names none; None with a finding."""
+    """Return the fixed frame to which a KEEP rule refers: the frame in its line, or else {B}. None with a
+    finding if the frame is wrong.
+    """
     if head.base is None:
         return scope.frame("B")
     found = known_frame(head, head.base, scope, findings)
@@ -108,8 +110,8 @@ def _limits(
     defaults: Defaults,
     findings: Collector,
 ) -> tuple[float, ...] | None:
-    """Return the limit of a rule [rad or m], and its range of distances [m] if the line has one; None with a
-    finding.
+    """Return the limit of a KEEP rule [rad or m], followed by its range of distances [m] if the line has one;
+    None with a finding if a value is wrong.
     """
     wanted = _VALUES[kind]
     if len(values) > len(wanted):
@@ -170,7 +172,7 @@ def _value(
     defaults: Defaults,
     findings: Collector,
 ) -> float | None:
-    """Return a value of a rule [rad or m]; None with a finding."""
+    """Return a value of a KEEP rule [rad or m]; None with a finding if it has an error."""
     span = head.span(value.place)
     if (fault := number_fault(value)) is not None:
         findings.add(*fault[:2], span, fault[2])

@@ -1,4 +1,6 @@
-"""Find the argument of each parameter of a SUB: by position first, then by name, and else its default."""
+"""Find the argument that a CALL gives for each parameter of a SUB: by position first, then by name, and else
+its default.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from yarclang.syntax.leaves import from_to
 
 
 def matched(statement: Statement, head: Statement, findings: Collector) -> tuple[Value | None, ...] | None:
-    """Return the argument of each parameter.
+    """Return the argument that a CALL gives for each parameter of a SUB.
 
     Args:
         statement: the CALL.
@@ -55,7 +57,9 @@ def matched(statement: Statement, head: Statement, findings: Collector) -> tuple
 
 
 def _in_order(statement: Statement, given: list[Value], findings: Collector) -> bool:
-    """Check that unnamed arguments come before named ones, and that no frame's name has braces."""
+    """Check that a CALL's unnamed arguments come before the named ones, and that no frame's name has
+    braces.
+    """
     named: NamedValue | None = None
     for frame, sign in pairwise(given):
         if isinstance(frame, FrameName) and isinstance(sign, Other) and sign.text.startswith("="):
@@ -77,7 +81,7 @@ def _in_order(statement: Statement, given: list[Value], findings: Collector) -> 
 def _by_name(
     statement: Statement, one: NamedValue, head: Statement, found: dict[int, Value], findings: Collector
 ) -> bool:
-    """Add the place of one named argument to the places that are found.
+    """Find the parameter of one named argument, and add its place to the places that are found.
 
     Returns:
         False with a finding if no parameter has this name, or if the parameter has an argument already.
@@ -105,7 +109,7 @@ def _by_name(
 
 
 def arguments_by_name(statement: Statement, head: Statement) -> Mapping[str, Value]:
-    """Return the arguments of a CALL by the names of their parameters in upper case, without those of frames.
+    """Return the arguments of a CALL except frames, by the names of their parameters in upper case.
 
     Args:
         statement: the CALL; arguments without a parameter are left out.
@@ -122,7 +126,7 @@ def arguments_by_name(statement: Statement, head: Statement) -> Mapping[str, Val
 
 
 def parameters_of(head: Statement) -> list[Value]:
-    """Return the parameters of a SUB: the values after the name in its first line."""
+    """Return the parameters of a SUB: the values after its name in its first line."""
     return values_of(head)[1:]
 
 

@@ -57,12 +57,13 @@ def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Coll
 
 
 def bind(statement: Statement, scope: Scope, findings: Collector, sub: Sub) -> Scope | None:
-    """Declare the parameters of a SUB with the arguments of a CALL.
+    """Declare the parameters of a SUB with the arguments of a CALL as their values.
 
     Args:
         statement: the CALL.
-        scope: the names that are known there.
-        findings: the findings of the CALL's file; receives one for each argument that doesn't fit.
+        scope: the names in scope at the CALL.
+        findings: the findings of the CALL's file; receives one for each argument that doesn't fit its
+            parameter.
         sub: the SUB.
 
     Returns:
@@ -85,18 +86,18 @@ def bind(statement: Statement, scope: Scope, findings: Collector, sub: Sub) -> S
 def bind_some(
     statement: Statement, scope: Scope, source: SourceFile, sub: Sub, names: Container[str]
 ) -> tuple[Scope, tuple[Named | None, ...]] | None:
-    """Declare some parameters of a SUB with the arguments of a CALL, without findings.
+    """Declare some parameters of a SUB with the arguments of a CALL as their values, without findings.
 
     Args:
         statement: the CALL.
-        scope: the names that are known there.
+        scope: the names in scope at the CALL.
         source: the CALL's file.
         sub: the SUB.
         names: the parameters, in upper case; frames are never declared.
 
     Returns:
         The scope of the SUB's body, with these parameters, and their meanings; None if an argument doesn't
-        fit.
+        fit its parameter.
     """
     head, silent = sub.block.head, Collector(source)
     given = matched(statement, head, silent)
@@ -117,7 +118,7 @@ def bind_some(
 
 
 def _bind_default(parameter: Value, inner: Scope, sub: Sub, where: Where) -> bool:
-    """Declare a parameter with its default. A wrong default was already reported at the SUB."""
+    """Declare a parameter with its default value. A wrong default was already reported at the SUB."""
     assert isinstance(parameter, Parameter)
     assert parameter.default is not None
     silent = Collector(sub.file.findings.source)
@@ -133,14 +134,15 @@ def _bind_one(
     where: Where,
     findings: Collector,
 ) -> bool:
-    """Declare one parameter with its argument; a finding if the argument is of another kind.
+    """Declare one parameter of a SUB with its argument as the value; add a finding if the argument is of
+    another kind.
 
     Args:
         parameter: the parameter, in the SUB line.
         value: the argument, in the CALL.
         inner: the scope of the SUB's body; receives the parameter.
         statement: the CALL.
-        scope: the names that are known at the CALL.
+        scope: the names in scope at the CALL.
         where: place of the parameter's declaration.
         findings: the findings of the CALL's file.
 
@@ -212,7 +214,7 @@ def _bind_one(
 def given_by(
     statement: Statement, caller: SourceFile, head: Statement, source: SourceFile, outer: Given
 ) -> Given:
-    """Return text about the argument of each parameter, for findings in the SUB.
+    """Return texts about the arguments of a CALL, for findings in the SUB, by the name of the parameter.
 
     Args:
         statement: the CALL.

@@ -5,8 +5,9 @@ from __future__ import annotations
 from yarclang.syntax.ast import Statement
 
 Place = tuple[str, ...]
-"""Commands from the outermost to the innermost. The last part is to be joined with the next command: inside a
-loop it is the count of rounds in brackets, inside a SUB it is empty.
+"""The calls and loops around a command, from the outermost to the innermost. The last element is to be joined
+with the index of the next command: inside a loop it is the value of the loop's counter in brackets, inside a
+SUB it is empty.
 """
 
 
@@ -21,7 +22,9 @@ def index_of(statement: Statement) -> str:
 
 
 def looped(place: Place, label: str) -> Place:
-    """Return the place inside a loop; the next command gets `label`, the count of rounds, after its index."""
+    """Return the place inside a loop, from the place of the loop. The next command gets `label`, the loop's
+    counter with its value, after its index.
+    """
     *outer, last = place or ("",)
     inside = f"{last[:-1]},{label})" if last.endswith(")") and last.startswith("(") else f"({label})"
     return (*outer, inside)

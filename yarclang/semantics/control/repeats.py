@@ -1,4 +1,4 @@
-"""The number of rounds of a REPEAT."""
+"""Read the number of rounds of a REPEAT."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ AT_MOST = "the loops of a program make at most"
 
 
 def counted(head: Statement) -> tuple[Word | None, list[Value]]:
-    """Return the name of a REPEAT's counter (None without one), and the values after the name."""
+    """Return the name of a REPEAT's counter (None without one), and the values in the line after this
+    name.
+    """
     values = values_of(head)
     word = values[0] if values and isinstance(values[0], Word) else None
     return word, values[1:] if word else values
@@ -32,7 +34,7 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     Args:
         head: the first line of the block.
         values: the values after the counter's name.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         findings: receives the finding.
     """
     example = (

@@ -1,4 +1,4 @@
-"""OFFSET: lines that are carried out in a frame that registers shift at run time."""
+"""Read OFFSET, whose lines are carried out in a frame that registers shift at run time."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ _REFUSED = ("a motion time", "units", "a base frame", "options")
 def offset_of(
     head: Statement, scope: Scope, cell: Cell | None, flag: str, findings: Collector
 ) -> Offset | None:
-    """Read OFFSET {PART} X DX Y DY RZ TURN.
+    """Read a line such as OFFSET {PART} X DX Y DY RZ TURN.
 
     Args:
         head: the line.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         cell: the cell around the robot.
-        flag: register that becomes 1 if the lines can be carried out.
+        flag: register that becomes 1 if the lines of the OFFSET can be carried out.
         findings: receives the findings.
 
     Returns:
@@ -95,7 +95,9 @@ def _cannot_shift(frame: Frame) -> str:
 
 
 def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str, ...] | None:
-    """Return the registers for the words in `SHIFTS`; None with a finding."""
+    """Return the register for each axis in `SHIFTS` that an OFFSET names; None with a finding if the line
+    is wrong.
+    """
     values = values_of(head)
     spec = word_specs()["OFFSET"]
     if not values or len(values) % 2 or not all(isinstance(one, Word) for one in values):
@@ -137,8 +139,8 @@ def _registers(head: Statement, scope: Scope, findings: Collector) -> tuple[str,
 
 
 def _parts_in(frame: Frame, cell: Cell | None) -> tuple[str, ...]:
-    """Return the names of the parts that are placed in a frame of the cell, or in a frame that is given in
-    it.
+    """Return the names of the parts that the cell places in a frame, directly or through other frames that
+    are given in it.
     """
     if cell is None or frame.link is None or frame.link.name not in cell.frames:
         return ()
@@ -158,7 +160,7 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
     """Mark the goals that an OFFSET shifts, and check that its steps can be planned at run time.
 
     Args:
-        steps: steps of the program, ending with those of the OFFSET. Its motions are replaced.
+        steps: steps of the program, ending with those of the OFFSET. The motions of the OFFSET are replaced.
         begin: number of the OFFSET's When.
         findings: receives the findings.
     """
@@ -234,7 +236,7 @@ def _fault_of(step: Step) -> str:
 
 
 def _shifted(step: Motion, offset: Offset) -> Motion:
-    """Return a motion with marks at the goals that are given in a shifted frame."""
+    """Return a motion in which the goals that are given in an OFFSET's frame are marked."""
     if isinstance(step, SplineMove | PoseSplineMove):
         goals = tuple(_marked(one, step.origin.base, offset) for one in step.waypoints)
         return replace(step, waypoints=goals)  # type: ignore[arg-type]  # each goal keeps its kind
@@ -253,7 +255,7 @@ def _marked(goal: Goal, base: FrameLink | None, offset: Offset) -> Goal:
 
 
 def _lies_in(link: FrameLink | None, frame: FrameLink | None) -> bool:
-    """Return True if a frame is the other frame, or is given in it."""
+    """Return True if a frame is an OFFSET's frame, or is given in it."""
     while link is not None:
         if frame is not None and link.is_same(frame):
             return True

@@ -1,8 +1,9 @@
-"""Carry out loops, conditions and calls: convert the blocks of a file to a flat list of steps.
+"""Carry out loops, conditions and calls at compile time: convert the blocks of a file to a flat list of
+steps.
 
 Every command has a place: the calls and loops around it, such as `P0020(I=2)>P0010`. The commands of a loop
-or a call are counted in advance (counting.py). In a program with errors, and for a first look, only a limited
-number of lines of loops and calls is carried out (extent.py).
+or a call are counted in advance (counting.py). In a program with errors, and for a quick check, only a
+limited number of lines of loops and calls is carried out (extent.py).
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ from yarclang.syntax.words import DECLARATIONS
 
 @dataclass(slots=True)
 class Unrolled:
-    """The result of carrying out a program.
+    """The result of carrying out a program's loops, conditions and calls.
 
     Attributes:
         steps: the steps.
@@ -82,7 +83,7 @@ class Unrolled:
         is_cut: True if some rounds of loops or some calls were not carried out.
         registers: declared registers, and those of loops and searches.
         watches: inputs that hold the motion.
-        ways_out: the motions by which the robot withdraws after such a hold.
+        ways_out: the motions by which the robot withdraws after such an input has held the motion.
     """
 
     steps: list[Step]
@@ -99,8 +100,8 @@ class Unrolled:
 def unroll(module: Module, context: Context) -> Unrolled:
     """Carry out a program's declarations, loops, conditions and calls.
 
-    A long program is first carried out in part. If this shows errors, which it usually does if there are any,
-    the rest is not carried out.
+    A long program is first carried out up to a limit. The rest is carried out only if this shows no errors;
+    usually it shows them if there are any.
     """
     least = context.enough or ENOUGH_WITH_ERRORS
     unrolled = _Unroller(context, least).program(module)
@@ -150,7 +151,8 @@ class _Unroller:
         """SUBs that were called after the limit of lines was reached."""
         self._commands = 0
         self._counted = Count()
-        """Commands, lines and rounds up to the current line; those of loops and calls as counted in advance.
+        """Commands, lines and rounds from the beginning to the current line; those of loops and calls are
+        counted in advance.
         """
         self._depth = 0
         """Number of blocks and calls that are being carried out."""
@@ -245,8 +247,8 @@ class _Unroller:
         self._place = before
 
     def _keep(self, block: Block, file: File, scope: Scope, place: Place) -> None:
-        """Carry out the lines of a KEEP. All motions among them must obey its rule, including the motions of
-        CALLs.
+        """Carry out the lines of a KEEP block. All motions among them must obey its rule, including the
+        motions of CALLs.
         """
         kept = keep_of(block.head, scope, file.defaults, file.findings)
         if kept is None:
@@ -293,8 +295,8 @@ class _Unroller:
         self._decided.search(step, lambda: self._carry_out(block.otherwise or (), file, Scope(scope)), origin)
 
     def _is_typed(self, statement: Statement, file: File) -> bool:
-        """Return True, with a finding, if a search was typed as a single line: the lines that must follow are
-        unknown.
+        """Return True, with a finding, if a motion with UNTIL was typed in the live interpreter, where the
+        lines that must follow it are missing.
         """
         if self._context.index_needed:
             return False
@@ -365,7 +367,9 @@ class _Unroller:
                 break
 
     def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
-        """Count an outermost loop or call; add a finding if a limit is exceeded."""
+        """Count the commands of a loop or call that is in no other loop or SUB; add a finding if a limit
+        is exceeded.
+        """
         if place or self._is_too_much or self._decided.ended is not None:
             return
         head = node.head if isinstance(node, Block) else node
@@ -382,7 +386,9 @@ class _Unroller:
         self._add_counted(count, head, file)
 
     def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
-        """Add the count of a line outside of loops and SUBs; add a finding if the program exceeds a limit."""
+        """Add the commands, lines and rounds of a line outside of loops and SUBs to the total; add a finding
+        if the program exceeds a limit.
+        """
         self._counted += count
         error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
         if error is not None:
@@ -400,12 +406,12 @@ class _Unroller:
     def _call(
         self, statement: Statement, file: File, scope: Scope, place: Place, within: Place | None = None
     ) -> None:
-        """Carry out a SUB.
+        """Carry out the SUB of a CALL.
 
         Args:
             statement: the CALL.
             file: the file of the CALL.
-            scope: the names that are known there.
+            scope: the names in scope at the CALL.
             place: place of the block with the CALL.
             within: place for the commands of the SUB; None: the place of the CALL.
         """
@@ -433,14 +439,14 @@ class _Unroller:
             self._calls.end()
 
     def _way_out(self, statement: Statement, name: str, file: File, scope: Scope) -> None:
-        """Carry out the SUB of an ON, once for all inputs that call it. Its commands don't become steps of
-        the program.
+        """Carry out the SUB that an ON calls, once for all inputs that call it. Its commands don't become
+        steps of the program.
 
         Args:
             statement: the ON.
             name: the SUB; empty if the ON calls none.
             file: the file of the ON.
-            scope: the names that are known there.
+            scope: the names in scope at the ON.
         """
         if not name or any(one.name == name for one in self._ways_out):
             return
@@ -462,8 +468,8 @@ class _Unroller:
         self._ways_out.append(WayOut(name, origin_of(statement, "ON", file.findings), steps))
 
     def _is_left_out(self, sub: Sub, statement: Statement, file: File) -> bool:
-        """Return True if a SUB is skipped because the limit of lines is reached or because it is nested too
-        deep.
+        """Return True if a SUB isn't carried out because the limit on lines is reached or because it is
+        nested too deep.
         """
         if self._depth >= DEEPEST:
             if not self._is_too_much:
@@ -537,7 +543,7 @@ class _Unroller:
             statement: the command.
             name: its resolved name.
             file: its file.
-            scope: the names that are known there.
+            scope: the names in scope at the command.
             is_alone: True outside of loops and SUBs; the step is then cached.
         """
         context, findings = self._context, file.findings
@@ -565,7 +571,9 @@ class _Unroller:
 
 
 def _is_inside(block: Block, other: Block) -> bool:
-    """Return True if a block stands in another one; the lines of a SUB that is called from it don't."""
+    """Return True if a block is written inside another one. The lines of a SUB that is called from there
+    don't count.
+    """
     return any(one is block or (isinstance(one, Block) and _is_inside(block, one)) for one in other.body)
 
 

@@ -1,5 +1,5 @@
-"""CELL: declare the names of a cell.toml at its line; the names of a given cell are declared before the first
-line.
+"""Declare the names of a cell.toml: at the CELL line that names the file or, for the cell that the command
+line or yarc.toml gives, before the program's first line.
 """
 
 from __future__ import annotations
@@ -139,14 +139,14 @@ class Cells:
         self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
-        """Return the findings. If a cell is unreadable, drop those about unknown names: the cell may declare
-        these.
+        """Return the findings. If a cell can't be read, findings about unknown names are dropped, since the
+        cell may declare these names.
         """
         return [one for one in findings if not self._unread or CATALOGUE[one.code].need != "name"]
 
 
 def read_cell_line(statement: Statement, findings: Collector) -> CellName | None:
-    """Read CELL "cell.toml"; None with a finding if the line is wrong."""
+    """Read a line such as CELL "cell.toml"; None with a finding if the line is wrong."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     if len(values) != 1 or not isinstance(text := values[0], Text):
@@ -168,7 +168,8 @@ def declare_cell(
         signals: signals of the program and its modules; receives those of the cell.
 
     Returns:
-        The outputs of the cell, and findings, in the cell's file, about names that are declared already.
+        The outputs of the cell, and findings about names that are declared already, at their places in the
+        cell's file.
     """
     findings: list[Diagnostic] = []
     outputs: list[Output] = []
@@ -199,8 +200,8 @@ def declare_cell(
 
 
 def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
-    """Return the meaning of a cell's name; for a wrong entry a default, so that uses of the name cause no
-    errors.
+    """Return the meaning of a name in a cell. For an entry with an error it is a default, so that uses of the
+    name cause no further errors.
     """
     match table:
         case "joints":

@@ -1,4 +1,4 @@
-"""Carry out the declarations of the program and of its modules, which are read at their USE lines."""
+"""Carry out the declarations of the program and of its modules. A module is read at its USE line."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Declaring:
 
     Args:
         context: robot, modules and cells.
-        names: resolves the names of commands.
+        names: resolver of the names of commands.
         steps: steps of the program. A Gap is added if a declaration that commands may need has an error.
     """
 
@@ -63,7 +63,7 @@ class Declaring:
         self._modules: dict[str, Library] = {}
 
     def file(self, module: Module, *, is_program: bool) -> File:
-        """Return a new file; its declarations aren't read yet.
+        """Return a new File for a parsed file; its declarations aren't read yet.
 
         Args:
             module: the parsed file.
@@ -79,8 +79,8 @@ class Declaring:
         self.outputs += self.cells.begin(file.scope, self._signals, file.findings)
 
     def arranged(self, module: Module, file: File) -> tuple[Node, ...]:
-        """Return a file's statements in blocks. Names of commands are checked here, so also in lines that
-        aren't used.
+        """Return a file's statements, grouped into blocks. Names of commands are checked here, so that they
+        are also checked in lines that are never carried out.
         """
         arranged = arrange(module)
         file.findings.found += arranged.diagnostics
@@ -167,8 +167,8 @@ class Declaring:
             check_parameters(block.head, sub.scope, self._robot, file.findings)
 
     def declare_only(self, node: Node, file: File) -> None:
-        """Carry out a line of a module outside of its SUBs. Only declarations are allowed: a command gets a
-        finding.
+        """Carry out a line of a module outside of its SUBs. Only declarations are allowed there: a command
+        gets a finding.
         """
         if isinstance(node, Block) and node.head.name.name == "SUB":
             self.declare_sub(node, file, file.scope)

@@ -1,4 +1,4 @@
-"""FUNC: a name for an expression with parameters."""
+"""Declare a FUNC: a name for an expression with parameters."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from yarclang.syntax.print import print_expression
 from yarclang.units import UNITS, Unit
 
 HEAVIEST = 1000
-"""Largest number of operations in one use of a function, including the functions that it uses."""
+"""Largest number of operations in one use of a FUNC, including those of the functions that it uses."""
 
 
 def declare_function(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """Declare FUNC MID(A, B) = (A + B) / 2."""
+    """Declare a function such as FUNC MID(A, B) = (A + B) / 2."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     word, *parameters = values_of(statement)
     body = statement.expression
@@ -62,15 +62,16 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
 
 
 def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator[Hashable]:
-    """Yield the meanings of the names in an expression, as values that can be compared.
+    """Yield the meanings of the names in a FUNC's expression, as values that can be compared.
 
     Args:
         expression: the expression.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         own: names of the function's own parameters, which are left out.
 
     Raises:
-        EvaluationError: a name has no meaning here, or a function takes another number of arguments.
+        EvaluationError: a name isn't that of a number or function, or a function takes another number of
+            arguments.
     """
     match expression:
         case Name(name=name):

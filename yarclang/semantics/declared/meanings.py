@@ -43,7 +43,7 @@ _INDEX = re.compile(r"P[0-9]+")
 
 
 def is_word(name: str, *, of_pose: bool = False) -> bool:
-    """Return True if a name is a word of the language or looks like an index.
+    """Return True if a name can't be declared because it is a word of the language or looks like an index.
 
     Args:
         name: the name in upper case.
@@ -70,7 +70,7 @@ def may_be_declared(
     Args:
         statement: the declaration.
         word: the name.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         robot: the robot.
         findings: receives the finding.
         may_hide: True to allow the name of one of the robot's joint positions without a warning.
@@ -96,11 +96,11 @@ def may_be_declared(
 
 
 def declared_already(name: str, where: Where | None, source: SourceFile) -> str:
-    """Return the message about a name that is declared already.
+    """Return the message that a name is declared already.
 
     Args:
         name: the name.
-        where: place of its declaration; None if it comes from the robot.
+        where: place of the previous declaration; None if the name comes from the robot.
         source: the file with the new declaration.
     """
     return f"{name} is declared already" + (f", in {where.seen_from(source)}" if where else "")
@@ -126,7 +126,7 @@ def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, 
 def declare_frame(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare FRAME {TABLE} 800 200 300 0 0 90 {B}, or FRAME_QUAT."""
+    """Declare a frame, such as FRAME {TABLE} 800 200 300 0 0 90 {B}, or by FRAME_QUAT."""
     refuse_parts(statement, ("a motion time", "options"), findings)
     example = "for example FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
     if statement.moving is None:
@@ -163,13 +163,13 @@ def declare_frame(
 def base_of_line(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector, *, may_move: bool = True
 ) -> Frame | None:
-    """Return the frame in which a declaration gives its values: the frame in the line, or else that of
+    """Return the frame in which the values of a declaration are given: the frame in the line, or else that of
     DEFAULT.
 
     Args:
         statement: the declaration.
-        scope: the names that are known there.
-        defaults: parts of the DEFAULT line of its file.
+        scope: the names in scope at this line.
+        defaults: what the DEFAULT line of its file gives.
         findings: receives the finding.
         may_move: True if a frame on the flange is allowed.
 
@@ -193,7 +193,7 @@ def base_of_line(
 def declare_joints(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare JOINTS HOME 0 0 0 0 0 0 (deg)."""
+    """Declare a joint position, such as JOINTS HOME 0 0 0 0 0 0 (deg)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
@@ -212,7 +212,7 @@ def declare_joints(
 def declare_pose(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
+    """Declare a pose, such as POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
     refuse_parts(statement, ("a moving frame", "a motion time", "options"), findings)
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
@@ -237,12 +237,12 @@ def joint_values(
     robot: Robot,
     findings: Collector,
 ) -> Array | None:
-    """Return the joint values of a declaration (n,) [rad or m]; None with a finding."""
+    """Return the joint values of a declaration (n,) [rad or m]; None with a finding if they have an error."""
     return numbers_of_line(statement, Values.JOINTS, values, scope, defaults, robot, findings)
 
 
 def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """Declare LET PITCH = 60 (mm)."""
+    """Declare a number, such as LET PITCH = 60 (mm)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     (word,) = values_of(statement)
     assert isinstance(word, Word)
@@ -258,7 +258,7 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
 
 
 def pose_of(statement: Statement, numbers: Array | None, base: Frame | None, findings: Collector) -> Pose:
-    """Return a pose computed from its numbers; the identity if the numbers or the frame aren't known.
+    """Return a pose computed from its numbers; the identity if the numbers or the frame have errors.
 
     Args:
         statement: the declaration.
@@ -285,14 +285,14 @@ def numbers_of_line(
     robot: Robot,
     findings: Collector,
 ) -> Array | None:
-    """Return the values of a declaration in SI; None with a finding.
+    """Return the values of a declaration in SI; None with a finding if they have an error.
 
     Args:
         statement: the declaration.
         values: the kind of values that the declaration needs.
         given: the values in the text.
-        scope: the names that are known there.
-        defaults: parts of the DEFAULT line of its file.
+        scope: the names in scope at this line.
+        defaults: what the DEFAULT line of its file gives.
         robot: the robot.
         findings: receives the finding.
     """

@@ -1,4 +1,6 @@
-"""INPUT and OUTPUT: declare names for variables of the controller, groups of bits and analogue signals."""
+"""Carry out INPUT and OUTPUT: declare names for variables of the controller, groups of bits and analogue
+signals.
+"""
 
 from __future__ import annotations
 
@@ -28,10 +30,11 @@ _GROUP = re.compile(r"([A-Z]+)([0-9]{1,6})\.\.([A-Z]+)([0-9]{1,6})")
 def declare_signal(
     statement: Statement, scope: Scope, robot: Robot, signals: Signals, findings: Collector
 ) -> tuple[Output, ...]:
-    """Declare INPUT DOOR M11, OUTPUT GLUE M1 OFF, or a group as INPUT JOB M70..M77.
+    """Declare an input or output, such as INPUT DOOR M11 or OUTPUT GLUE M1 OFF, or a group of bits, such as
+    INPUT JOB M70..M77.
 
     Returns:
-        The output, or each bit of a group of outputs; empty for an input or with findings.
+        The output, or each bit of a group of outputs; empty for an input or if the line has errors.
     """
     kind = statement.name.name
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
@@ -87,8 +90,11 @@ def declare_signal(
 def _step(
     values: list[Value], scope: Scope, statement: Statement, findings: Collector
 ) -> tuple[float | None, list[Value]]:
-    """Return the size of one step of an analogue signal (None without STEP), and the values that remain
-    without STEP.
+    """Find STEP in a declaration of a signal.
+
+    Returns:
+        The size of one step of the analogue signal (None without STEP), and the values in the line without
+        STEP and this size.
     """
     place = next((at for at, one in enumerate(values) if isinstance(one, Word) and one.name == "STEP"), None)
     if place is None or place < 2:
@@ -108,7 +114,9 @@ def _step(
 
 
 def group_fault(signal: Signal, number: float) -> str:
-    """Return the message that a group can't hold a number; empty if it can, and for a single signal."""
+    """Return the message that a group of bits can't hold a number; empty if it can, and for a single
+    signal.
+    """
     if not is_group(signal.variable):
         return ""
     largest = largest_of(signal.variable)
@@ -121,7 +129,9 @@ def group_fault(signal: Signal, number: float) -> str:
 
 
 def _variables(word: Word, statement: Statement, robot: Robot, findings: Collector) -> tuple[str, ...]:
-    """Return the controller's variables that a word such as M11 or M70..M77 names; empty with a finding."""
+    """Return the controller's variables that a word such as M11 or M70..M77 names; empty with a finding if
+    the word is wrong.
+    """
     span = statement.span(word.place)
     names = [word.name]
     if ".." in word.name:
@@ -147,7 +157,9 @@ def _variables(word: Word, statement: Statement, robot: Robot, findings: Collect
 
 
 def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
-    """Return the number that ON, OFF or a plain number means; None with a finding for any other value."""
+    """Return the number for the state of a signal, which is written as ON, OFF or a number; None with a
+    finding for any other value.
+    """
     if isinstance(value, Word) and value.name in ("ON", "OFF"):
         return float(value.name == "ON")
     span = statement.span(value.place)

@@ -1,4 +1,4 @@
-"""TABLE: declare a name for several numbers, poses or joint positions."""
+"""Carry out TABLE: declare a name for several numbers, poses or joint positions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ from yarclang.units import Unit
 def declare_table(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """Declare TABLE HEIGHTS 10 20 30 (mm), or TABLE SPOTS 0 0; 60 0; 60 40 (mm) with several rows."""
+    """Declare a table of numbers, such as TABLE HEIGHTS 10 20 30 (mm), or with several rows
+    TABLE SPOTS 0 0; 60 0; 60 40 (mm).
+    """
     rows = [waypoint.values for waypoint in statement.waypoints]
     word = rows[0][0] if rows else None
     kind = rows[0][1] if rows and len(rows[0]) > 1 else None

@@ -34,7 +34,7 @@ class Signals:
 
         Args:
             kind: input or output.
-            signal: name and variable.
+            signal: the signal's name and variable.
             safe: value of an output in the safe state; None without one.
             where: place of the declaration.
         """

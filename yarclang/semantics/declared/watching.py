@@ -1,4 +1,4 @@
-"""ON: declare an input that holds the motion."""
+"""Carry out ON: declare an input that holds the motion."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ REACTIONS = MappingProxyType(
 def declare_watch(
     statement: Statement, scope: Scope, watches: Sequence[Watch], findings: Collector
 ) -> Watch | None:
-    """Read ON CURTAIN OFF HOLD, or ON CURTAIN OFF CALL AWAY.
+    """Read a line such as ON CURTAIN OFF HOLD, or ON CURTAIN OFF CALL AWAY.
 
     Args:
         statement: the line.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         watches: watched inputs of the previous lines.
         findings: receives the findings.
 
@@ -77,17 +77,17 @@ def declare_watch(
 
 
 def check_way_out(steps: Sequence[Step], name: str, span: Span, findings: Collector) -> bool:
-    """Check that the motions by which the robot withdraws can be planned as a whole from where it has
-    stopped.
+    """Check the SUB by which the robot withdraws after an ON has stopped it. It may have only motions without
+    UNTIL, SETs of outputs and DWELLs, so that it can be planned as a whole from the robot's position.
 
     Args:
         steps: the steps of the SUB that the ON calls.
         name: the SUB.
-        span: the ON.
+        span: place of the ON.
         findings: receives the findings.
 
     Returns:
-        False with a finding if they can't.
+        False with a finding if the SUB has other steps, or no motion.
     """
     for step in steps:
         if isinstance(step, Gap):

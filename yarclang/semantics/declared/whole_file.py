@@ -1,4 +1,4 @@
-"""ROBOT, DEFAULT and START: declarations for the whole file."""
+"""Read ROBOT, DEFAULT and START: declarations that apply to the whole file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from yarclang.syntax.ast import Module, Statement, Text, Word
 
 
 def declared_robot(module: Module) -> tuple[str, Span] | None:
-    """Return the robot of a ROBOT line (a name or a path) and its place. All checks need the robot first."""
+    """Return the robot that a ROBOT line names (a name or a path), and the place of this name. It is read
+    before everything else, since all checks need the robot.
+    """
     for statement in module.statements:
         if statement.index is None and statement.name.name == "ROBOT" and len(statement.waypoints) == 1:
             values = statement.waypoints[0].values
@@ -40,7 +42,7 @@ def check_robot(statement: Statement, findings: Collector) -> None:
 
 
 def read_default(statement: Statement, scope: Scope, findings: Collector) -> Defaults:
-    """Read the parts of a DEFAULT line."""
+    """Read what a DEFAULT line gives to other lines."""
     refuse_parts(statement, ("values", "options"), findings)
     units = resolve_units(statement, statement.units, findings)
     if statement.moving is not None:
@@ -62,8 +64,8 @@ def read_start(
     Args:
         statement: the line. It has joint values with units, or the name of a joint position.
         robot: the robot.
-        scope: the names that are known there.
-        defaults: parts of the DEFAULT line of its file.
+        scope: the names in scope at this line.
+        defaults: what the DEFAULT line of its file gives.
         findings: receives the findings.
     """
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)

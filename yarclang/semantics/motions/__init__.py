@@ -1,4 +1,4 @@
-"""Read motion commands: their goals, times and options, from which primitives are built.
+"""Read motion commands, and build from them the motion primitives that the planner knows.
 
 `line.py` holds a command that is being read. `moved.py` reads its frames, `goals.py` its goals, `times.py`
 its motion time, `options.py` its options, `searching.py` its UNTIL and `allowing.py` its ALLOW. `timed.py`

@@ -1,4 +1,4 @@
-"""ALLOW: read the bodies that may touch during a motion, and check their names."""
+"""Read ALLOW: the bodies that may touch during a motion. Check that there are such bodies."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from yarclang.syntax.ast import Option, Word
 
 
 def allowed_by(line: Line) -> tuple[Allowed, ...]:
-    """Read the options ALLOW GRIPPER BOX of a motion; report options that don't name two bodies.
+    """Read the options of a motion that allow two bodies to touch, such as ALLOW GRIPPER BOX; report options
+    that don't name two bodies.
 
-    The names themselves are checked later, when the cell is known (`check_allowed`).
+    Whether the bodies exist is checked later, when the cell is known (`check_allowed`).
     """
     found: dict[Allowed, Allowed] = {}
     for option in line.statement.options:
@@ -46,7 +47,9 @@ def _allowed(line: Line, option: Option) -> Allowed | None:
 
 
 def _span(line: Line, option: Option) -> Span:
-    """Return the place of an option; only the place of its word if its names are on another line."""
+    """Return the place of an option in the source; only the place of its word if its names are on another
+    line.
+    """
     begin, end = option.word.place, (option.state or option.argument or option.word).place
     first = line.statement.span(begin)
     return first if end.row != begin.row else Span.on_line(first.line, begin.start, end.end)

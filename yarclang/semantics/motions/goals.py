@@ -22,11 +22,12 @@ from yarclang.transforms import constant
 
 
 def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ...]:
-    """Return the goals of all way-points; way-points with findings may be left out.
+    """Return the goals of all way-points of a command; way-points with findings may be left out.
 
     Args:
         line: the command.
-        frames: its moving frame, and the frame of its values; None if they aren't needed or aren't known.
+        frames: the command's moving frame, and the frame of its values; None if they aren't needed or have
+            errors.
     """
     statement, name = line.statement, line.name
     near = _near(line)
@@ -61,8 +62,8 @@ def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ..
 
 
 def _near(line: Line) -> Array | None:
-    """Return the joint position (n,) [rad or m] of NEAR, which selects an inverse kinematics solution; None
-    without NEAR.
+    """Return the joint position (n,) [rad or m] of the option NEAR, which selects an inverse kinematics
+    solution; None without NEAR.
     """
     for option in line.statement.options:
         if option.word.name != "NEAR":
@@ -96,7 +97,7 @@ def _named_goal(
     Args:
         line: the command.
         waypoint: the way-point.
-        values: the kind of its values.
+        values: the kind of the way-point's values.
         frames: the moving frame, and the frame of the values.
     """
     if (word := _one_word(waypoint)) is None and (place := _of_table(waypoint, line)) is None:
@@ -133,8 +134,8 @@ def _one_word(waypoint: WayPoint) -> Word | None:
 
 
 def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
-    """Return the element if a way-point is a single element of a table of places; None for any other
-    way-point.
+    """Return the pose or joint position of a way-point that is a single table element, such as `SPOTS[2]`;
+    None for any other way-point.
 
     With a wrong index, add a finding and return the table's first element.
     """
@@ -186,13 +187,14 @@ def _values(line: Line, number: int) -> Values:
 def _goal(
     line: Line, waypoint: WayPoint, numbers: Array, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
-    """Return the goal of a way-point; None with a finding, or without the frames that it needs.
+    """Return the goal of a way-point; None with a finding if it has an error, or without the frames that it
+    needs.
 
     Args:
         line: the command.
         waypoint: the way-point.
-        numbers: its values in SI.
-        values: the kind of its values.
+        numbers: the way-point's values in SI.
+        values: the kind of these values.
         frames: the moving frame, and the frame of the values.
     """
     statement, findings = line.statement, line.findings
@@ -234,7 +236,7 @@ def _goal(
 
 
 def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
-    """Return a pose with its numbers as written; None if one of its frames isn't known."""
+    """Return a goal pose with its numbers as written; None if the frame of one of them isn't known."""
     moving, base = frames[0].link, frames[1].link
     return None if moving is None or base is None else Told(constant(numbers), base, moving)
 

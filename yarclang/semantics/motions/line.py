@@ -29,8 +29,8 @@ class Line:
         name: its resolved name.
         values: the kind of values of its way-points.
         robot: the robot.
-        defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        defaults: what the DEFAULT line of its file gives.
+        scope: the names in scope at this line.
         units: units of the line and of DEFAULT; None if they are wrong, which was already reported.
         findings: the findings of its file.
     """
@@ -46,7 +46,7 @@ class Line:
     _told: set[str] = field(default_factory=set)
 
     def missing(self, kind: Kind, span: Span) -> None:
-        """Report a missing unit. Each kind of unit is reported once for a line.
+        """Report that a unit is missing. Each kind of unit is reported once for a line.
 
         Args:
             kind: the kind of unit.

@@ -18,7 +18,7 @@ from yarclang.syntax.expressions import Element
 
 @frozen(eq=False)
 class Moved:
-    """The frames of a command.
+    """The frames of a motion command.
 
     Attributes:
         frames: the moving frame on the flange, and the frame of the values. None for joint values, and for a
@@ -36,7 +36,7 @@ class Moved:
 
 
 def moved_by(line: Line) -> Moved:
-    """Return the frames of a command; add findings if frames are missing, unknown or not allowed."""
+    """Return the frames of a motion command; add findings if frames are missing, unknown or not allowed."""
     statement, defaults = line.statement, line.defaults
     poses = named_poses(line)
     if not poses and (
@@ -75,9 +75,9 @@ def moved_by(line: Line) -> Moved:
 
 
 def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
-    """Return the way-points that are names of poses or poses of tables.
+    """Return the way-points of a command that name a declared pose or a pose in a table, with these poses.
 
-    Increments and timetables have no poses: the result is empty for them.
+    The result is empty for commands whose way-points are increments or rows of a timetable.
     """
     if line.values.is_delta or line.name.spec.is_timed:
         return ()
@@ -91,7 +91,7 @@ def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
 
 
 def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
-    """Return the meaning of a name, or an element of a table of places (the first for a wrong index)."""
+    """Return what a name or an element of a table of places means; for a wrong index, the first element."""
     if isinstance(value, Word):
         return scope.name(value.name)
     try:
@@ -102,9 +102,9 @@ def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
 
 
 def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Frame:
-    """Return the frame of the first pose, for a command whose way-points are all names.
+    """Return the frame of the first pose, for a command whose way-points are all names of poses.
 
-    A base frame in the line has no effect in such a command, and gets a finding.
+    A base frame in the command has no effect then, and gets a finding.
     """
     word, pose = poses[0]
     if line.statement.base is not None:
@@ -116,9 +116,9 @@ def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Fra
 
 
 def _tool(line: Line) -> FrameLink | None:
-    """Return the moving frame of the line or of DEFAULT if it is fixed to the flange; else None.
+    """Return the moving frame of the line or of DEFAULT if this frame is fixed to the flange; else None.
 
-    No finding is added, since joint values don't need this frame.
+    No finding is added, since joint values don't need a moving frame.
     """
     unheard = Collector(line.findings.source)
     moving, statement, scope = line.statement.moving, line.statement, line.scope
@@ -132,7 +132,7 @@ def _tool(line: Line) -> FrameLink | None:
 
 
 def takes_names(name: ResolvedName) -> bool:
-    """Return True if way-points may be names of joint positions, which is so if the command accepts joint
+    """Return True if way-points of a command may be names of joint positions, because it accepts joint
     values.
     """
     return name.spec.targets.get("") is Values.JOINTS

@@ -22,8 +22,8 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         timing: its motion time.
 
     Returns:
-        The timing with the share of ACC, the tolerance of TOL [m], and the distance or angle of BLEND.
-        Missing options are None.
+        The timing with the share of the limits from ACC, the tolerance from TOL [m], and the distance or
+        angle from BLEND. The tolerance and the blend are None if their options are missing.
     """
     tolerance, blend = None, None
     seen: set[str] = set()
@@ -60,7 +60,8 @@ def refuse_at_most(line: Line, option: Option) -> None:
 
 
 def _blend(line: Line, option: Option) -> Reading | None:
-    """Return the number of a BLEND, read as a length [m] and as an angle [rad]; None with a finding.
+    """Return the number of a BLEND, interpreted as a length [m] and as an angle [rad]; None with a finding if
+    it is wrong.
 
     The number is the distance from the end of the path at which the motion may leave the path.
     """
@@ -96,7 +97,7 @@ _OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
 
 @lru_cache(maxsize=64)
 def _reading(value: float, length: float | None, angle: float | None, or_less: bool) -> Reading:
-    """Return a number read as a length and as an angle. Equal readings share one object.
+    """Return a number interpreted both as a length and as an angle. Equal arguments give the same object.
 
     Args:
         value: the number.

@@ -1,4 +1,4 @@
-"""UNTIL: read a motion that ends when an input is found, and check the commands that follow it."""
+"""Read UNTIL (a search: a motion that ends when an input comes), and check the commands that follow it."""
 
 from __future__ import annotations
 
@@ -42,14 +42,15 @@ _STANDING = (SetOutput, Dwell, WaitInput, WaitUntil, Hold, Say, Assign)
 
 
 def search_of(line: Line, blend: Reading | None) -> Search | None:
-    """Read UNTIL TOUCH or UNTIL TOUCH OFF, and INTO DEPTH if it follows.
+    """Read the option UNTIL of a motion, such as UNTIL TOUCH or UNTIL TOUCH OFF, and INTO DEPTH if it
+    follows.
 
     Args:
         line: the command.
-        blend: its BLEND; None without one.
+        blend: the command's BLEND; None without one.
 
     Returns:
-        None without UNTIL, or with a finding.
+        None without UNTIL, or with a finding if the option is wrong.
     """
     options = {option.word.name: option for option in line.statement.options}
     until, into = options.get("UNTIL"), options.get("INTO")
@@ -89,8 +90,8 @@ def search_of(line: Line, blend: Reading | None) -> Search | None:
 
 
 def _depth(line: Line, into: Option) -> str | None:
-    """Return the register of INTO; None with a finding if INTO names no register, or if the motion is not
-    linear.
+    """Return the register that INTO names; None with a finding if it names no register, or if the motion is
+    not linear.
     """
     if not line.name.spec.moves_frame:
         _refuse(line, into, "only a line has a length in mm: MOVEJ takes no INTO", "take it away")
@@ -120,10 +121,11 @@ def _refuse(line: Line, option: Option, message: str, help_: str) -> None:
 
 
 def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) -> None:
-    """Check the steps after each search: the robot must stay at rest, or move to a known place without BLEND.
+    """Check the steps after each search (a motion with UNTIL): the robot must stay at rest, or move to a
+    place that is known in advance, without BLEND.
 
-    A barrier is inserted after that motion. It ends the part of the program that is planned again after the
-    search.
+    A barrier is inserted after that motion. Up to there, the program is planned again when the search has
+    ended.
 
     Args:
         steps: steps of the program; receive the barriers.
@@ -142,11 +144,11 @@ def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) ->
 
 
 def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str]) -> int | Diagnostic | None:
-    """Find the first motion after a search.
+    """Find the first motion after a search (a motion with UNTIL).
 
     Args:
         steps: steps of the program.
-        number: number of the search.
+        number: number of the search's step.
         search: the search.
         grips: variables of outputs that make a gripper take or put down parts.
 
@@ -186,7 +188,9 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
 
 
 def _end_of_when(steps: Sequence[Step], first: int) -> int:
-    """Return the number of the EndWhen that belongs to the When at `first`; the last step without one."""
+    """Return the number of the EndWhen that belongs to the When at `first`; that of the last step if there
+    is none.
+    """
     depth = 0
     for number in range(first, len(steps)):
         depth += isinstance(steps[number], When) - isinstance(steps[number], EndWhen)

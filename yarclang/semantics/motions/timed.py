@@ -54,11 +54,11 @@ def refuse_rates(line: Line) -> None:
 
 
 def timed_of(line: Line, load: Load | None) -> Timed | None:
-    """Return the timetable of a command with its options.
+    """Return the timetable of a timed motion, with its options.
 
     Args:
         line: the command.
-        load: reads a file of way-points; None if files can't be read.
+        load: function that reads a trajectory file; None if files can't be read.
 
     Returns:
         None with findings if the command has an error.
@@ -81,7 +81,7 @@ def timed_of(line: Line, load: Load | None) -> Timed | None:
 
 
 def _options(line: Line) -> tuple[Array, float]:
-    """Return the tolerances of TOL (n,) [rad or m] and the factor of STRETCH."""
+    """Return the tolerances (n,) [rad or m] of the option TOL and the factor of the option STRETCH."""
     kinds = joint_kinds(line.robot)
     within = np.array([_WITHIN[kind] for kind in kinds])
     stretch = 1.0
@@ -108,7 +108,9 @@ def _options(line: Line) -> tuple[Array, float]:
 
 
 def stretch_span(statement: Statement) -> Span | None:
-    """Return the place of STRETCH's factor; None without STRETCH, or if the factor is an expression."""
+    """Return the place of the factor after STRETCH; None without STRETCH, or if the factor is an
+    expression.
+    """
     for option in statement.options:
         if option.word.name == "STRETCH" and isinstance(option.argument, Number):
             return statement.span(option.argument.place)
@@ -268,7 +270,7 @@ def _grows(line: Line, at: Array, times: list[Time | None]) -> bool:
 
 
 def _rates(line: Line, name: str, factors: Array) -> Array | None:
-    """Return the velocities or accelerations of all way-points.
+    """Return the velocities or accelerations that a timed motion gives for its way-points.
 
     Args:
         line: the command.
@@ -276,7 +278,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
         factors: (n,) from the line's units to SI.
 
     Returns:
-        (k, n) in SI; None if the way-points have none, or with a finding.
+        (k, n) in SI; None if the way-points have none, or with a finding if they have an error.
     """
     waypoints, word = line.statement.waypoints, {"velocity": "VEL", "acceleration": "ACC"}[name]
     rates: list[Rate | None] = [getattr(waypoint, name) for waypoint in waypoints]
@@ -308,7 +310,9 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
 
 
 def _plain(line: Line, value: Value, what: str) -> float | None:
-    """Return a number that has no unit of its own; None with a finding, in which `what` names the number."""
+    """Return a number that must have no unit; None with a finding, in which `what` names the number, if it
+    has one.
+    """
     span = line.statement.span(value.place)
     fault = number_fault(value)
     if fault is not None:
@@ -327,7 +331,9 @@ def _plain(line: Line, value: Value, what: str) -> float | None:
 
 
 def _rests(line: Line, velocities: Array | None, span: Span) -> bool:
-    """Return True if a table ends at rest, and set its last velocities to 0; otherwise add a finding."""
+    """Return True if a timetable ends at rest, and set its last velocities to exactly 0; otherwise add a
+    finding.
+    """
     if velocities is None:
         return True
     last = velocities[-1] / line.robot.axis_units

@@ -31,7 +31,7 @@ _HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving fra
 
 
 def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
-    """Return True if a motion time has a valid form, with any unit; otherwise add a finding."""
+    """Return True if a motion time is well-formed, whatever its unit is; otherwise add a finding."""
     span = statement.span(time.place)
     text = " ".join(item.text for item in time.items)
     if len(time.items) == 1:
@@ -86,7 +86,7 @@ def resolve_time(
     findings: Collector,
     has_speed: bool,
 ) -> Timing:
-    """Return the timing of a command: [20] as a duration [s], [MIN] as None, [50%] as a share of the limits.
+    """Return the timing of a command: [20] gives a duration [s], [MIN] None, and [50%] a share of the limits.
 
     A time from DEFAULT has the unit that DEFAULT names. The units of the line apply to it only if DEFAULT
     names none.
@@ -94,8 +94,8 @@ def resolve_time(
     Args:
         statement: the command.
         units: units of the line and of DEFAULT.
-        defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        defaults: what the DEFAULT line of its file gives.
+        scope: the names in scope at this line.
         findings: receives the findings.
         has_speed: True if the command moves a frame: a speed is then allowed instead of a time.
     """
@@ -142,12 +142,12 @@ def resolve_time(
 
 @lru_cache(maxsize=64)
 def _at(speed: Reading | None) -> Timing:
-    """Return the timing of a speed; equal speeds share one object."""
+    """Return the timing of a motion at a given speed; equal speeds share one object."""
     return Timing(None, speed=speed)
 
 
 def _below(speed: Reading | None, statement: Statement, time: Time, own: bool, findings: Collector) -> Timing:
-    """Return the timing of a speed limit, as in [V<=250].
+    """Return the timing of a command that limits its speed, as [V<=250] does.
 
     Args:
         speed: the limit; None if it is wrong.
@@ -171,7 +171,7 @@ def _speed(
     scope: Scope,
     findings: Collector,
 ) -> Reading | None:
-    """Return a speed read in m/s and in rad/s; None with a finding.
+    """Return a speed, interpreted both in m/s and in rad/s; None with a finding if it is wrong.
 
     Args:
         time: the motion time with the speed.
@@ -216,7 +216,7 @@ def _seconds(
     scope: Scope,
     findings: Collector,
 ) -> float | None:
-    """Return a motion time [s]; None with a finding.
+    """Return a motion time [s]; None with a finding if it is wrong.
 
     Args:
         item: the number.
@@ -224,7 +224,7 @@ def _seconds(
         statement: the command.
         own: True if the time is written in the command.
         units: units of the command and of DEFAULT.
-        defaults: parts of the DEFAULT line.
+        defaults: what the DEFAULT line gives.
         scope: the names that are known in `line`.
         findings: receives the finding.
     """
@@ -268,7 +268,9 @@ def _percentage(
 
 
 def acceleration_share(option: Option, statement: Statement, scope: Scope, findings: Collector) -> float:
-    """Return the share of ACC 30%: the part of the acceleration and jerk limits that a motion may use."""
+    """Return the share that an option such as ACC 30% gives (0.3): the part of the acceleration and jerk
+    limits that a motion may use.
+    """
     span = statement.span((option.argument or option.word).place)
     if isinstance(option.argument, Percent | ComputedPercent):
         share = _percentage(option.argument, statement, scope, findings)

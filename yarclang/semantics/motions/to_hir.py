@@ -34,14 +34,14 @@ def to_step(
     scope: Scope,
     findings: Collector,
 ) -> Step | None:
-    """Convert a motion command to a step in SI.
+    """Convert a motion command to a step of the program, with its values in SI.
 
     Args:
         statement: the command.
         name: its resolved name.
         context: inputs besides the text.
-        defaults: parts of the DEFAULT line of its file.
-        scope: the names that are known there.
+        defaults: what the DEFAULT line of its file gives.
+        scope: the names in scope at this line.
         findings: receives the findings.
 
     Returns:
@@ -91,7 +91,7 @@ def to_step(
 
 
 def _allowing(step: Step, allowed: tuple[Allowed, ...]) -> Step:
-    """Return a step with the bodies that may touch during it; the step itself if there are none."""
+    """Add to a step the pairs of bodies that may touch during it. Return the same step if there are none."""
     return replace(step, allowed=allowed) if allowed and isinstance(step, Motion) else step
 
 
@@ -106,14 +106,14 @@ def origin_of(
     units: Mapping[Kind, Unit] | None = None,
     moved: Moved = _NOTHING,
 ) -> Origin:
-    """Return the origin of a command's step.
+    """Return the origin of a command's step: its place in the source, its name, units and frames.
 
     Args:
         statement: the command.
         name: its current full name.
-        findings: the findings of its file; they also hold its place.
-        units: its units by kind; None for s, mm and deg.
-        moved: its frames.
+        findings: the findings of its file; they also know the calls and loops around the command.
+        units: units of the command by kind; None for s, mm and deg.
+        moved: frames of the command.
     """
     moving, base = moved.links
     return Origin(

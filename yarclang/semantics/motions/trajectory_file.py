@@ -48,15 +48,15 @@ _RATE = re.compile(r"(.*?)[ _](vel|velocity|acc|acceleration)", re.I)
 _RATE_ENDINGS = {"vel": 1, "velocity": 1, "acc": 2, "acceleration": 2}
 _NUMBERED = re.compile(r"J([1-9][0-9]?)", re.I)
 _NUMBERS = re.compile(r"[0-9eE+\-.,\n \t]*")
-"""Characters of numbers and separators. Texts of these characters that `float` accepts are plain decimal
-numbers, never `nan` or `1_0`.
+"""Characters of numbers and separators. Of the texts with only these characters, `float` accepts only plain
+decimal numbers, never `nan` or `1_0`.
 """
 _MOST_COLUMNS = 1_000
 _SHOWN = 40
 
 
 class TrajectoryFile:
-    """The text of a trajectory file, with a cache of the timetables for each robot and units."""
+    """The text of a trajectory file, with a cache of its timetable for each robot and set of units."""
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
@@ -65,7 +65,7 @@ class TrajectoryFile:
     def table(
         self, robot: Robot, units: Mapping[Kind, Unit], own: frozenset[Kind] = frozenset()
     ) -> Result[Timetable]:
-        """Read the file.
+        """Read the timetable in the file.
 
         Args:
             robot: the robot whose joints the columns are.
@@ -87,13 +87,13 @@ class TrajectoryFile:
 
 @frozen
 class _Columns:
-    """The columns of a header.
+    """The columns of a trajectory file, from its header.
 
     Attributes:
         time: number of the column with the time.
-        places: numbers of the joints' columns: for positions, then for velocities and accelerations if the
-            file has them.
-        factors: for each of these, (n,) factors from the file's units to SI.
+        places: numbers of the joints' columns: one group for the positions, then one each for velocities and
+            accelerations if the file has them.
+        factors: for each of these groups, (n,) factors from the file's units to SI.
         second: factor from the file's unit of time to s.
     """
 
@@ -105,11 +105,11 @@ class _Columns:
 
 @frozen
 class _Cell:
-    """A cell of the header.
+    """A cell of a trajectory file's header.
 
     Attributes:
         number: number of its column.
-        name: its name without the unit.
+        name: its text without the unit.
         unit: its unit; empty without one.
         span: its place in the file.
     """
@@ -121,7 +121,7 @@ class _Cell:
 
 
 def write_table(robot: Robot, table: Timetable) -> str:
-    """Return a timetable as the text of a trajectory file, in SI. Reading the text returns exactly the same
+    """Return a timetable as the text of a trajectory file, in SI. Reading this text gives exactly the same
     numbers.
 
     Args:
@@ -148,7 +148,7 @@ def _shortest(value: float) -> str:
 
 
 def joint_names(robot: Robot, others: Sequence[str] = ()) -> dict[str, int]:
-    """Return the numbers of a robot's joints by the joints' names in lower case.
+    """Return the numbers of a robot's joints, by their names in lower case.
 
     Args:
         robot: the robot.
@@ -159,8 +159,8 @@ def joint_names(robot: Robot, others: Sequence[str] = ()) -> dict[str, int]:
 
 
 def rate_of(name: str) -> tuple[str, int]:
-    """Split a column's name into the joint and the order of the derivative: 0 for `J1`, 1 for `J1_velocity`,
-    2 for `J1_acc`.
+    """Split a column's name into the joint and the order of the time derivative: 0 for `J1`, 1 for
+    `J1_velocity`, 2 for `J1_acc`.
     """
     found = _RATE.fullmatch(name)
     return (name, 0) if found is None else (found[1], _RATE_ENDINGS[found[2].lower()])
@@ -343,7 +343,8 @@ def _with_units(
     header: Span,
     findings: Collector,
 ) -> _Columns | None:
-    """Return the columns with the factors of their units; None with a finding.
+    """Add to the columns of a trajectory file the factors of their units; None with a finding if a unit is
+    wrong or missing.
 
     All columns of a file must use one unit of each kind.
 
@@ -415,11 +416,11 @@ _PLURALS: Mapping[Kind, str] = {"length": "lengths", "angle": "angles", "time": 
 
 
 def _table(lines: list[str], numbers: list[int], width: int, findings: Collector) -> Array | None:
-    """Return the cells as numbers; None with a finding at the first wrong line or cell.
+    """Convert the cells of a trajectory file to numbers; None with a finding at the first wrong line or cell.
 
     Args:
         lines: the lines after the header.
-        numbers: their line numbers in the file.
+        numbers: line numbers of these lines in the file.
         width: number of columns.
         findings: receives the finding.
 

@@ -21,12 +21,12 @@ TARGETS = ("RPY", "QUAT")
 
 @frozen
 class ResolvedName:
-    """A command's name, split into its parts.
+    """A command's name, split at its underscores into what each part means.
 
     Attributes:
         spec: the command.
         values: the kind of its values; None for a command without values.
-        profile: name of the profile.
+        profile: name of the motion profile.
         full: the command's current name, with the suffixes that the program has.
         avoids: True if the motion avoids obstacles.
     """
@@ -39,10 +39,10 @@ class ResolvedName:
 
 
 class CommandNames:
-    """Cache of resolved names. A wrong name is reported once for each statement, even in a loop.
+    """Cache of resolved command names. A wrong name is reported once for each statement, even in a loop.
 
     Args:
-        profiles: names of the planner's profiles.
+        profiles: names of the planner's motion profiles.
     """
 
     def __init__(self, profiles: tuple[str, ...]) -> None:
@@ -66,7 +66,7 @@ class CommandNames:
         return found
 
     def look_up(self, nodes: Iterable[Node], findings: Collector) -> None:
-        """Resolve the names of all commands of a file, including those that are never carried out."""
+        """Resolve the names of all commands in a file, also of those that are never carried out."""
         for node in each(nodes):
             if isinstance(node, Block):
                 self.look_up((*node.body, *(node.otherwise or ())), findings)
@@ -78,11 +78,11 @@ class CommandNames:
 
 
 def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collector) -> ResolvedName | None:
-    """Split a command's name into its parts: MOTION[_TARGET][_AVOID][_PROFILE].
+    """Split a command's name MOTION[_TARGET][_AVOID][_PROFILE] into its parts.
 
     Args:
         statement: the command.
-        profiles: names of the planner's profiles.
+        profiles: names of the planner's motion profiles.
         findings: receives the findings.
 
     Returns:
@@ -127,7 +127,7 @@ def is_command(word: str) -> bool:
 
 @lru_cache(maxsize=4)
 def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of all commands, alone and with each possible suffix."""
+    """Return the names of all commands, without suffixes and with each possible suffix."""
     suffixes = (*TARGETS, AVOID, *profiles)
     return (
         *commands(),
@@ -139,10 +139,11 @@ def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1024)
 def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:
-    """Return the command with the longest name that is a prefix of a given name.
+    """Find the command whose name is the longest prefix of a given name.
 
     Returns:
-        The command (None if there is none), the suffixes after its name, and True for an outdated name.
+        The command (None if there is none), the suffixes after its name, and True if this is an outdated name
+        of the command.
     """
     names = [(spec.name, spec, False) for spec in commands().values()]
     names += [(spec.old_name, spec, True) for spec in commands().values() if spec.old_name]
@@ -155,7 +156,7 @@ def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool
 
 
 def _has_law(spec: CommandSpec) -> bool:
-    """Return True if a command accepts a profile: all motions except timetables do."""
+    """Return True if a command accepts a motion profile: all motions except timetables do."""
     return spec.is_motion and not spec.is_timed
 
 

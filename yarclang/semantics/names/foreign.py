@@ -1,4 +1,6 @@
-"""Words of other robot languages at the start of a line, and the help that names a replacement."""
+"""Words of other robot languages that may stand at the start of a line, and help texts that name the
+replacement.
+"""
 
 from types import MappingProxyType
 

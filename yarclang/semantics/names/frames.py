@@ -44,7 +44,7 @@ def base_axes(
     Args:
         statement: the line with the frame's name.
         frame: the name.
-        scope: the names that are known there.
+        scope: the names in scope at this line.
         may_move: True if a frame on the flange is allowed.
         findings: receives the finding.
     """
@@ -58,8 +58,8 @@ def base_axes(
 
 
 def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
-    """Return the frame with a name; None with a finding if there is none. For an outdated name the finding
-    has a fix.
+    """Return the frame with a name; None with a finding if there is none. For an outdated name, the finding
+    has a fix with the current one.
     """
     if (found := scope.frame(frame.name)) is not None:
         return found

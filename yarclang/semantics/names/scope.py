@@ -27,12 +27,12 @@ FLANGE = "FLANGE"
 
 @frozen(eq=False)
 class Frame:
-    """A frame.
+    """A declared frame.
 
     Attributes:
         transform: (4, 4) base_from_frame, or flange_from_frame for a frame on the flange.
         on_flange: True if the frame moves with the flange.
-        link: its name and declaration; None if unknown.
+        link: name and declaration of the frame; None if unknown.
     """
 
     transform: Array
@@ -57,8 +57,9 @@ class Pose:
 
     Attributes:
         transform: (4, 4) base_from_pose.
-        link: the frame in which the pose is given; None if unknown.
-        told: (6,) its numbers in that frame as written, x y z roll pitch yaw [m, rad]; None if unknown.
+        link: name and declaration of the frame in which the pose is given; None if unknown.
+        told: (6,) the pose in that frame as written in the program, x y z roll pitch yaw [m, rad]; None if
+            unknown.
     """
 
     transform: Array
@@ -71,7 +72,7 @@ class Input:
     """A declared input.
 
     Attributes:
-        signal: name and variable.
+        signal: name of the input, and its variable.
         step: size of one step of an analogue input; None for other inputs, which have no physical unit.
     """
 
@@ -81,7 +82,7 @@ class Input:
 
 @frozen(eq=False)
 class Table:
-    """A TABLE of numbers. A single row or column has one index, other tables have two.
+    """A TABLE of numbers. A table with a single row or column takes one index, other tables take two.
 
     Attributes:
         rows: the numbers; all rows have one length.
@@ -91,13 +92,13 @@ class Table:
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """Number of values of each index."""
+        """Number of values that each index can have."""
         rows, columns = len(self.rows), len(self.rows[0])
         return (rows * columns,) if 1 in (rows, columns) else (rows, columns)
 
     def at(self, indices: tuple[int, ...]) -> Amount:
-        """Return the number at the given indices. Each counts from 0 and must be less than its size in
-        `sizes`.
+        """Return the number at the given indices, which count from 0. Each must be less than the table's size
+        in this direction (`sizes`).
         """
         if len(indices) == 2:
             return self.rows[indices[0]][indices[1]]
@@ -113,19 +114,19 @@ class Places:
 
     @property
     def sizes(self) -> tuple[int]:
-        """Number of values of the index."""
+        """Number of values that the index can have."""
         return (len(self.rows),)
 
 
 @frozen(eq=False)
 class Formula:
-    """A FUNC.
+    """A declared FUNC.
 
     Attributes:
         parameters: names of the parameters in upper case, each with the unit to which its argument is
             converted.
         body: the expression after the equals sign.
-        scope: the names that the expression sees besides the parameters.
+        scope: the names that the expression can use besides the parameters.
         weight: number of operations in one use, including those of the functions in it.
         depth: depth to which these operations are nested.
         meaning: everything on which the values of the function depend, as a value that can be compared.
@@ -141,7 +142,7 @@ class Formula:
 
 @frozen(eq=False)
 class Routine:
-    """A SUB.
+    """A declared SUB.
 
     Attributes:
         sub: the Sub of semantics/files.py, which this module can't import.
@@ -165,7 +166,7 @@ class Where:
     span: Span
 
     def seen_from(self, source: SourceFile) -> str:
-        """Return words for the place, for a message about the file `source`."""
+        """Return the place of the declaration in words, for a message about the file `source`."""
         line = f"line {self.span.line}"
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
@@ -187,7 +188,9 @@ class RackTool:
 
 @frozen
 class Taught:
-    """A place that JPOS or LPOS stores. Its coordinates are known only after the program has run."""
+    """A place that JPOS or LPOS stores during a run. Its coordinates are known only after the program has
+    run.
+    """
 
 
 Named = (
@@ -258,7 +261,9 @@ class Scope:
         return found.scope.declared(inner) if isinstance(found, Library) else None
 
     def declared(self, name: str) -> Named | None:
-        """Return the meaning of a name that this file or block itself declares; None for other names."""
+        """Return the meaning of a name if it is declared in this file or block itself; None for other
+        names.
+        """
         return self._names.get(name)
 
     def frame(self, name: str) -> Frame | None:
@@ -275,11 +280,11 @@ class Scope:
         return None
 
     def declare(self, name: str, meaning: Named, where: Where | None = None) -> None:
-        """Declare a name.
+        """Declare a name in this file or block.
 
         Args:
             name: the name in upper case.
-            meaning: its meaning.
+            meaning: what the name stands for.
             where: place of the declaration.
         """
         self.seen.clear()
@@ -308,12 +313,12 @@ class Scope:
         self._frames[name] = frame
 
     def take_over(self, inner: Scope, names: Iterable[tuple[str, bool]]) -> None:
-        """Declare names here with the meanings that they have in an inner block.
+        """Declare names in this file or block with the meanings that they have in an inner block.
 
         Args:
-            inner: the block.
-            names: the names, each with True for a frame's name; names that the block doesn't declare are
-                ignored.
+            inner: the inner block.
+            names: the names, each with True if it is the name of a frame; names that the inner block doesn't
+                declare are ignored.
         """
         self.seen.clear()
         for name, is_frame in names:
@@ -325,7 +330,7 @@ class Scope:
                     self._places[name] = inner._places[name]
 
     def names(self, *kinds: type) -> list[str]:
-        """Return all known names of some kinds."""
+        """Return all names in scope that stand for objects of the given kinds."""
         found: list[str] = []
         scope: Scope | None = self
         while scope is not None:
@@ -334,7 +339,7 @@ class Scope:
         return found
 
     def frame_names(self) -> Iterator[str]:
-        """Yield all known names of frames, beginning with those of the robot."""
+        """Yield the names of all frames in scope, beginning with those of the robot."""
         scopes: list[Scope] = []
         scope: Scope | None = self
         while scope is not None:
@@ -352,7 +357,7 @@ class Scope:
         return None
 
     def copy(self) -> Scope:
-        """Return a copy with the names that are known now."""
+        """Return a copy with the names that are declared so far."""
         made = Scope(self._outer.copy() if self._outer is not None else None)
         made._names, made._frames = dict(self._names), dict(self._frames)
         made._places = dict(self._places)

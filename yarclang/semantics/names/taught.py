@@ -15,7 +15,7 @@ _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 
 
 def taught_name(value: Value, scope: Scope, statement: Placed, findings: Collector) -> str | None:
-    """Return the name under which JPOS or LPOS stores a place; None with a finding.
+    """Return the name under which JPOS or LPOS stores a place; None with a finding if the name is wrong.
 
     The name may be that of joints or of a pose that the program declares: the stored value is then meant for
     the next edit of this declaration. A name without a meaning becomes the name of a taught place.

@@ -53,7 +53,7 @@ class Amount:
 
 
 class AmountError(FindingError):
-    """The error of a computation that has no result."""
+    """The error that a computation has no result."""
 
 
 def no_unit(text: str) -> AmountError:
@@ -64,11 +64,11 @@ def no_unit(text: str) -> AmountError:
 
 
 def missing_unit(kind: Kind, what: str) -> AmountError:
-    """Return the error that a line lacks a unit that it needs.
+    """Return the error that a line lacks a unit for some of its values.
 
     Args:
         kind: kind of the unit.
-        what: words for the values that need it, with article.
+        what: words for these values, with article.
     """
     names = " or ".join(units_of(kind)[:2])
     return AmountError(
@@ -98,7 +98,8 @@ def binary(operator: str, left: Amount, right: Amount) -> Amount:
     """Compute an operator with two operands.
 
     Raises:
-        AmountError: the units don't fit, the divisor is zero, or the result isn't a finite number.
+        AmountError: the units of the operands don't go together, the divisor is zero, or the result isn't a
+            finite number.
     """
     match operator:
         case "AND":
@@ -131,7 +132,8 @@ _COMPARED: dict[str, Callable[[float, float], bool]] = {
 
 
 def _together(operator: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
-    """Return two numbers in one unit, and this unit: that of the left number, or else that of the right one.
+    """Convert two numbers to a common unit: that of the left number, or else that of the right one. Return
+    both numbers and the unit.
 
     Raises:
         AmountError: the units are of different kinds.
@@ -181,7 +183,7 @@ def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
     degrees.
 
     Raises:
-        AmountError: the units don't fit, or there is no result.
+        AmountError: the function doesn't accept the units, or has no value for these arguments.
     """
     first = arguments[0]
     match name:

@@ -1,4 +1,4 @@
-"""Read expressions of registers, inputs and numbers, whose value is known only at run time."""
+"""Read expressions of registers, inputs and numbers whose value is known only at run time."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _STATES = {"ON": 1.0, "OFF": 0.0}
 
 
 def condition_of(expression: Expression, scope: Scope) -> Value:
-    """Return the condition of an expression.
+    """Convert an expression to a condition that is decided at run time.
 
     Raises:
         EvaluationError: the expression is wrong, is a number, or never changes at run time.
@@ -60,7 +60,7 @@ def condition_of(expression: Expression, scope: Scope) -> Value:
 
 
 def number_of(expression: Expression, scope: Scope) -> Value:
-    """Return an expression as a number that is computed at run time.
+    """Convert an expression to a number that is computed at run time.
 
     Raises:
         EvaluationError: the expression is wrong, or is a condition.
@@ -81,12 +81,13 @@ def _value(expression: Expression, scope: Scope) -> Value:
 
 
 def _part(expression: Expression, scope: Scope, depth: int) -> Value:
-    """Return the run-time value of a part of an expression. Parts that are constant are computed now.
+    """Convert a subexpression to a value that is computed at run time. Constant subexpressions are computed
+    now.
 
     Args:
-        expression: the part.
-        scope: the names that are known there.
-        depth: number of operations around the part.
+        expression: the subexpression.
+        scope: the names in scope at this line.
+        depth: number of operations around the subexpression.
     """
     if depth > DEEPEST:
         message = f"more than {DEEPEST} operations stand inside each other"
@@ -139,11 +140,11 @@ def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Val
 
 
 def _in_steps(operator: str, expression: Binary, scope: Scope) -> Value | None:
-    """Return the comparison, in steps, of an analogue input with a number or with another input of equal
-    step.
+    """Convert a comparison of an analogue input, with a number or with another input of equal step size, to a
+    comparison of integers (numbers of steps).
 
     Returns:
-        None without an analogue input on either side, or for another operator.
+        None without an analogue input on either side, or if the operator is no comparison.
     """
     left, right = _analogue(expression.left, scope), _analogue(expression.right, scope)
     if operator not in COMPARISONS or (left is None and right is None):
@@ -198,7 +199,7 @@ def _check(value: Value, expression: Expression, *, wants_condition: bool) -> No
 
 
 def _decides(expression: Expression, scope: Scope) -> bool:
-    """Return True if an expression has ON, OFF, or a name that isn't a number at compile time."""
+    """Return True if an expression contains ON, OFF, or a name whose value isn't a number at compile time."""
     if isinstance(expression, Name):
         return expression.name in _STATES or not isinstance(scope.name(expression.name), Amount)
     if isinstance(expression, Applied):

@@ -17,14 +17,14 @@ from yarclang.units import UNITS
 LARGEST_NUMBER = 1e9
 
 AT_RUN_TIME = "its value is known only when the program runs: WHEN, CASE and SET can use it"
-"""Help if a register or an input is used in an expression that is computed at compile time."""
+"""Help text of the finding that an expression for compile time uses a register or an input."""
 
 
 class EvaluationError(FindingError):
-    """The error of an expression without a value.
+    """The error that an expression has no value.
 
     Attributes:
-        place: its place in the statement.
+        place: place of the error in the statement.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ def quantity(item: Quantity) -> Amount:
 
 
 def named(name: Name, scope: Scope) -> Amount:
-    """Return the number that a name means.
+    """Return the number that a name stands for.
 
     Raises:
         EvaluationError: the name is unknown, or isn't that of a number.
@@ -118,10 +118,10 @@ def named(name: Name, scope: Scope) -> Amount:
 
 
 def table_of(element: Element, scope: Scope) -> Table:
-    """Return the table to which an element belongs.
+    """Return the table that an element such as `T[2]` is taken from.
 
     Raises:
-        EvaluationError: there is no such table, or it has another number of indices.
+        EvaluationError: there is no such table, or it takes another number of indices.
     """
     name, found = element.table, scope.name(element.table.name)
     if isinstance(found, Places):
@@ -149,12 +149,15 @@ def _check_indices(element: Element, sizes: tuple[int, ...]) -> None:
 
 
 def is_place(expression: Expression, scope: Scope) -> bool:
-    """Return True if an expression is an element of a table of places, even with a wrong index."""
+    """Return True if an expression is an element of a table of places (poses or joint positions), even with a
+    wrong index.
+    """
     return isinstance(expression, Element) and isinstance(scope.name(expression.table.name), Places)
 
 
 def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | None:
-    """Return the pose or joint position that an element of a table has; None for any other expression.
+    """Return the pose or joint position in a table that an expression such as `SPOTS[2]` means; None for any
+    other expression.
 
     Raises:
         EvaluationError: the table has no such element.
@@ -169,7 +172,7 @@ def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | 
 
 
 def _element(element: Element, scope: Scope) -> Amount:
-    """Return the number of an element of a table.
+    """Return the number in a table that an expression such as `T[2]` means.
 
     Raises:
         EvaluationError: there is no such table or element.
@@ -185,7 +188,7 @@ def _element(element: Element, scope: Scope) -> Amount:
 
 
 def formula_of(applied: Applied, scope: Scope) -> Formula:
-    """Return the FUNC that an expression applies.
+    """Return the FUNC that an expression calls.
 
     Raises:
         EvaluationError: there is no such function, or it takes another number of arguments.

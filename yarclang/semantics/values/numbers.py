@@ -16,7 +16,7 @@ from yarclang.units import Kind, Unit
 
 
 def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> Array | None:
-    """Return the values of a way-point in SI; None with findings.
+    """Return the values of a way-point in SI; None with findings if they have errors.
 
     Args:
         line: the command.
@@ -64,7 +64,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
 
 
 def _surplus(values: tuple[Value, ...]) -> str:
-    """Return the help about values after the last one that is expected."""
+    """Return the help text about values after the last one that a way-point takes."""
     if len(values) > 1:
         return f"take the last {len(values)} away"
     text = values[0].text
@@ -72,7 +72,9 @@ def _surplus(values: tuple[Value, ...]) -> str:
 
 
 def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Array | None:
-    """Return numbers in SI; None with findings. A missing unit of a kind is reported once in a line."""
+    """Convert numbers to SI; None with findings if they have errors. A missing unit of a kind is reported
+    once in a line.
+    """
     numbers: list[float] = []
     complete = True
     units = line.units or {}
@@ -96,7 +98,7 @@ def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Ar
 
 
 def _computed(line: Line, value: Value, kind: Kind | None, unit: Unit | None) -> float | None:
-    """Return the value of an expression in SI; None with a finding.
+    """Return the value of an expression in SI; None with a finding if it has none.
 
     Args:
         line: the command.

@@ -16,7 +16,8 @@ from yarclang.transforms import QUATERNION_TOLERANCE, constant, quaternion_rotat
 
 
 def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
-    """Add a finding for the joint that is farthest out of its limits.
+    """Add a finding if a joint is outside its limits; of several joints, for the one that is farthest
+    outside.
 
     Args:
         robot: the robot.
@@ -68,13 +69,14 @@ def _unit_quaternion(numbers: Array, norm: float) -> str:
 def rotation_of(
     values: Values, numbers: Array, findings: Collector, span: Callable[[], Span]
 ) -> Array | None:
-    """Return a rotation (3, 3) from its numbers; None with a finding if a quaternion's norm isn't 1.
+    """Return the rotation matrix (3, 3) for the orientation in a way-point; None with a finding if a
+    quaternion's norm isn't 1.
 
     Args:
-        values: the kind of values: with a quaternion or with angles.
+        values: the kind of the way-point's values: with a quaternion or with angles.
         numbers: (3,) roll pitch yaw [rad], or (4,) quaternion x y z w.
         findings: receives the finding.
-        span: returns the place of the finding; called only if it is needed.
+        span: function that returns the place of the finding; called only if it is needed.
     """
     if not values.is_quaternion:
         return _rpy_rotation(numbers.tobytes())
@@ -88,7 +90,7 @@ def rotation_of(
 
 @lru_cache(maxsize=64)
 def _rpy_rotation(numbers: bytes) -> Array:
-    """Return the rotation (3, 3) of roll pitch yaw [rad]. It is cached, since many poses often have one
-    orientation.
+    """Return the rotation matrix (3, 3) of roll pitch yaw [rad]. It is cached, since many poses often have
+    the same orientation.
     """
     return constant(rpy_rotation(np.frombuffer(numbers)))

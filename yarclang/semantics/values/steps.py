@@ -1,4 +1,5 @@
-"""Convert values of analogue signals: groups of bits that hold a number of steps of a physical value.
+"""Convert values of analogue signals, each of which is a group of bits with a number of steps of a physical
+value.
 
 Values that are known at compile time are converted exactly; the runtime and the certificate see only
 integers.
@@ -19,7 +20,7 @@ def mirrored(operator: str) -> str:
 
 
 def steps_of(number: float, step: float, name: str) -> float:
-    """Convert a value to a number of steps.
+    """Convert a physical value of an analogue signal to a number of steps.
 
     Args:
         number: the value.
@@ -39,8 +40,8 @@ def steps_of(number: float, step: float, name: str) -> float:
 
 
 def compared(operator: str, number: float, step: float, name: str) -> tuple[str, float]:
-    """Convert a comparison with a value to a comparison with a number of steps that is true for the same
-    readings.
+    """Convert a comparison of an analogue input with a physical value to an equivalent comparison with a
+    number of steps.
 
     Args:
         operator: the comparison.

@@ -55,7 +55,7 @@ def joint_kinds(robot: Robot) -> tuple[Kind, ...]:
 
 
 def number_fault(item: Value) -> tuple[str, str, str] | None:
-    """Return code, message and help of the finding about an item that isn't a valid number; None for a valid
+    """Return code, message and help of a finding if an item in a line isn't a valid number; None for a valid
     item.
 
     Valid items are expressions, and numbers up to LARGEST_NUMBER.
@@ -74,7 +74,9 @@ def number_fault(item: Value) -> tuple[str, str, str] | None:
 
 
 def amount(item: Value, scope: Scope, statement: Statement, findings: Collector) -> Amount | None:
-    """Return the value of a number, an expression, or a number with a unit; None with a finding."""
+    """Return the value of a number, an expression, or a number with a unit; None with a finding if it has
+    an error.
+    """
     try:
         match item:
             case Computed(expression=expression):

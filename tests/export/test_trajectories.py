@@ -347,3 +347,13 @@ def test_a_bag_says_the_same(tmp_path):
     said = [json.loads(message.data) for topic, _, message in found if topic != "/joint_path_command"]
     assert said[0]["program_sha256"] == made.fingerprint
     assert [one["what"] for one in said[1:]] == ["set M1 (GRIPPER) to 1", "set M1 (GRIPPER) to 0"]
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [('SAY "half way"', "1 message"), ('ABORT "no part"', "1 ABORT")],
+)
+def test_every_kind_of_event_is_counted(line, word):
+    text = HEAD + f"P0010 MOVEJ 10 0 0 0 0 0 [1]\nP0020 {line}\nP0030 MOVEJ 0 0 0 0 0 0 [1]\n"
+    _, _, found = made_of(text)
+    assert [each.message.split(" can't")[0] for each in found if each.code == "Y1532"] == [word]

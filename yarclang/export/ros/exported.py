@@ -184,6 +184,8 @@ def _told(course: Course) -> list[Diagnostic]:
         "dwell": "stop for a time",
         "when": "WHEN",
         "loop": "loop",
+        "say": "message",
+        "abort": "ABORT",
     }
     kinds = [one.kind for one in course.between]
     counts = [

@@ -1,8 +1,8 @@
-"""Draw curves over time beside the picture, as SVG: joints in their ranges, joint speeds, and the frame's
-speed.
+"""Draw curves over time beside the picture, as SVG: joint positions within their ranges, joint speeds, and
+the speed of the followed frame.
 
-The marker of the current instant is placed by a style in a separate node, so that only few bytes are sent
-while time runs.
+A vertical marker shows the current instant. Its position is set by a style in a separate node, so that only
+a few bytes are sent while time runs.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ _DASHES = {"-": "", "--": ' stroke-dasharray="6 3"', ":": ' stroke-dasharray="2 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """Lines over time.
+    """A diagram with several curves over time.
 
     Attributes:
-        title: text above them.
-        values: (N, k).
+        title: text above the diagram.
+        values: (N, k) value of each curve at each time.
         low: smallest value of the scale.
         high: largest value of the scale.
-        names: (k,) names of the lines.
+        names: (k,) names of the curves.
     """
 
     title: str
@@ -124,7 +124,7 @@ def key_html(curves: tuple[Curve, ...]) -> str:
 
 
 def instant_html(share: float) -> str:
-    """Return the style that places the marker.
+    """Return the CSS style that places the marker of the current instant in the diagrams.
 
     Args:
         share: share of the time that has passed, from 0 to 1.

@@ -1,5 +1,5 @@
-"""Format the texts beside the picture as HTML: figures of an instant, of a command and of a finding, and the
-legend.
+"""Format the texts beside the picture as HTML: the robot's state at an instant, the facts of a command and of
+a finding, and the colour legend.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ tabs fit on one line.
 
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
-    """Return the robot's state at a time: its joints, and the pose in {B} and the speed of the followed
-    frame.
+    """Return the robot's state at a time as HTML: the joints, and the pose in {B} and the speed of the
+    followed frame.
 
     Args:
-        stage: the stage.
+        stage: the scene that is drawn.
         time: [s].
-        nearest: text about the nearest bodies; None for none.
+        nearest: text about the bodies that are nearest to each other; None for none.
     """
     times = np.array([time])
     q, v = stage.track.at(times)
@@ -64,7 +64,9 @@ def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
 
 
 def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
-    """Return the joints at joint positions (n,) [rad or m], and the followed frame's pose in {B}."""
+    """Return table rows with joint positions (n,) [rad or m], and with the pose of the followed frame in
+    {B}.
+    """
     robot = stage.robot
     joints = _values(
         zip(robot.joint_names, (q / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
@@ -73,7 +75,9 @@ def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
 
 
 def rule_rows(stage: Stage, time: float, q: Array) -> list[tuple[str, str]]:
-    """Return the rules that hold at a time [s], with their angles and distances at joint positions (n,)."""
+    """Return table rows with the path constraints (KEEP rules) in force at a time [s], and their angles and
+    distances at joint positions (n,).
+    """
     holds = stage.rules.at(time)
     rows = []
     for number in holds[:MOST_SHOWN]:
@@ -140,7 +144,9 @@ def mark_html(mark: Mark) -> str:
 
 
 def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool = False) -> str:
-    """Return a colour ramp with the values at its ends. With `is_capped`, values may exceed the upper end."""
+    """Return a colour ramp as HTML, with the values at its ends. With `is_capped`, values may exceed the
+    upper end.
+    """
     anchors = colours.RAMPS[ramp]
     stops = ", ".join(f"{_css(one)} {100.0 * at / (len(anchors) - 1):.0f}%" for at, one in enumerate(anchors))
     bar = f'<div style="height:12px;border-radius:3px;background:linear-gradient(90deg, {stops})"></div>'

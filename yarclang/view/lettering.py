@@ -1,5 +1,5 @@
-"""Write the fixed labels of a picture in viser: names of bodies and frames, and findings of the current
-command.
+"""Write the labels at fixed points of the picture in viser: names of bodies and frames, and findings of the
+current command.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class Listing:
-    """A list of which one page is shown.
+    """A long list, shown page by page and filtered by a word.
 
     Attributes:
         rows: all rows.

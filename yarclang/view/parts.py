@@ -1,5 +1,5 @@
-"""The parts of a cell as items: their places over time, and the bodies of the collision check at these
-times.
+"""The workpieces of a cell as bodies to draw: their places over time, and the bodies of the collision check
+at these times.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ together.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """A state of the parts, from a given time on.
+    """A state of the workpieces (which are held, and where the others stand), from a given time on.
 
     Attributes:
         begins: the time [s].
-        state: the state.
+        state: the state of the workpieces.
     """
 
     begins: float
@@ -44,12 +44,12 @@ class Moment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownParts:
-    """The parts of a picture.
+    """The workpieces in a picture.
 
     Attributes:
-        items: bodies of the parts.
+        items: bodies of the workpieces.
         scenes: bodies of the collision check over time.
-        notes: parts that can't be shown.
+        notes: workpieces that can't be shown.
     """
 
     items: tuple[Item, ...]
@@ -58,23 +58,23 @@ class ShownParts:
 
 
 def moments_of(carried: Carried, begins: Sequence[float] | Mapping[int, float]) -> tuple[Moment, ...]:
-    """Return the states of parts with their times.
+    """Return the states of the workpieces during a program, with their times.
 
     Args:
-        carried: the parts during a program.
-        begins: time at which each step begins [s].
+        carried: the workpieces during the program.
+        begins: time at which each step of the program begins [s].
     """
     first, *rest = carried.states
     return (Moment(-np.inf, first), *(Moment(begins[one.step], one) for one in rest))
 
 
 def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> ShownParts:
-    """Return the items of parts that move.
+    """Return the bodies to draw for workpieces that a program moves.
 
     Args:
-        robot: the robot that carries them.
+        robot: the robot that carries the workpieces.
         moments: states in order of time. Of several states at one time, the last one counts.
-        carried: the parts during the program.
+        carried: the workpieces during the program.
     """
     moments = [
         one
@@ -111,11 +111,11 @@ def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> Sh
 
 
 def standing_parts(robot: Robot, parts: Parts) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Return the items of parts that stay in place, and notes about those that can't be shown.
+    """Return the bodies to draw for workpieces that stay in place, and notes about those that can't be drawn.
 
     Args:
-        robot: the robot whose flange carries held parts.
-        parts: places of the parts.
+        robot: the robot whose flange carries held workpieces.
+        parts: places of the workpieces.
     """
     items: list[Item] = []
     notes: list[str] = []
@@ -194,8 +194,8 @@ def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], .
 
 
 def facts_of_motion(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return the facts about the parts that a motion carries, and about the bodies that may touch during
-    it.
+    """Return which workpieces a motion carries, and which bodies are allowed to touch during it, as names and
+    texts to show.
     """
     if carried is None:
         return ()

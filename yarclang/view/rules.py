@@ -32,13 +32,13 @@ _WITHIN = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RuleNow:
-    """A rule at an instant.
+    """A path constraint (KEEP rule) at an instant.
 
     Attributes:
-        base_from_surface: (4, 4) pose of its cone or plane.
-        pointer: (2, 3) ends of the line that stays in the cone or above the plane [m].
-        quantities: what it limits.
-        is_kept: True if all of them are within their limits.
+        base_from_surface: (4, 4) pose of the cone or plane in {B}.
+        pointer: (2, 3) ends of the line that must stay in the cone or above the plane [m].
+        quantities: the limited angle or distance, with its limits.
+        is_kept: True if all quantities are within their limits.
     """
 
     base_from_surface: Array
@@ -54,7 +54,7 @@ class RuleNow:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownRule:
-    """A rule that can be drawn.
+    """A path constraint (KEEP rule) that can be drawn.
 
     Attributes:
         keep: the rule.
@@ -103,10 +103,10 @@ class ShownRule:
 
 @dataclass(frozen=True, eq=False)
 class Rules:
-    """The rules of a program over time.
+    """The path constraints (KEEP rules) of a program over time.
 
     Attributes:
-        held: the rules, with the times at which they hold.
+        held: the rules, with the times at which they are in force.
         shown: the same rules, for drawing.
     """
 

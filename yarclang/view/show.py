@@ -36,12 +36,12 @@ _PASSES = 20.0
 
 
 def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
-    """Serve a stage until it is interrupted (KeyboardInterrupt).
+    """Serve the picture of a scene until it is interrupted (KeyboardInterrupt).
 
     Args:
-        stage: the stage.
-        door: address at which it is served; port 0 means any free port.
-        ready: called with the actual address when it is open.
+        stage: the scene.
+        door: address at which the picture is served; port 0 means any free port.
+        ready: called with the actual address when the server listens.
 
     Raises:
         PortTakenError: the port is in use, or the address doesn't belong to this machine.

@@ -1,4 +1,6 @@
-"""Names of the bodies that a program may name, and the pairs of them that a cell allows to touch."""
+"""Pairs of bodies that a cell allows to touch (`[[allow]]`), and the names by which programs may name
+bodies.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def robot_bodies(robot: Robot) -> tuple[str, ...]:
 
 
 def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
-    """Return the names of all bodies in upper case, with the number of bodies that have each name."""
+    """Return the names in upper case of all bodies in the cell and of the robot, with the number of bodies
+    that have each name.
+    """
     names = [one.upper() for one in robot_bodies(robot)]
     if cell is not None:
         names += [one.name for one in cell.obstacles] + [one.body.name for one in cell.parts]
@@ -39,12 +43,13 @@ def repeated_parts(cell: Cell | None) -> frozenset[str]:
 
 
 def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[str]) -> str:
-    """Return the fault of a pair of names that all exist, as the start of a sentence; empty if there is none.
+    """Return why a pair of existing body names isn't a pair that may be allowed to touch, as the start of a
+    sentence; empty if it may.
 
     Args:
         pair: two names in upper case.
-        names: the names of all bodies, with their number.
-        repeated: names of the parts that come several times.
+        names: the names of all bodies, with the number of bodies of each name.
+        repeated: names of the workpieces that come several times.
     """
     first, second = pair
     if first == second and first not in repeated:

@@ -1,5 +1,5 @@
-"""Read the obstacles of a cell. Zones use these functions too: the keys of each shape, and shapes and places
-in SI.
+"""Read the obstacles of a cell. Zones use these functions too: for the keys of each shape, and for shapes and
+poses in SI units.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ Units = Mapping[Kind, Unit] | None
 
 @frozen
 class Surroundings:
-    """The context in which bodies are read.
+    """The context in which the bodies of a cell.toml are read.
 
     Attributes:
-        measures: units and findings.
+        measures: units of the file, and its findings.
         frames: the resolved frames.
         names: the names of all frames that the file declares, including wrong ones.
         folder: folder of the file.
@@ -74,12 +74,12 @@ def belong(
     around: Surroundings,
     optional: Sequence[str] = (),
 ) -> bool:
-    """Return True if a table has the keys of its shape or rule, and no keys of another; otherwise report
-    them.
+    """Return True if a TOML table has the keys that its shape or rule needs, and no keys of another shape or
+    rule; otherwise report these keys.
 
     Args:
         table: the table.
-        path: its place.
+        path: path of the table in the file.
         what: the shape, rule or kind.
         needed: the keys that this shape, rule or kind needs.
         every: the keys of all shapes, rules or kinds.
@@ -139,7 +139,9 @@ def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings
 def simple_shape(
     table: BodyTable | ZoneTable, path: Path, units: Units, around: Surroundings
 ) -> SimpleShape | None:
-    """Return a shape that needs no file [m] and whose required keys are present; None with findings."""
+    """Return a box, sphere or other shape that needs no mesh file, in [m], if all its keys are present;
+    otherwise None.
+    """
     measures = around.measures
     first = SIZES[str(table.shape)][0]
     unit = measures.factor(units, "length", (*path, first))

@@ -35,15 +35,15 @@ class Measures:
         self.common, self.doubtful = found or {}, found is None
 
     def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
-        """Return the units that apply to the table at `path`; None with a finding if the table's own units
-        can't be read.
+        """Return the units that apply to the TOML table at `path`: its own, and for other kinds those of the
+        file. None with a finding if the table's own units can't be read.
         """
         own = self._parsed(text, (*path, "units"))
         return None if own is None else {**self.common, **own}
 
     def factor(self, units: Mapping[Kind, Unit] | None, kind: Kind, path: Path) -> float | None:
-        """Return the factor that converts the value at `path` to SI; None with a finding if there is no
-        unit.
+        """Return the factor that converts the value at `path` to SI; None with a finding if the file gives no
+        unit for it.
         """
         if units is None:
             return None
@@ -91,8 +91,8 @@ class Measures:
         return constant(made) if sound else None
 
     def told(self, placed: Placed, units: Mapping[Kind, Unit] | None) -> Array:
-        """Return the numbers of a correct place as written, in SI: x y z and roll pitch yaw (6,), or x
-        y z and qx qy qz qw (7,).
+        """Return the pose of an entry without mistakes as numbers in SI units, in the form in which it is
+        written: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,).
         """
         known = units or {}
         length, angle = (known[kind].factor if kind in known else 1.0 for kind in ("length", "angle"))

@@ -1,4 +1,4 @@
-"""Read the tools of a cell that the robot changes: their places, and the lock of the changer."""
+"""Read the tools of a cell that the robot changes: their places in the rack, and the lock of the changer."""
 
 from __future__ import annotations
 
@@ -73,8 +73,11 @@ def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
 
 
 def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | None:
-    """Return the place of a frame of the robot that a gripper of a changed tool may name; None for other
-    frames and grippers. Without a robot, any such frame is assumed to be one of the robot.
+    """Return the pose of a frame of the robot, for an output that moves a gripper of a changeable tool. Only
+    such an output may name a frame of robot.toml.
+
+    Return None for other outputs and for unknown frames. Without a robot, any frame that the cell doesn't
+    declare is assumed to be the robot's.
     """
     robot = around.robot
     if table.tool is None or name.upper() in around.names:
@@ -88,11 +91,12 @@ def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | No
 def read_tools(
     table: CellTable, outputs: Mapping[str, CellOutput], around: Surroundings
 ) -> list[Part | None]:
-    """Return the tools of a file that can be changed, as parts; None for tools with findings.
+    """Return the tools of a cell.toml that can be changed, in the form of workpieces; None for each tool with
+    mistakes, which are reported.
 
     Args:
-        table: the file.
-        outputs: its outputs, by name in upper case.
+        table: data of the file.
+        outputs: outputs of the cell, by name in upper case.
         around: units, frames, the robot, and findings.
     """
     file = around.measures.file

@@ -22,8 +22,8 @@ Units = Mapping[Kind, Unit] | None
 def joint_position(
     name: str, values: Sequence[float], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> Array | None:
-    """Return a joint position (n,) [rad or m] within the limits of a robot; None with findings, or without a
-    robot.
+    """Read a joint position (n,) [rad or m], and check it against the limits of the robot. Return None with
+    findings, or without a robot.
 
     Without a robot only the units are checked: there must be a unit of angle or of length.
     """

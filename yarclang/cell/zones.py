@@ -109,7 +109,9 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
 
 
 def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Return True if a zone has the keys of its shape, and no keys of another; otherwise report them."""
+    """Return True if a zone has the keys that its shape needs, and no keys of other shapes; otherwise report
+    the wrong keys.
+    """
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
@@ -132,7 +134,9 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
 
 
 def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Return True if a zone has the keys of its rule, and no keys of another; otherwise report them."""
+    """Return True if a zone has the keys that its rule needs, and no keys of other rules; otherwise report
+    the wrong keys.
+    """
     if table.rule is None:
         return False
     every = ("speed", "joints") if table.rule == "posture" else ("speed",)
@@ -200,7 +204,9 @@ _FOR_EXAMPLE = 'watch = ["tool", "elbow"]'
 
 
 def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str, Name] | None:
-    """Return the reason why a robot has no such part, the remedy, and the part; None if the robot has it."""
+    """Return why a robot lacks the body or point that a zone watches, the remedy, and the name; None if the
+    robot has it.
+    """
     if part == "elbow":
         if elbow_of(robot.chain) is None:
             return f"{robot.name} has no elbow.", "Name the links that shall be watched.", Name(part)

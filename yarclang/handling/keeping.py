@@ -20,8 +20,8 @@ def has_keeps(steps: Sequence[Step]) -> bool:
 
 
 def kept_to(program: Program) -> tuple[KeptTo, ...]:
-    """Return the rules for all motions of a program, in the form in which the map of a controller text
-    lists them. The rules of its cell come first.
+    """Return the path constraints (KEEP rules) that each motion of a program must satisfy, as listed in the
+    comments of a controller text. The rules of the cell come first.
     """
     rules = () if program.cell is None else program.cell.rules
     return tuple(

@@ -17,9 +17,9 @@ def status_of(verdict: Verdict) -> int:
 
 
 def printable(text: str) -> str:
-    """Return a line with unprintable characters written as numbers.
+    """Return a line with unprintable characters written as numbers, for output to a terminal.
 
-    A terminal would interpret some of them, and reverse the direction of writing at others.
+    A terminal would interpret some of these characters, and reverse the direction of writing at others.
     """
     return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)
 

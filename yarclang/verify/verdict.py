@@ -55,7 +55,7 @@ class Verdict:
     """The result of all checks.
 
     Attributes:
-        refused: reason why the text or its proof is wrong; empty if neither is.
+        refused: reason why the controller text or its proof is wrong; empty if neither is.
         checked: the properties that were checked.
         unchecked: the properties that were not checked.
         told: the proof's description of the robot and the program.
@@ -174,7 +174,9 @@ def _list_later(lines: list[str], verdict: Verdict) -> None:
 
 
 def _list_rules(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:
-    """List what isn't checked because of the map: bodies that it lets touch, and rules (KEEP) of commands."""
+    """List the properties that aren't checked because of the controller text's list of commands (the map):
+    distances of bodies that commands allow to touch, and path constraints (KEEP).
+    """
     known = {name for body in bodies for name in (body["name"].upper(), body["name"].upper().split(" ")[0])}
     found = dict[tuple[str, ...], list[str]]()
     for line in lines:

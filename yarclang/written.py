@@ -10,7 +10,7 @@ from yarclang.hir import Origin, TimedMove
 
 
 def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
-    """Return a share of a programmed speed in the form of the program, and a fix that writes it.
+    """Return the text of a reduced speed as a program writes it, and a fix that writes it.
 
     Args:
         share: share of the speed in the line, above 0.

@@ -47,8 +47,8 @@ _CALLED = {
 
 
 def meaning_of(view: View, named: Symbol | Use, line: int) -> list[str]:
-    """Return the paragraphs that explain a declaration or use of a name in a line; empty if the name isn't
-    known.
+    """Return the paragraphs of a hover text that explain a name declared or used in a line; empty if the name
+    is unknown.
     """
     symbol = named if isinstance(named, Symbol) else named.symbol
     if isinstance(named, Use) and named.module:
@@ -174,8 +174,8 @@ def _base_from(link: FrameLink) -> Array:
 
 
 def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
-    """Return the frame that a line declares. If the line is in a block, the frame is found by a command
-    that uses it.
+    """Return the frame that a line declares, with its parents. If the line is in a block, the frame is found
+    by a command that uses it.
     """
     if view.scope is not None and sketch is view.sketch:
         frame = view.scope.frame(symbol.name)

@@ -1,4 +1,4 @@
-"""The names of a file: their declarations, the lines in which they are known, and their uses.
+"""The names of a file: their declarations, the lines in which they may be used, and their uses.
 
 As in the language, frames have separate names. Nothing is evaluated, so that texts with errors and
 blocks that never run are included.
@@ -67,8 +67,8 @@ class Symbol:
         is_frame: True if it names a frame.
         span: place of the name, for a frame without braces.
         statement: the declaration.
-        first: line after which the name is known.
-        last: last line in which the name is known.
+        first: line after which the name may be used.
+        last: last line in which the name may be used.
         inside: the SUB that contains the declaration; empty outside of SUBs.
     """
 
@@ -135,8 +135,8 @@ class Names:
         return next((one for one in named if one.is_known_in(line)), None)
 
     def declared(self, name: str, is_frame: bool) -> Symbol | None:
-        """Return the symbol to which a name refers for users of the module; it is declared outside of
-        blocks.
+        """Return the declaration of a name that other files see when they use this file as a module: one
+        outside of blocks.
         """
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.last == _END and not one.inside), None)
@@ -147,7 +147,7 @@ class Names:
         return next((one for one in named if one.kind == "parameter" and one.inside == sub), None)
 
     def meant_by(self, use: Use) -> Symbol | None:
-        """Return the symbol of this file that another file uses as `MODULE.NAME`, or as a parameter's
+        """Return the declaration in this file that another file uses as `MODULE.NAME`, or as a parameter's
         name.
         """
         if use.sub:
@@ -251,7 +251,9 @@ class _Reader:
         )
 
     def _add(self, symbol: Symbol) -> None:
-        """Add a declaration. If the other branch of an IF has declared the name, add a use instead."""
+        """Add a declaration. If the other branch of an IF has declared the same name, add a use of it
+        instead.
+        """
         key = (symbol.name, symbol.is_frame)
         if key not in self._behind:
             self.names.add(symbol)
@@ -351,8 +353,8 @@ def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
 
 
 def _last_line(block: Block) -> int:
-    """Return the last line of a block. If its END is missing, the statements that follow belong to the
-    block.
+    """Return the last line of a block. If the block's END is missing, the statements that follow belong to
+    it.
     """
     return max((_end_of(one) for one in (*block.body, *(block.otherwise or ()))), default=block.head.line)
 

@@ -1,5 +1,5 @@
-"""The structure of a text and the results of the pipeline so far, from which questions about the text are
-answered.
+"""A text in an editor with its statements and names, and the results of checking it so far. All questions
+about the text are answered from these.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ def no_module(name: str) -> Sketch | None:  # noqa: ARG001
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A text, and its analysis so far.
+    """A text in an editor, and the results of checking it so far.
 
     Attributes:
-        sketch: the text's structure.
+        sketch: statements and names of the text.
         checked: result of checking this text; None until it is ready.
         robot: robot of this text, or of an older version.
         module: function that returns a module by its name in upper case.
@@ -51,11 +51,11 @@ class View:
         return self.checked is not None and self.checked.plan is not None
 
     def planned_at(self, line: int) -> tuple[View, int] | None:
-        """Return the view and the step with the planned motions of a line.
+        """Return the planned motions of a line, as a view and a step of its program.
 
         The view is that of the current text. If its motions aren't planned, because of errors or because the
-        plan isn't ready, it is the view of the last version that could be planned. None if neither has them,
-        or if the line has changed since that version.
+        plan isn't ready, it is the view of the last version that could be planned. None if neither has
+        planned motions for the line, or if the line has changed since that version.
         """
         if self.is_planned:
             return self, line
@@ -79,8 +79,8 @@ class View:
 
     @cached_property
     def scope(self) -> Scope | None:
-        """Return the meanings of the names that the file declares outside of blocks; None if the robot isn't
-        known.
+        """Return the meanings of the names that the program declares outside of blocks; None if the robot
+        isn't known.
         """
         opened = self.checked.opened if self.checked else None
         if opened is None:

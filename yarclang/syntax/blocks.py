@@ -23,7 +23,7 @@ _TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - BLOCK_ENDS - 
 
 
 def arrange(module: Module) -> Result[tuple[Node, ...]]:
-    """Arrange a module's statements in blocks.
+    """Arrange the statements of a file in blocks.
 
     Returns:
         The statements and blocks in order, and a finding for each misplaced statement; never None. If an END
@@ -49,8 +49,8 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
 
 
 def _needs_arranging(statement: Statement) -> bool:
-    """Return True if a statement belongs to a block, or is a declaration with an index. In a long program,
-    hardly any line does.
+    """Return True if a statement begins, divides or ends a block, or is a declaration with an index. In a
+    long program, hardly any line does.
     """
     word = statement.name.name
     return (word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)) or statement.waits_else
@@ -210,8 +210,8 @@ class _Arrangement:
         self._refuse("Y0115", message, statement, help_)
 
     def _leave_blocks(self, statement: Statement) -> None:
-        """Handle a line that isn't allowed in any block: either the END of the open blocks is missing, or the
-        line is misplaced.
+        """Handle a line that isn't allowed in any block, such as a declaration: either the END of the open
+        blocks is missing, or the line is misplaced.
         """
         word = statement.name.name
         if len(self.open) <= self.missing:

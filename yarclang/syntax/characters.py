@@ -80,8 +80,8 @@ def is_not_text(character: str) -> bool:
 
 
 def instead_of(character: str) -> str | None:
-    """Return the substitute for a character that isn't allowed in code; it may be empty. None if there is
-    none.
+    """Return the text to write instead of a character that isn't allowed in code; it may be empty. None if
+    the character has no safe substitute.
     """
     if character in _BREAKS or unicodedata.category(character) == "Zs":
         return " "
@@ -104,7 +104,9 @@ class _Found:
 
 
 def fault_in(text: str) -> Fault | None:
-    """Return a fault for the first misplaced character of a statement, with a fix for all of them."""
+    """Return a fault for the first character of a statement that isn't allowed there, with a fix for all
+    of them.
+    """
     if is_plain(text):
         return None
     rows = text.split("\n")
@@ -184,8 +186,8 @@ def _help(found: _Found) -> str:
 
 
 def _ends(row: str) -> frozenset[int]:
-    """Return the line ends in a line that only some editors know. In the fix they become real line ends,
-    because a statement follows them.
+    """Return the characters in a line that only some editors treat as line ends. If a statement follows them,
+    the fix replaces them by real line ends.
     """
     ends: list[int] = []
     opens: bool | None = None
@@ -202,8 +204,8 @@ def _ends(row: str) -> frozenset[int]:
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
-    """Return the title of a fix and its edits, one per line. There are no edits if one of the characters has
-    no safe substitute.
+    """Return the title of a fix for characters that aren't allowed, and its edits, one per line of the
+    statement. There are no edits if one of the characters has no safe substitute.
     """
     pieces: dict[int, list[_Found]] = {}
     for one in found:

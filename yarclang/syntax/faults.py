@@ -1,7 +1,7 @@
-"""A syntax error, and descriptions of the parser's state when it finds one.
+"""A syntax error, and descriptions of the parser's state at the error.
 
 The parser reports the unexpected token and the kinds of tokens that were possible (`expected`). It also
-reports what it has read but not yet combined to a larger part (`stack`: tokens and finished parts).
+reports what it has read but not yet combined (`stack`: tokens, and constructs such as way-points).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
 
 @frozen
 class Fault:
-    """A syntax error, its place relative to the statement.
+    """A syntax error, with its place relative to the statement.
 
     `edits` are a safe fix: pairs of a place and its new text; `title` describes them. Most errors have none.
     """

@@ -51,11 +51,11 @@ class View:
         return self.checked is not None and self.checked.plan is not None
 
     def planned_at(self, line: int) -> tuple[View, int] | None:
-        """Return the planned motions of a line, as a view and a step of its program.
+        """Return the view that has the planned motions of a line, and the number of the line in this view.
 
         The view is that of the current text. If its motions aren't planned, because of errors or because the
-        plan isn't ready, it is the view of the last version that could be planned. None if neither has
-        planned motions for the line, or if the line has changed since that version.
+        plan isn't ready, it is the view of the last version that could be planned. None if there is no such
+        version, or if the line has changed since then.
         """
         if self.is_planned:
             return self, line

@@ -38,11 +38,12 @@ def number_of(code: str) -> int | None:
 
 @frozen
 class Follows:
-    """A finding that explains another finding.
+    """A relation between two kinds of findings: one explains the other.
 
     Attributes:
         code: code of the explaining finding.
-        where: its line relative to the other finding: the same line, a line above, or any other line.
+        where: line of the explaining finding relative to the other: the same line, a line above, or any other
+            line.
     """
 
     code: str
@@ -99,8 +100,8 @@ class Finding:
 
     @property
     def need(self) -> Need:
-        """Information that may be missing because of another line. If nothing is given, findings of the
-        families about places need the end of a motion.
+        """Information that the finding needs, and that may be missing because of another line. If nothing is
+        given, findings of the families about places need the end of a motion.
         """
         return self.needs or ("place" if self.family in _OF_PLACES else "")
 

@@ -91,8 +91,8 @@ class Modules:
 def _may_speak_of(user: Document, used: Document) -> bool:
     """Return True if the findings of a text may depend on another text.
 
-    The other text may be a module of the folder, a table that the text names, or any description of a cell,
-    robot or project.
+    The other text may be a module of the folder, a table of way-points that the text names, or any
+    description of a cell, robot or project.
     """
     if used.path is None:
         return False

@@ -96,7 +96,9 @@ async def _write_frame(session: Session, name: str, base_from_frame: Array) -> b
 
 
 async def _write_tip(session: Session, name: str, touching: TipTouching) -> bool:
-    """Write a tool into robot.toml if it defines a frame of this name; otherwise as a FRAME line."""
+    """Write a calibrated tool into robot.toml if that file defines a frame of this name; otherwise declare it
+    by a FRAME line.
+    """
     assert touching.value is not None
     tip = touching.value.flange_from_tip
     robot = session.robot

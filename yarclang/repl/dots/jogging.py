@@ -36,9 +36,9 @@ async def _jog(session: Session, rest: str) -> None:
 
 
 async def _moved(session: Session, jogging: Jogging) -> None:
-    """Move the robot while keys are held, until the user or an event ends the jog.
+    """Jog: move the robot while keys are pressed, until the user or an event ends the jog.
 
-    When a key is released, the robot holds at once, without the delay of the controller's buffer.
+    When a key is released, the robot stops at once, without the delay of the controller's buffer.
     """
     loop = asyncio.get_running_loop()
     robot = session.attached

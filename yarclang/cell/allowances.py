@@ -38,7 +38,7 @@ def body_names(robot: Robot, cell: Cell | None) -> Counter[str]:
 
 
 def repeated_parts(cell: Cell | None) -> frozenset[str]:
-    """Return the names of the parts that come several times, one after the other."""
+    """Return the names of the workpieces that come several times, one after the other."""
     return frozenset(() if cell is None else (one.body.name for one in cell.parts if one.count > 1))
 
 
@@ -61,7 +61,7 @@ def pair_fault(pair: tuple[str, str], names: Counter[str], repeated: Iterable[st
 
 
 def read_allowances(table: CellTable, around: Surroundings) -> tuple[CellAllowance, ...]:
-    """Return the correct entries of `[[allow]]`, and report the others."""
+    """Read the `[[allow]]` entries of a cell.toml: return the correct ones, and report the others."""
     robot = around.robot
     own = () if robot is None else robot_bodies(robot)
     listed = [one.name.upper() for one in (*table.obstacles, *table.parts) if one.name is not None]

@@ -48,7 +48,7 @@ class Surroundings:
 
 
 def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
-    """Return an obstacle; None with findings."""
+    """Read an obstacle of a cell.toml; return None with findings if it has mistakes."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
     needed = SIZES[table.shape] if table.shape else ()
@@ -113,7 +113,7 @@ def _a(what: str) -> str:
 def mounted(
     table: BodyTable | ZoneTable | SensorTable | RackTable, path: Path, units: Units, around: Surroundings
 ) -> Mount | None:
-    """Return the place of a body's origin; None with findings."""
+    """Return the pose of a body's origin; None with findings."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
         return None

@@ -39,7 +39,9 @@ class Tilt:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers, in the order in which the map of a controller text states them."""
+        """The region as numbers, in the order in which the map of a controller text (its list of commands)
+        states them.
+        """
         return *self.own, *self.up, 0.0, self.limit
 
 
@@ -61,7 +63,9 @@ class Height:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers, in the order in which the map of a controller text states them."""
+        """The region as numbers, in the order in which the map of a controller text (its list of commands)
+        states them.
+        """
         return *self.own, *self.up, self.level, self.limit
 
 
@@ -92,7 +96,9 @@ class Sight:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All numbers, in the order in which the map of a controller text states them."""
+        """The region as numbers, in the order in which the map of a controller text (its list of commands)
+        states them.
+        """
         return *self.own, *self.spot, *self.axis, self.limit, self.near, self.far
 
 
@@ -145,12 +151,12 @@ class Keep:
 
     @property
     def limit(self) -> float:
-        """The largest angle [rad]; of ABOVE, the least distance [m]."""
+        """The largest angle [rad]; for ABOVE, the least distance [m]."""
         return self.region.limit
 
     @property
     def among(self) -> tuple[str, ...]:
-        """The names of the frame that stands still and of those in which it is given."""
+        """The names of the fixed frame and of its parents."""
         found, link = [self.of], None if self.standing is None else self.standing.parent
         while link is not None:
             found.append(link.name)
@@ -194,7 +200,7 @@ class Keep:
 
     @property
     def told(self) -> str:
-        """The rule with all its numbers, as the map of a controller text states it."""
+        """The rule with all its numbers, as the map of a controller text (its list of commands) states it."""
         return f"{self.words} " + " ".join(f"{one + 0.0:.12g}" for one in self.region.numbers)
 
 

@@ -1,4 +1,4 @@
-"""Convert numbers of a cell.toml to SI: the units of an entry, and transforms."""
+"""Convert numbers of a cell.toml to SI: the units of an entry, and its pose as a transform."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.units import UNITS, Kind, Unit, units_of
 
 @dataclass(slots=True)
 class Measures:
-    """The units of a file, and findings about them."""
+    """The units of a cell.toml, and the findings about them."""
 
     file: TomlFile
     common: Mapping[Kind, Unit] = field(default_factory=dict)

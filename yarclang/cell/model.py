@@ -167,7 +167,7 @@ class RackTool:
 
     @property
     def base_from_body(self) -> Array:
-        """The place of the first body while the tool is in the rack (4, 4) [m]."""
+        """The pose of the tool's first body in {B} while the tool is in the rack (4, 4) [m]."""
         placed: Array = self.place.transform @ self.flange_from_body
         return placed
 
@@ -235,7 +235,7 @@ class Item:
 
     @property
     def name(self) -> str:
-        """The part's name in messages: BOX, or BOX 3 if several come one after the other."""
+        """The workpiece's name in messages: BOX, or BOX 3 if several come one after the other."""
         return f"{self.part.body.name} {self.number}" if self.part.count > 1 else self.part.body.name
 
     @property
@@ -245,7 +245,9 @@ class Item:
 
     @property
     def solids(self) -> tuple[tuple[Array, Shape], ...]:
-        """Its shapes, each with its pose (4, 4) [m]: in {B}, or in {FLANGE} if a gripper holds it."""
+        """The workpiece's shapes, each with its pose (4, 4) [m]: in {B}, or in {FLANGE} if a gripper holds
+        it.
+        """
         own = self.transform
         more = () if self.part.rack is None else self.part.rack.more
         return (own, self.part.body.shape), *((own @ placed, shape) for placed, shape in more)
@@ -273,7 +275,7 @@ class Parts:
     expected: tuple[Expected, ...] = ()
 
     def held(self, gripper: str | None = None) -> tuple[Item, ...]:
-        """Return the parts that a gripper holds; for None, the parts that any gripper holds."""
+        """Return the workpieces that a gripper holds; for None, those that any gripper holds."""
         return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
 
     @property
@@ -412,7 +414,7 @@ class Zone:
 
     @staticmethod
     def of(keep: Keep) -> Zone:
-        """Return the zone of a rule."""
+        """Return the zone that a path constraint (KEEP rule) defines."""
         name, region = f"KEEP {keep.words}", keep.region
         if not isinstance(region, Height):
             return Zone(name, "allowed", region, watch=(), keep=keep)
@@ -458,7 +460,7 @@ class Cell:
 
     @property
     def rules(self) -> tuple[Keep, ...]:
-        """The rules to which all motions keep."""
+        """The path constraints that all motions must satisfy (`[[keep]]`)."""
         return tuple(zone.keep for zone in self.zones if zone.keep is not None)
 
     @property
@@ -468,7 +470,7 @@ class Cell:
 
     @property
     def removals(self) -> Mapping[str, Removal]:
-        """The machines that remove parts, by the variables of their outputs."""
+        """The machines that remove workpieces, by the variables of their outputs."""
         return {one.variable: one.removal for one in self.outputs.values() if one.removal is not None}
 
     @property

@@ -1,4 +1,4 @@
-"""Read the rules of a cell to which all motions keep: `[[keep]]`."""
+"""Read the path constraints that a cell sets for all motions: `[[keep]]`."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ isn't modelled.
 
 
 def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | None:
-    """Return the effect of a tool changer's lock; None with findings."""
+    """Return the lock of a tool changer that an output moves; None with findings."""
     file = around.measures.file
     for key in ("grips", "grips_at", "removes", "removes_at", "tool"):
         if getattr(table, key) is not None:

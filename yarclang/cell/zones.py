@@ -44,7 +44,9 @@ _RULES: Mapping[str, tuple[str, ...]] = {
 
 
 def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None:
-    """Return a zone; None with findings, or if it depends on a robot that isn't known."""
+    """Read a zone of a cell.toml; return None with findings, or if the zone depends on a robot that isn't
+    known.
+    """
     measures = around.measures
     units = measures.of_entry(table.units, path)
     is_shaped, is_ruled = _has_keys_of_shape(table, path, around), _has_keys_of_rule(table, path, around)
@@ -178,7 +180,7 @@ def _half_space(
 
 
 def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> tuple[str, ...] | None:
-    """Return what a zone watches; None with findings."""
+    """Return the names of the bodies and points that a zone watches; None with findings."""
     if names is None:
         return ("tool",)
     file, robot = around.measures.file, around.robot

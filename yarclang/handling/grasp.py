@@ -1,4 +1,4 @@
-"""Describe what a gripper does at a SET, and where the parts are between two steps."""
+"""Describe what a gripper does at a SET, and where the workpieces are between two steps."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Whereabouts:
         return self.ways.state
 
     def moved(self, parts: Parts) -> Whereabouts:
-        """Return the whereabouts after the parts have moved."""
+        """Return the state after the workpieces have moved."""
         return Whereabouts(replace(self.ways, state=parts))
 
 

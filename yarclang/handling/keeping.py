@@ -1,4 +1,4 @@
-"""Find the rules (KEEP) that apply to each motion of a program."""
+"""Find the path constraints (KEEP rules) that apply to each motion of a program."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from yarclang.hir import Motion, Program, Step
 
 
 def keeps_of(step: Step) -> tuple[Keep, ...]:
-    """Return the rules that apply to a step; empty if it is no motion."""
+    """Return the path constraints (KEEP rules) that apply to a step; empty if the step is no motion."""
     return step.keeps if isinstance(step, Motion) else ()
 
 
 def has_keeps(steps: Sequence[Step]) -> bool:
-    """Return True if a rule applies to any motion."""
+    """Return True if a path constraint (KEEP rule) applies to any motion."""
     return any(map(keeps_of, steps))
 
 

@@ -28,7 +28,7 @@ NO_PARTS = Parts(())
 
 @lru_cache(maxsize=64)
 def first_parts(cell: Cell | None) -> Parts:
-    """Return where the parts of a cell are when a program starts."""
+    """Return where the workpieces of a cell are when a program starts."""
     if cell is None or not cell.parts:
         return NO_PARTS
     if cell.present is not None:
@@ -42,7 +42,9 @@ def first_parts(cell: Cell | None) -> Parts:
 
 
 def _holder(cell: Cell, part: Part) -> str:
-    """Return the lock that holds a tool, or the gripper nearest to a part on the flange."""
+    """Return the tool changer's lock that holds a tool or, for a workpiece on the flange, the nearest
+    gripper.
+    """
     if part.rack is not None:
         return part.rack.lock
     flange_from_part = part.body.mount.transform
@@ -184,7 +186,7 @@ def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Par
 
 
 def remove(parts: Parts, removal: Removal) -> Parts:
-    """Remove the parts that are within the reach of a machine."""
+    """Remove the workpieces that are within the reach of a machine."""
     origin = removal.base_from_place[:3, 3]
     items = tuple(
         one
@@ -240,7 +242,9 @@ _DEEP = 1e-3
 
 
 def either(one: Parts, other: Parts) -> Parts:
-    """Return the union of two states, for branches of which either may have been taken."""
+    """Return the union of two states of the workpieces, after branches of which either may have been
+    taken.
+    """
     if one == other:
         return one
     there = tuple(next((each for each in one.items if _are_alike(each, item)), item) for item in other.items)
@@ -294,6 +298,6 @@ a hundred times as large (`yarclang.collision.proof.SLACK`).
 
 
 def doubtful(parts: Parts) -> Iterator[str]:
-    """Yield the names of parts that may be at several places."""
+    """Yield the names of workpieces that may be at several places."""
     names = [one.name for one in parts.items]
     yield from dict.fromkeys(name for name in names if names.count(name) > 1)

@@ -28,12 +28,14 @@ the text of a program are rounded.
 
 @lru_cache(maxsize=64)
 def presently(cell: Cell, present: Present) -> Cell:
-    """Return a cell with its parts at their current places. Equal states give the same object."""
+    """Return a cell with its workpieces as bodies at their current places. Equal states give the same
+    object.
+    """
     return replace(cell, present=present)
 
 
 def present_of(cell: Cell) -> Present:
-    """Return where the parts of a cell are when a program starts."""
+    """Return the state of a cell's workpieces when a program starts."""
     return cell.present or Present(first_parts(cell))
 
 
@@ -54,7 +56,7 @@ def are_same(one: Parts, other: Parts) -> bool:
 
 
 def is_same(one: Item, other: Item) -> bool:
-    """Return True if a part is at the same place within `SAME`."""
+    """Return True if a workpiece is at the same place in two states, within `SAME`."""
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and np.allclose(
         one.transform, other.transform, rtol=0.0, atol=SAME
     )

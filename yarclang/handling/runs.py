@@ -169,7 +169,7 @@ def _after_set(
     *,
     forwards: bool,
 ) -> Iterable[_Way]:
-    """Yield the paths after a SET. A SET that repeats the last one has no effect."""
+    """Yield the control-flow paths after a SET. A SET that repeats the last one has no effect."""
     for one in ways:
         last = steps[one.set] if forwards and one.set is not None and 0 <= one.set < len(steps) else None
         again = isinstance(last, SetOutput) and _does(last, closing) == _does(steps[at], closing)
@@ -182,7 +182,7 @@ def _does(step: Step, closing: Mapping[str, float]) -> tuple[str, bool]:
 
 
 def _leads(found: Mapping[int, frozenset[_Way]]) -> dict[int, tuple[Lead, ...]]:
-    """Return the SETs of each motion that belongs to a SET on all paths."""
+    """Return the SETs of each motion that belongs to a SET on all control-flow paths."""
     leads: dict[int, tuple[Lead, ...]] = {}
     for at, ways in found.items():
         if any(one.left or one.set is None for one in ways):

@@ -148,7 +148,7 @@ def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: byt
 
 
 def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
-    """Return the exceptions that apply on every one of several paths."""
+    """Return the pairs of bodies that may touch on every one of several branches."""
     first, *others = [*ways] or [()]
     for other in others:
         least = {(one.part, one.other): one.least for one in other}

@@ -54,7 +54,7 @@ class Handling:
 
     @property
     def has_parts(self) -> bool:
-        """True if there are any parts."""
+        """True if the cell has any workpieces."""
         return self.cell is not None and bool(self.cell.parts)
 
     @property
@@ -65,7 +65,7 @@ class Handling:
         return self.has_parts or bool(self.allowances) or has_keeps(self.steps)
 
     def first(self) -> Whereabouts:
-        """Return where the parts are when the program starts."""
+        """Return where the workpieces are when the program starts."""
         return Whereabouts(Ways(first_parts(self.cell)))
 
     def before_motion(self, stand: Whereabouts, step: int) -> Whereabouts:
@@ -182,7 +182,9 @@ class Handling:
         return () if present is None else present.leaving
 
     def leaving(self, grasp: Grasp) -> Leaving:
-        """Return the exceptions for the motions that leave the place of a grasp."""
+        """Return what a gripper has taken or put down in a grasp, with the bodies that may touch until it
+        has moved away.
+        """
         return Leaving(grasp.moved, grasp.closes, self._touches(grasp, leads_in=False))
 
     def coming(self, parts: Parts, base_from_flange: Array) -> tuple[Grasp, ...]:
@@ -278,7 +280,7 @@ class Handling:
         return tuple(Touch(one.part, one.other, one.least - PRESSED) for one in carry)
 
     def supports(self, grasp: Grasp) -> tuple[Touch, ...]:
-        """Return the bodies near the parts of a grasp, with their distances [m]."""
+        """Return the bodies near the workpieces of a grasp, with their distances [m]."""
         if self.cell is None:
             return ()
         carried = grasp.after if grasp.closes else grasp.before

@@ -35,7 +35,7 @@ def report(name: str, verdict: Verdict) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Verify a text by its proof, report the verdict, and return the exit status."""
+    """Verify a controller text by its proof, report the verdict, and return the exit status."""
     if len(arguments) != 2:
         sys.stderr.write("usage: python -m yarclang.verify NAME.pmc NAME.proof.json\n")
         return USAGE

@@ -70,7 +70,7 @@ class Stretch:
         return gap - self._rest(self.order, one.joint, other, turns)
 
     def speed(self, other: Body, turns: Sequence[bool]) -> int:
-        """Return a bound of the speeds of a body's points on a curve."""
+        """Return an upper bound of the speeds of a body's points on a curve."""
         fastest = max(other.fastest(links[other.joint]) for links in self.links)
         return fastest + self._rest(3, 0, other, turns)
 
@@ -82,7 +82,7 @@ class Stretch:
 
 
 class Timeline:
-    """All segments of a text, with the arm on them."""
+    """All segments of a controller text in order, with the arm on them."""
 
     def __init__(self, rows: Sequence[Moved], arm: Arm) -> None:
         self.arm = arm
@@ -124,7 +124,7 @@ class Timeline:
         return self._curve(begin, end) if is_curve else self._room(begin // PARTS, (end - 1) // PARTS)
 
     def _room(self, first: int, last: int) -> Stretch:
-        """Return the segments first to last as a room."""
+        """Return the segments from `first` to `last` as a room (a box of joint positions)."""
         low, high = list[int](), list[int]()
         for own in self._control(first, last):
             low = [min(pair) for pair in zip(low or own[0], *own, strict=True)]
@@ -197,7 +197,9 @@ def check_apart(
 
 
 def _gap(one: Body | Border, other: Body, links: list[Frame], normal: Sequence[Fraction]) -> int:
-    """Return the gap of a pair along a normal that is given in the first body's link."""
+    """Return the gap between two bodies along a normal that is given in the frame of the first body's
+    joint.
+    """
     if isinstance(one, Border):  # only the border itself is a plane for it
         return one.offset - other.extent(links[other.joint], one.normal)
     x, y, z = (whole(number) for number in normal)

@@ -70,7 +70,7 @@ def placed(numbers: Sequence[Fraction]) -> Step:
 
 
 class Arm:
-    """The chain from {B} to the flange."""
+    """The kinematic chain from {B} to the flange."""
 
     def __init__(self, robot: dict[str, Any]) -> None:
         self.turns: list[bool] = [kind == "turns" for kind in robot["kinds"]]
@@ -187,7 +187,7 @@ def _bell(w: int, a: int, j: int) -> tuple[int, int, int, int, int]:
 
 
 def beyond(here: Frame, step: Step) -> Frame:
-    """Return the frame at the end of a constant step."""
+    """Return the frame that a constant transform leads to from a frame."""
     rows = list(zip(*here.axes, strict=True))
     far = [dot(row, step[1]) for row in rows]
     return Frame(
@@ -199,7 +199,7 @@ def beyond(here: Frame, step: Step) -> Frame:
 
 
 def _out(columns: list[Vector], offset: Vector, point: Vector) -> Vector:
-    """Return a point, given in a frame, in the frame before it."""
+    """Convert a point from a frame to the previous frame of the chain."""
     x, y, z = columns
     rows = zip(x, y, z, offset, strict=True)
     return [((a * point[0] + b * point[1] + c * point[2]) >> BITS) + o for a, b, c, o in rows]

@@ -116,7 +116,9 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
 
 
 def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iterator[str]:
-    """Check a chain, or a motion from rest to rest; yield the parts that are not checked."""
+    """Check a chain of blended motions, or a motion from rest to rest; yield the properties that are not
+    checked.
+    """
     found, late = list[Followed](), Fraction(0)
     for row, told in chain:
         title, (position, angle) = row.entry.title, told["tolerance"]
@@ -145,7 +147,7 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
 
 
 def _stays(row: Moved, told: Told, arm: Arm) -> None:
-    """Check that a motion without moves leads to where the robot stands."""
+    """Check that the goal of a motion without move lines is where the robot already is."""
     title, here = row.entry.title, in_joints(row.begin, PRINTED, arm.turns)
     if told["move"] in FRAMED:
         _near(arm, here, told, told["tolerance"], f"{title}: it leads nowhere, and its goal")
@@ -192,7 +194,7 @@ def _on_time(row: Moved, told: Told, proof: Told, arm: Arm) -> None:
 
 
 def _per_joint(limits: Sequence[Fraction], arm: Arm) -> list[int]:
-    """Return for each joint its part of a length [mm] and an angle [deg]."""
+    """Return for each joint its tolerance, from a length [mm] and an angle [deg]."""
     return [in_si(limits[1] if turns else limits[0], 1, turns) for turns in arm.turns]
 
 
@@ -306,7 +308,7 @@ def _of_joints(row: Moved, told: Told, proof: Told, arm: Arm, before: Followed |
 
 
 class _Corner:
-    """A place that doesn't move, as a path."""
+    """A fixed place (the corner between two paths), in the form of a path."""
 
     def __init__(self, state: State) -> None:
         self._state = [(at, [0] * len(at)) for at, _ in state]
@@ -321,13 +323,15 @@ class _Corner:
 
 
 def _still(places: Sequence[Fraction], seconds: Fraction) -> Iterator[Piece]:
-    """Yield the pieces between places, on which s stays 0."""
+    """Yield the pieces of time between places, with a path parameter s that stays 0."""
     for begin, end in pairwise(places):
         yield Piece((end - begin) * seconds, (0, 0), (0, 0), (0, 0, 0), int(begin), end)
 
 
 def _corner(first: Followed, second: Followed, proof: Told) -> list[tuple[int, int]]:
-    """Check the corner after a motion; return bounds of the frame's speed between both paths."""
+    """Check the blend around the corner between two motions; return bounds of the frame's speed while neither
+    path is followed.
+    """
     row, told, arm = first.motion.row, first.told, first.motion.arm
     title = row.entry.title
     far = Fraction(row.entry.blend or 0, 2) + 1
@@ -472,7 +476,7 @@ def _speed_of_joints(path: Followed, proof: Told, alone: bool) -> Iterator[str]:
 
 
 def _is_slower(one: Told, other: Told) -> bool:
-    """Return True if a motion has a speed, and the motion beside it keeps at least this speed."""
+    """Return True if a motion has a programmed speed that the motion beside it reaches as well."""
     own, besides = _speed(one), _speed(other)
     if own is None or besides is None:
         return False

@@ -195,7 +195,9 @@ def _sequence(
     done: list[str],
     step: int,
 ) -> int:
-    """Assign the segments of a sequence to its commands; return the last command's step."""
+    """Assign the segments of a sequence (moves without a rest between them) to its commands; return the last
+    command's step.
+    """
     need(standing.at is not None, f"line {item.line} is never reached")
     start, points = standing.at, item.points
     control = [start, start, start, *points, points[-1], points[-1]]
@@ -240,7 +242,7 @@ Span = tuple[Fraction, Fraction, int, int]
 
 
 def _widest(one: Span, other: Span, *_: int) -> Span:
-    """Return the span of two sets of ways to a place."""
+    """Return the span of durations and waits that covers two sets of branches to one place."""
     return min(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), max(one[3], other[3])
 
 
@@ -275,7 +277,7 @@ def span_of(text: Text) -> tuple[Span, bool]:
 
 
 def check_duration(text: Text) -> None:
-    """Check the header's duration."""
+    """Check that the duration in the text's header is that of its segments and dwells."""
     (least, most, fewest, waits), loops = span_of(text)
     count = f"{fewest} to {waits}" if fewest < waits else f"{waits}"
     rest = f" and {count} wait{'s' * (waits != 1)}" if waits else ""

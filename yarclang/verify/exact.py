@@ -18,11 +18,11 @@ SLACK = ONE >> 44
 
 
 class RefusedError(Exception):
-    """The text or its proof is wrong; the message says what, where, and by how much."""
+    """The controller text or its proof is wrong; the message says what, where, and by how much."""
 
 
 def need(holds: bool, reason: str) -> None:
-    """Refuse the text or the proof with a reason, unless a condition holds."""
+    """Refuse the controller text or the proof with a reason, unless a condition is true."""
     if not holds:
         raise RefusedError(reason)
 

@@ -60,7 +60,9 @@ class Pieces:
         self._bounds = lru_cache(64)(self._bounds_of)
 
     def at(self, s: int) -> State:
-        """Return the numbers at a share, and their derivatives over it (de Casteljau)."""
+        """Return the path's numbers at a parameter value, and their derivatives over the parameter (de
+        Casteljau).
+        """
         k = min(bisect(self.edges, s), len(self.points)) - 1
         width, found = self.edges[k + 1] - self.edges[k], []
         u = ((s - self.edges[k]) << BITS) // width
@@ -82,7 +84,7 @@ class Pieces:
         return self._bounds(first, max(bisect_left(self.edges, share[1]), first + 1))
 
     def _bounds_of(self, first: int, last: int) -> Sequence[Sequence[int]]:
-        """Return these bounds on the pieces from `first` to the one before `last`."""
+        """Return the bounds of `bends` on the pieces from `first` to the one before `last`."""
         found = []
         for number in range(len(self.goal)):
             bounds, thirds = [0, 0, 0, 0], list[tuple[int, int]]()
@@ -186,6 +188,6 @@ def timetable(stands: Vector, rows: Sequence[dict[str, Any]], turns: Sequence[bo
 
 
 def in_joints(numbers: Sequence[Fraction | int], scale: int, turns: Sequence[bool]) -> Vector:
-    """Return joint positions in units of 1 / scale deg or mm, in SI units."""
+    """Convert joint positions from units of 1 / scale deg or mm to SI units."""
     need(len(numbers) == len(turns), "a joint position has another number of joints")
     return [in_si(one, scale, turn) for one, turn in zip(numbers, turns, strict=True)]

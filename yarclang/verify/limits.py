@@ -43,7 +43,7 @@ def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
 
 
 def _beside(rows: Sequence[Moved], number: int, way: int) -> bool:
-    """Return True if the next command with moves, in this direction, has no jerk limit."""
+    """Return True if the next command with moves, forwards or backwards, has no jerk limit."""
     number += way
     while not rows[number].control:
         number += way

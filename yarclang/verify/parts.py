@@ -88,7 +88,7 @@ def follow(done: Sequence[str]) -> set[tuple[int, int, bool]]:
 def _handed_over(
     rows: Sequence[Moved], before: int, after: int, put: bool, name: str, bodies: Sequence[Told], arm: Arm
 ) -> Iterator[str]:
-    """Check a part between two motions; yield what isn't checked."""
+    """Check that a workpiece or tool stays in place between two motions; yield what isn't checked."""
     there, then = (
         [body for body in bodies if any(first <= step <= last for first, last in body["during"])]
         for step in (before, after)

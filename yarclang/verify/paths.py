@@ -148,7 +148,7 @@ def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
 
 
 def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
-    """Return the ends of pieces from one place to another: `pieces` in each segment."""
+    """Return the ends of the pieces of time from one place to another: `pieces` in each segment."""
     need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
     if begin == end:
         return [end]
@@ -233,7 +233,7 @@ class Curve:
         self.bends = [*(times(size, *[angle + 1] * k) for k in (2, 3, 4)), 0]
 
     def at(self, s: int) -> tuple[Vector, Vector]:
-        """Return the place at s, and the derivative over s."""
+        """Return the curve's point at s, and the derivative over s."""
         sine, cosine = sine_and_cosine(s * self.angle >> BITS)
         place = [m + ((s * w + cosine * a + sine * b) >> BITS) for m, w, a, b in self._parts]
         return place, [
@@ -241,7 +241,7 @@ class Curve:
         ]
 
     def leads(self, s: int, meant: Sequence[int], most: int, what: str) -> None:
-        """Refuse a curve that at s is farther away than `most` from where it is meant to be."""
+        """Refuse a curve whose point at s is farther than `most` from where it is meant to be."""
         off = length(*(a - b for a, b in zip(self.at(s)[0], meant, strict=True)))
         need(off < most, f"{what}: it is {off / ONE:.3g} away from where it is to be")
 
@@ -300,7 +300,7 @@ class FramePath:
 
 
 class Frames:
-    """A frame on the flange, while joints move; `motion` is a `Motion` or has its functions."""
+    """A frame on the flange while the joints move; `motion` is a `Motion` or has the same methods."""
 
     def __init__(self, arm: Arm, tool: Step, motion: Any) -> None:
         self.arm, self.tool, self._motion = arm, tool, motion

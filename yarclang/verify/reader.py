@@ -88,7 +88,9 @@ class Item:
 
 @dataclass
 class Text:
-    """A text as it was read: the header, the map, and the actions of the controller."""
+    """A controller text as it was read: the header, the list of the program's commands (the map), and the
+    actions.
+    """
 
     version: str
     robot: str
@@ -114,7 +116,7 @@ def exactly(printed: str, scale: int = PRINTED) -> int:
 
 
 class _Reading:
-    """A text, and its next line."""
+    """The lines of a controller text that is read, and the number of the next line."""
 
     def __init__(self, text: str, axes: list[str]) -> None:
         if re.search(r"[^\n\x20-\x7e]", text) or not text.endswith("\n"):
@@ -144,14 +146,14 @@ class _Reading:
         return line
 
     def match(self, form: str) -> re.Match[str]:
-        """Take a line, which must have a form."""
+        """Take the next line, and refuse the text if the line doesn't have a form."""
         found = re.fullmatch(form, self.take())
         if found is None:
             self.refuse(f"another line belongs here ({form[:40]})")
         return found
 
     def expect(self, *lines: str) -> None:
-        """Take lines, which must equal the given ones."""
+        """Take the next lines, and refuse the text if they don't equal the given ones."""
         for line in lines:
             if self.take() != line:
                 self.refuse(f"{line!r} belongs here")

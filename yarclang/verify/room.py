@@ -47,7 +47,9 @@ class Body:
         return self.during is None or any(first <= step <= last for first, last in self.during)
 
     def fastest(self, link: Frame) -> int:
-        """Return a bound of the speeds of the body's points, for a link with its rate and spin."""
+        """Return an upper bound of the speeds of the body's points, for the moving frame of the body's
+        joint.
+        """
         most = 0
         signs = product(*((-one, one) if one else (0,) for one in self.core))
         for point in product(signs, self.corners or [[0, 0, 0]]):

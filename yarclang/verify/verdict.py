@@ -1,4 +1,4 @@
-"""The verdict about a text: check it by its proof, for the robot that the proof describes."""
+"""The verdict about a controller text: check it by its proof, for the robot that the proof describes."""
 
 import hashlib
 import json
@@ -68,7 +68,7 @@ class Verdict:
 
 
 def verify(text: bytes, proof: bytes) -> Verdict:
-    """Check a text by its proof."""
+    """Check a controller text by its proof."""
     verdict = Verdict()
     try:
         _verify(text, _read_proof(proof), verdict)
@@ -154,7 +154,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
 
 
 def _list_later(lines: list[str], verdict: Verdict) -> None:
-    """List what is planned and proved when the text runs."""
+    """List what is planned and proved only when the controller text runs."""
     kinds = [line.split(" ")[1] for line in lines]
     if "search" in kinds:
         verdict.unchecked.append(
@@ -202,7 +202,7 @@ def _list_rules(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict
 def _check_bodies(
     rows: list[Moved], done: list[str], proof: dict[str, Any], arm: Arm, verdict: Verdict
 ) -> None:
-    """Check that bodies stay apart, and list them."""
+    """Check that bodies stay apart, and add the results and the data of the bodies to the verdict."""
     cell = proof["cell"]
     need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell has other fields than a cell's")
     checked, left = check_apart(rows, cell, proof["planes"], arm)
@@ -227,7 +227,7 @@ def _check_bodies(
 
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
-    """Check the form of the robot's numbers, and list them."""
+    """Check the form of the numbers that describe the robot, and add them to the verdict."""
     need(set(robot) == _OF_ROBOT, "the robot has other fields than a robot's")
     size = len(robot["joints"])
     need(0 < size <= 16, "the robot has 1 to 16 joints")

@@ -1,4 +1,4 @@
-"""Convert the bodies, zones and frames of a robot and its cell to items of a picture."""
+"""Convert the bodies, zones and frames of a robot and its cell to items that a picture shows."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, .
 
 
 def rule_note(zone: Zone) -> str:
-    """Return the note about a rule in a picture that shows no rules of directions."""
+    """Return the note that a path constraint (KEEP rule) about directions isn't drawn."""
     return f"the rule {zone.name} is about directions, which have no place to be shown"
 
 
@@ -191,7 +191,7 @@ def axes_of(
 
 
 def _used(robot: Robot, program: Program) -> Iterable[Axes]:
-    """Yield the frames that commands name, and the frames in which they are given in turn."""
+    """Yield the frames that commands name, and the parents of these frames."""
     done: set[int] = set()
     for step in program.steps:
         if isinstance(step, Gap):
@@ -209,7 +209,7 @@ def _used(robot: Robot, program: Program) -> Iterable[Axes]:
 
 
 def _rooted(link: FrameLink) -> tuple[str, Array]:
-    """Return the root of a frame's chain of parents, and the frame's pose in this root."""
+    """Return the root ({B} or {FLANGE}) of a frame's chain of parents, and the frame's pose in this root."""
     pose = link.parent_from_frame
     while link.parent is not None and link.parent.parent is not None:
         link = link.parent
@@ -224,7 +224,7 @@ def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bo
 
 
 def _link_colour(joint: int) -> Colour:
-    """Return one of two tones in turn, so that neighbouring links differ in colour."""
+    """Return the colour of a robot link. Two colours alternate, so that neighbouring links differ."""
     return colours.LINK if joint % 2 == 0 else colours.JOINT_BODY
 
 

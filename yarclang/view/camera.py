@@ -30,7 +30,9 @@ def shown_box(stage: Stage, *, whole: bool) -> tuple[Array, Array]:
 
 
 def first_view(stage: Stage) -> tuple[Array, Array]:
-    """Return the position of the eye, and the point at which it looks, (3,) each [m]."""
+    """Return the camera's position, and the point at which it looks, (3,) each [m], for the first view of
+    a scene.
+    """
     low, high = shown_box(stage, whole=False)
     middle = (low + high) / 2.0
     away = 0.3 + 1.05 * float(np.linalg.norm(high - low))

@@ -1,4 +1,4 @@
-"""Compute distances of the bodies of a stage over time."""
+"""Compute distances of the bodies of a scene over time."""
 
 from __future__ import annotations
 

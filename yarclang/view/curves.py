@@ -51,7 +51,7 @@ class Curve:
 
 
 def curves_of(stage: Stage) -> tuple[Curve, ...]:
-    """Return the curves of a stage; empty for a stage without time."""
+    """Return the diagrams of a scene over time; empty for a scene without time."""
     if stage.duration <= 0.0:
         return ()
     times = np.linspace(0.0, stage.duration, _SAMPLES)
@@ -80,7 +80,9 @@ def curves_of(stage: Stage) -> tuple[Curve, ...]:
 
 
 def curves_html(curves: tuple[Curve, ...]) -> str:
-    """Return the pictures of curves, one below the other, and the marker over all of them."""
+    """Return diagrams as HTML, one below the other, with the marker of the current instant over all of
+    them.
+    """
     marker = (
         '<div style="position:absolute;top:0;bottom:0;left:10px;right:10px;pointer-events:none">'
         '<div data-marker style="position:absolute;top:0;bottom:0;width:1px;background:#d62828;'
@@ -113,7 +115,7 @@ def _picture(curve: Curve) -> str:
 
 
 def key_html(curves: tuple[Curve, ...]) -> str:
-    """Return the colours of the joints; empty if there are no curves."""
+    """Return the colour key of the joints as HTML; empty if there are no diagrams."""
     names = curves[0].names if curves else ()
     swatches = (
         f'<span style="white-space:nowrap;margin-right:8px"><b style="color:{joint_style(number)[0]}">—</b> '

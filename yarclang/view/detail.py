@@ -71,7 +71,7 @@ _COARSEST = 4_096.0
 
 
 def exact_lines(way: Way) -> Rows:
-    """Return the points (L,) that are connected to the next point by a line."""
+    """Return the numbers (L,) of the path points that are connected to the next point by a line."""
     first = np.arange(max(len(way.points) - 1, 0))
     kept: Rows = first[~np.isin(first + 1, way.breaks)]
     return kept

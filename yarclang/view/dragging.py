@@ -45,7 +45,7 @@ class Draggable:
 
     @property
     def base_from_frame(self) -> Array:
-        """Return its place as declared (4, 4), with all joints at zero."""
+        """Return the frame's declared pose (4, 4) in {B}, with all joints at zero."""
         placed: Array = self.base_from_parent @ self.parent_from_frame
         return placed
 

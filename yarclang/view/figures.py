@@ -106,7 +106,7 @@ def _values(named: Iterable[tuple[str, float, str]]) -> str:
 
 
 def near_text(scene: Scene | None, found: Near) -> str:
-    """Return the distance of the nearest two bodies at one position."""
+    """Return a text with the distance of the two nearest bodies at the current joint positions."""
     pair = int(found.pair[0])
     if scene is None or pair < 0:
         return f"over {SEEN / MM:.0f} mm"
@@ -115,7 +115,7 @@ def near_text(scene: Scene | None, found: Near) -> str:
 
 
 def piece_html(piece: Piece) -> str:
-    """Return the facts of a command."""
+    """Return the facts of a command as HTML."""
     when = (
         f"{piece.begins:.3f} to {piece.ends:.3f} s" if piece.ends > piece.begins else f"{piece.begins:.3f} s"
     )
@@ -125,17 +125,17 @@ def piece_html(piece: Piece) -> str:
 
 
 def plain_html(text: str) -> str:
-    """Return a line; empty for an empty text."""
+    """Return a text as a line of HTML; empty for an empty text."""
     return _BLOCK.format(escape(text)) if text else ""
 
 
 def word_html(text: str, severity: Severity) -> str:
-    """Return a line in the colour of findings."""
+    """Return a text as a line of HTML in the colour of findings."""
     return _BLOCK.format(f'<b style="color:{_css(colours.SEVERITIES[severity])}">{escape(text)}</b>')
 
 
 def mark_html(mark: Mark) -> str:
-    """Return a finding with its remedy."""
+    """Return a finding with its remedy as HTML."""
     colour = _css(colours.SEVERITIES[mark.severity])
     code = f"{escape(mark.severity)} {escape(mark.code)}" if mark.code else escape(mark.severity)
     text = f'<b style="color:{colour}" data-mark="{escape(mark.code)}">{code}</b>: {escape(mark.text)}'
@@ -158,13 +158,15 @@ def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool
 
 
 def notes_html(stage: Stage) -> str:
-    """Return what the picture shows and what it leaves out."""
+    """Return notes about the picture's contents, and about what it leaves out, as HTML."""
     notes = "".join(f"<br>{escape(note)}" for note in stage.notes)
     return _BLOCK.format(f"<b>{escape(stage.title)}</b><br>{escape(stage.subtitle)}{notes}")
 
 
 def robots_html(stage: Stage) -> str:
-    """Return a text that distinguishes the two robots of a run; empty for other stages."""
+    """Return a text that distinguishes the actual and the planned robot in the picture of a run; empty for
+    other scenes.
+    """
     if stage.ghost is None:
         return ""
     planned = "planned robot (seen through) and planned path (thin)"
@@ -173,7 +175,7 @@ def robots_html(stage: Stage) -> str:
 
 
 def key_html(stage: Stage) -> str:
-    """Return the meaning of the other colours."""
+    """Return the meaning of the colours besides those of the path, as HTML."""
     kinds = {item.kind for item in stage.items}
     entries: list[tuple[Colour, str]] = []
     if stage.ghost is not None:
@@ -201,7 +203,7 @@ def _swatch(colour: Colour, text: str) -> str:
 
 
 def rows_html(rows: Iterable[tuple[str, str]]) -> str:
-    """Return a table of names and values."""
+    """Return names and values as a table of HTML."""
     cells = (
         (
             "<tr><td "

@@ -35,7 +35,7 @@ class Listing:
 
     @property
     def shown(self) -> list[int]:
-        """Return the numbers of the rows on the page."""
+        """Return the numbers of the rows on the current page."""
         first = self.page * self.size
         return self.chosen[first : first + self.size]
 

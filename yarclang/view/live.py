@@ -118,7 +118,7 @@ async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) ->
 
 
 async def _again(whose: Whose, before: Run, page: LivePage, given: asyncio.Queue[Order]) -> _Link:
-    """Wait until the robot is served again."""
+    """Wait until a coordinator serves the robot again."""
     while True:
         try:
             return await _Link.attach(await asyncio.to_thread(whose.again, before))

@@ -88,7 +88,7 @@ class LivePage:
             self._panel.show_around(self._around)
 
     def show_around(self, around: Surroundings) -> None:
-        """Show inputs and outputs."""
+        """Show the current inputs and outputs of the robot."""
         self._around = around
         self._panel.show_around(around)
 
@@ -119,7 +119,7 @@ class LivePage:
             self._picture.colour_bodies(touching(self._stage.scene, stands))
 
     def lose(self, why: str) -> None:
-        """Report that the robot isn't served, and draw it grey."""
+        """Report that no coordinator serves the robot, and draw the robot grey."""
         self._show_lost(why)
 
     def take(self, order: Order) -> None:

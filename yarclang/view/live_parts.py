@@ -42,7 +42,7 @@ class LiveParts:
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """Return texts about the parts: name and value."""
+        """Return table rows about the workpieces: name and value."""
         rows = [("holds", ", ".join(names))] if (names := [one.name for one in self.parts.held()]) else []
         if self.doubt:
             rows.append(("parts", f"nobody knows where they are: {self.doubt}"))

@@ -31,7 +31,7 @@ process.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Still:
-    """Joints at rest at `q` (n,) [rad or m]."""
+    """Joint positions `q` (n,) [rad or m] of a robot at rest, as a function of time."""
 
     q: Array
 

@@ -1,4 +1,4 @@
-"""Build the stage of a program. A program with errors is planned as far as possible."""
+"""Build the scene of a program. A program with errors is planned as far as possible."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _worst(
 def _pieces(
     plan: MotionPlan, proved: Mapping[int, CommandCertificate], carried: Carried | None
 ) -> tuple[tuple[Piece, ...], dict[int, int]]:
-    """Return all commands in order, and the command of each step."""
+    """Return all commands of a program in order, and the number of the command of each step."""
     at = {motion.step: number for number, motion in enumerate(plan.motions)}
     pieces: list[Piece] = []
     number_of: dict[int, int] = {}
@@ -278,7 +278,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Stands:
-    """Finds the places of findings on the path."""
+    """Finds the points of the path at which findings are marked."""
 
     plan: MotionPlan
     flange_from_frame: Array

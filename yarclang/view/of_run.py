@@ -1,4 +1,4 @@
-"""Build the stage of a run's log: the actual motion beside the planned one."""
+"""Build the scene of a recorded run: the actual motion beside the planned one."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
 def _carries(
     run: RecordedRun, does: Executed | None, parts: RecordedParts | None
 ) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return the facts about the parts that each command of the run carries."""
+    """Return the facts about the workpieces that each command of the run carries."""
     if does is None or parts is None:
         return ((),) * len(run.commands)
     steps = [act.step for act in does.acts if act.curve is not None]
@@ -200,7 +200,9 @@ def _pieces(
 def _marks(
     run: RecordedRun, tracking: Tracking, track: Recorded, robot: Robot, flange_from_frame: Array
 ) -> tuple[Mark, ...]:
-    """Return the remarks of the run and its end, with the robot's positions at these times."""
+    """Return marks for the log's remarks and for the end of the run, with the robot's positions at these
+    times.
+    """
     told: list[tuple[float, str, Severity]] = [
         (one.time, one.text, "note") for one in marks_of(run, tracking)
     ]

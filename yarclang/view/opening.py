@@ -1,4 +1,4 @@
-"""Open a program, a controller text or the log of a run as a stage."""
+"""Open a program, a controller text or the log of a run as a scene."""
 
 from __future__ import annotations
 

@@ -129,7 +129,7 @@ class Rows:
 
 
 class Panel:
-    """The controls of a stage."""
+    """The controls beside the picture of a scene."""
 
     def __init__(
         self, gui: viser.GuiApi, stage: Stage, switches: Switches, ramps: dict[str, str], give: Give

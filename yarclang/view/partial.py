@@ -61,7 +61,7 @@ def _ends(motion: PlannedMotion) -> tuple[Array, Array]:
 
 
 def _layout(plan: MotionPlan, motions: Sequence[PlannedMotion]) -> Layout:
-    """Return planned motions in the form of the segments of a text."""
+    """Arrange planned motions like the segments of a controller text, so that the same proofs can be used."""
     places: list[Place] = []
     at: list[NDArray[np.int64]] = []
     first = points = 0

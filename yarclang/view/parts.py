@@ -153,7 +153,7 @@ def _item(robot: Robot, placed: Placed, pose: Array, solid: Solid, begins: float
 
 
 def with_parts(stage: Stage, shown: ShownParts | None) -> Stage:
-    """Return a stage with its parts."""
+    """Return a scene with the cell's workpieces added."""
     if shown is None:
         return stage
     return replace(
@@ -166,14 +166,14 @@ def with_parts(stage: Stage, shown: ShownParts | None) -> Stage:
 
 
 def parts_of_plan(plan: MotionPlan, carried: Carried | None) -> ShownParts | None:
-    """Return the parts of a planned program; None if its cell has none."""
+    """Return the workpieces of a planned program to draw; None if the program's cell has none."""
     if carried is None:
         return None
     return shown_parts(plan.robot, moments_of(carried, plan.schedule.places), carried)
 
 
 def parts_of_text(does: Executed, carried: Carried | None) -> ShownParts | None:
-    """Return the parts of a controller text; None if their places aren't known."""
+    """Return the workpieces of a controller text to draw; None if their places aren't known."""
     if carried is None:
         return None
     begins = begins_in_text(does, len(carried.handling.steps))
@@ -181,14 +181,14 @@ def parts_of_text(does: Executed, carried: Carried | None) -> ShownParts | None:
 
 
 def unfollowed(cell: Cell | None, carried: Carried | None) -> tuple[str, ...]:
-    """Return a note if a cell has parts with unknown places."""
+    """Return a note if the places of a cell's workpieces are unknown."""
     if carried is not None or cell is None or not cell.parts:
         return ()
     return ("the cell's parts aren't shown: only the program says where they are taken",)
 
 
 def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return the facts about the parts that a SET moves."""
+    """Return which workpieces a SET takes, puts down or removes, as names and texts to show."""
     deeds = carried.deeds(step) if carried is not None else ()
     return tuple((verb, ", ".join(names)) for verb, names in deeds)
 

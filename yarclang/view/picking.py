@@ -1,4 +1,4 @@
-"""Find what a click means: the point nearest to the ray from the eye through the mouse."""
+"""Find what a click means: the point nearest to the ray from the camera through the mouse."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ class Picture:
             move_nodes(self._joints, moved_by(self._stage.robot.chain, q))
 
     def show_parts(self, items: Iterable[Item]) -> None:
-        """Replace the parts."""
+        """Replace the workpieces in the picture."""
         with self._server.atomic():
             self._parts.clear()
             self._bodies = {
@@ -142,7 +142,7 @@ class Picture:
         self.write(text)
 
     def write(self, text: str) -> None:
-        """Write a text above the robot; remove it if it is empty."""
+        """Write a text above the robot; remove the text if it is empty."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -209,7 +209,7 @@ class Picture:
             )
 
     def choose_mark(self, number: int) -> None:
-        """Write a finding at its place; for -1 write none."""
+        """Write the text of a finding at its place in the scene; for -1 write none."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -372,5 +372,5 @@ class Picture:
 
 
 def _between(values: Any, first: Rows, second: Rows) -> Any:
-    """Return the values at both ends of lines (L, 2, 3)."""
+    """Return the values at both ends of line segments, stacked to (L, 2, 3)."""
     return np.stack([values[first], values[second]], axis=1)

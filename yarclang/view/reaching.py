@@ -1,4 +1,4 @@
-"""Find the running robot to show, at first and again after it wasn't served for some time."""
+"""Find the running robot to show, at first and again after no coordinator has served it for some time."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Whose:
     port: int = 0
 
     def first(self) -> Run:
-        """Return the run.
+        """Return the wanted run.
 
         Raises:
             ControlError: there is none, or there are several.

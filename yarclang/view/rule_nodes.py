@@ -38,7 +38,9 @@ class RuleNodes:
             switches.offer(GROUP)
 
     def move_to(self, time: float, q: Array) -> None:
-        """Draw the rules that hold at a time [s], at joint positions (n,) [rad or m]."""
+        """Draw the path constraints (KEEP rules) in force at a time [s], at joint positions (n,) [rad or
+        m].
+        """
         holds = self._rules.at(time)[:MOST_SHOWN]
         if gone := self._nodes.keys() - set(holds):
             self._switches.forget(GROUP)

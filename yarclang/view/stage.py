@@ -78,7 +78,7 @@ class Axes:
 
 
 class Track(Protocol):
-    """The joints over time."""
+    """The joint positions over time."""
 
     def at(self, times: Array) -> tuple[Array, Array]:
         """Return joint positions [rad or m] and velocities, (N, n) each, at times (N,) [s].
@@ -210,7 +210,9 @@ class Scenes:
         return np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
 
     def scene(self, number: int) -> Scene | None:
-        """Return the bodies with a cell; None if there is no body that could collide."""
+        """Return the bodies of the collision check with a state of the cell; None if there is no body that
+        could collide.
+        """
         found = scene_of(self.robot, self.cells[number]).value
         return found if found is not None and len(found.pairs.first) else None
 

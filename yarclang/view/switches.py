@@ -47,7 +47,7 @@ class Switches:
         self._offered: set[str] = set()
 
     def offer(self, name: str) -> None:
-        """Have a switch for a group that has no node yet."""
+        """Show a switch for a group that will have nodes later."""
         self._offered.add(name)
 
     @property
@@ -104,7 +104,7 @@ class Parts:
         self._time = 0.0
 
     def give(self, item: Item, node: Any, *groups: str) -> None:
-        """Add a node of a part. It isn't visible yet."""
+        """Add a node of a workpiece. It isn't visible yet."""
         self._nodes.append((node, groups))
         self._begins.append(item.begins)
         self._ends.append(item.ends)

@@ -1,4 +1,4 @@
-"""Choose the frames that are drawn: one triad of axes for each place, and each name once."""
+"""Choose the frames that are drawn: one set of axes for each pose, and each name once."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ class Server(Protocol):
         """Close all connections."""
 
     def tell(self, text: str) -> None:
-        """Report a text, with the controller's time."""
+        """Report a text to the function `tell`, with the controller's time."""
 
     def differences(self) -> tuple[str, ...]:
         """Return descriptions of controller features that programs have used, and that the simulation treats
@@ -256,7 +256,7 @@ class Backend:
 
 
 def backend_of(robot: Robot) -> Backend:
-    """Return the backend of a robot's controller."""
+    """Return the `Backend` of a robot's kind of controller."""
     return backend_called(robot.controller.kind)
 
 
@@ -271,11 +271,11 @@ def backend_called(kind: str) -> Backend:
 
 
 def backend_for(target: str) -> Backend | None:
-    """Return the backend whose texts are for a target; None if there is none."""
+    """Return the `Backend` whose controller texts are for a target; None if there is none."""
     backends = map(backend_called, kind_names())
     return next((one for one in backends if target in one.targets), None)
 
 
 def suffixes() -> tuple[str, ...]:
-    """Return the suffixes of files with texts, for all kinds."""
+    """Return the suffixes of files with controller texts, for all kinds of controllers."""
     return tuple(backend_called(name).suffix for name in kind_names())

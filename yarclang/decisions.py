@@ -145,7 +145,7 @@ class Watch:
 
     @property
     def reaction(self) -> str:
-        """The robot's reaction, in words."""
+        """The robot's reaction to the input, in words."""
         return f"hold, then leave by {self.then}" if self.then else "hold"
 
 

@@ -148,7 +148,7 @@ class Diagnostic:
 
     @property
     def is_error(self) -> bool:
-        """Return True if this finding prevents the output."""
+        """Return True if this finding is an error, which prevents the stage's result."""
         return self.severity == "error"
 
 
@@ -166,7 +166,7 @@ class Result(Generic[T]):
 
     @property
     def ok(self) -> bool:
-        """Return True if there is a product and no error."""
+        """Return True if there is a value and no error."""
         return self.value is not None and not has_errors(self.diagnostics)
 
 

@@ -90,7 +90,7 @@ def key_of(step: Motion) -> bytes:
 
 
 def _key_of_link(link: FrameLink | None) -> Hashable:
-    """Return a key of the chain of frames from a moving frame to the flange."""
+    """Return a cache key of the chain of frames from a moving frame to the flange."""
     if link is None:
         return None
     return link.name, link.parent_from_frame.tobytes(), _key_of_link(link.parent)
@@ -159,7 +159,7 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
 
 
 def way_fingerprint(way: WayOut) -> str:
-    """Compute a hash of the robot's behaviour on a way out, as 16 hex digits."""
+    """Compute a hash of the robot's behaviour while it withdraws (`WayOut`), as 16 hex digits."""
     digest = hashlib.sha256()
     _feed(digest.update, way.steps)
     return digest.hexdigest()[:16]

@@ -27,7 +27,7 @@ class Memory(Protocol):
 
 
 class Forgetful:
-    """Stores nothing, for stages whose work isn't repeated."""
+    """A memory that stores nothing, for stages whose work isn't repeated."""
 
     def get(self, key: Hashable) -> Any:
         """Return None."""

@@ -33,7 +33,7 @@ _PROCESSES: ContextVar[int] = ContextVar("processes", default=1)
 
 @contextmanager
 def on_cores(processes: int | None = None) -> Iterator[None]:
-    """Let the work in this block use a number of processes; None for one per core."""
+    """Set the number of processes for the work inside this `with` block; None for one per core."""
     token = _PROCESSES.set(cores() if processes is None else processes)
     try:
         yield
@@ -128,7 +128,7 @@ def _results(lines: list[Connection], count: int) -> Iterator[tuple[int, Any]]:
 
 
 def _hand_out(line: Connection, waiting: Iterator[int], busy: list[Connection]) -> None:
-    """Give a process the next item, if there is one."""
+    """Give a process the next item, if any is left."""
     place = next(waiting, None)
     if place is not None:
         with suppress(OSError):

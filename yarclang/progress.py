@@ -62,7 +62,7 @@ def told_to(listener: Listener | None) -> Iterator[None]:
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Report the work in this block to nobody."""
+    """Report the progress of the work inside this `with` block to nobody."""
     token = _TOLD.set(None)
     try:
         yield
@@ -72,7 +72,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def within() -> Iterator[None]:
-    """Replace all reports in this block by a repetition of the last report before it."""
+    """Hide the reports of the work inside this `with` block: repeat the last report before it instead."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -83,7 +83,7 @@ def within() -> Iterator[None]:
 
 @contextmanager
 def part(title: str) -> Iterator[None]:
-    """Report the work in this block with a title: `title: what is done`."""
+    """Put a title before the reports of the work inside this `with` block: `title: what is done`."""
     around = _TOLD.get()
     if around is None:
         yield

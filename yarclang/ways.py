@@ -1,4 +1,4 @@
-"""Follow a state through a program with branches, loops and early ends."""
+"""Follow a state (such as the robot's position) through a program with branches, loops and early ends."""
 
 from __future__ import annotations
 

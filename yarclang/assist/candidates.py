@@ -1,4 +1,4 @@
-"""Candidates of a completion, and the candidates that are names."""
+"""Completion candidates (texts that may be inserted), and those that are declared names."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ class NameMaker:
                     yield self.make(name, "module", "a module", "\n".join(module_lines(module)), name)
 
     def symbols(self) -> Iterable[Symbol]:
-        """Return the declarations of the file that are known at the place."""
+        """Return the declarations of the file that may be used at the place."""
         return self.view.sketch.names.known_in(self.cursor.line)
 
     def _is_own(self, name: str, is_frame: bool) -> bool:
@@ -205,7 +205,7 @@ class NameMaker:
     def make(
         self, label: str, kind: Kind, detail: str, documentation: str, text: str, rank: int = 0
     ) -> Candidate:
-        """Return a candidate that replaces the typed text."""
+        """Return a completion candidate that replaces the typed text."""
         return Candidate(label, kind, detail, documentation, text, self.span, rank)
 
 

@@ -58,7 +58,7 @@ def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
 
 
 class _Maker(NameMaker):
-    """Creates all candidates for a place."""
+    """Creates all completion candidates for a place in a program."""
 
     def candidates(self) -> Iterator[Candidate]:
         cursor = self.cursor
@@ -150,7 +150,7 @@ class _Maker(NameMaker):
                 yield from self.known(Input, "input")
 
     def _of_command(self, head: str) -> Iterator[Candidate]:
-        """Yield frames, joint positions and options."""
+        """Yield candidates for a command's frames, joint positions and options."""
         cursor = self.cursor
         if cursor.option == "NEAR":
             yield from self.known(JointPosition, "joints")

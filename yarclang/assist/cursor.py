@@ -108,12 +108,12 @@ class Cursor:
         return ""
 
     def has(self, mark: str) -> bool:
-        """Return True if a mark is before the place."""
+        """Return True if the statement has a certain token before the place."""
         return any(one.text == mark for one in self.before)
 
 
 def cursor_at(sketch: Sketch, line: int, column: int) -> Cursor:
-    """Return the part of the statement before a column (from 1)."""
+    """Return the tokens of the statement before a column (from 1)."""
     begin = sketch.begin_of(line)
     pieces: list[Lexeme] = []
     for number in range(begin, line):

@@ -1,4 +1,4 @@
-"""Describe declared names, in Markdown."""
+"""Describe declared names in hover texts, in Markdown."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _of_symbol(view: View, sketch: Sketch, symbol: Symbol) -> list[str]:
 
 
 def _of_module(view: View, use: Use, line: int) -> list[str]:
-    """Describe the part of `PALLET.GRID` after the dot."""
+    """Describe a name in a module: the word after the dot of `PALLET.GRID`."""
     symbol = view.sketch.names.meant(use.module, False, line)
     module = view.module(use.module) if symbol and symbol.kind == "module" else None
     found = module.names.meant_by(use) if module else None

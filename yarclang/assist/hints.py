@@ -40,7 +40,9 @@ class Hint:
 
 
 class ShortestTimes:
-    """Cache of shortest times. They stay valid when other parts of the text are edited."""
+    """Cache of the shortest possible times of motions. They stay valid when other lines of the text are
+    edited.
+    """
 
     def __init__(self) -> None:
         self._known: dict[Any, float | None] = {}

@@ -34,7 +34,7 @@ class Hover:
 
 
 def hover_at(view: View, line: int, column: int) -> Hover | None:
-    """Return the explanation for a place (from 1); None if there is none."""
+    """Return the explanation of the word at a place (line and column from 1); None if there is none."""
     text = view.sketch.source.line(line)
     lexeme = lexeme_at(text, column)
     if lexeme is None or lexeme.kind in {"open_frame", "string"}:

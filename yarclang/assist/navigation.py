@@ -183,7 +183,7 @@ def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile,
 
 
 def _check(target: Target, views: list[View], name: str) -> None:
-    """Check that a new name is allowed for a target."""
+    """Check that a new name is allowed for a declaration."""
     symbol, upper = target.symbol, name.upper()
     if NAME.fullmatch(name) is None:
         raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
@@ -207,5 +207,5 @@ def _check(target: Target, views: list[View], name: str) -> None:
 
 
 def _meet(one: Symbol, other: Symbol) -> bool:
-    """Return True if there is a line in which both declarations are known."""
+    """Return True if there is a line in which both declared names may be used."""
     return one.first <= other.last and other.first <= one.last

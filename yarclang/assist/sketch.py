@@ -34,7 +34,7 @@ class Sketch:
 
     @cached_property
     def names(self) -> Names:
-        """Return declarations and uses."""
+        """Return the declared and used names of the text."""
         return names_of(self.nodes)
 
     @cached_property
@@ -82,7 +82,7 @@ class Sketch:
 
 
 def sketch_of(source: SourceFile) -> Sketch:
-    """Return the structure of a text."""
+    """Return the statements, blocks and names of a text."""
     module = parse(source).value
     assert module is not None  # parsing always returns a tree
     return Sketch(source, module)

@@ -82,7 +82,7 @@ class Symbol:
     inside: str = ""
 
     def is_known_in(self, line: int) -> bool:
-        """Return True if the name is known in a line."""
+        """Return True if the name may be used in a line."""
         return self.first < line <= self.last
 
 
@@ -126,11 +126,11 @@ class Names:
         self._by_name.setdefault((symbol.name, symbol.is_frame), []).append(symbol)
 
     def known_in(self, line: int) -> Iterator[Symbol]:
-        """Yield the symbols that are known in a line, beginning with the last declared."""
+        """Yield the declarations whose names may be used in a line, the last declared first."""
         return (one for one in reversed(self.symbols) if one.is_known_in(line))
 
     def meant(self, name: str, is_frame: bool, line: int) -> Symbol | None:
-        """Return the symbol to which a name without a module refers in a line."""
+        """Return the declaration to which a name without a module refers in a line."""
         named = reversed(self._by_name.get((name, is_frame), []))
         return next((one for one in named if one.is_known_in(line)), None)
 
@@ -142,7 +142,7 @@ class Names:
         return next((one for one in named if one.last == _END and not one.inside), None)
 
     def parameter(self, sub: str, name: str, is_frame: bool) -> Symbol | None:
-        """Return the parameter of a SUB with a name; None if there is none."""
+        """Return the declaration of a SUB's parameter by its name; None if there is none."""
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.kind == "parameter" and one.inside == sub), None)
 
@@ -156,7 +156,7 @@ class Names:
 
 
 def names_of(nodes: tuple[Node, ...]) -> Names:
-    """Return the names in a file's blocks."""
+    """Return the names that are declared and used in the statements and blocks of a file."""
     reader = _Reader()
     reader.nodes(nodes, _END, "")
     return reader.names

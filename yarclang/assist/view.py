@@ -23,7 +23,7 @@ from yarclang.semantics.names.scope import Scope
 
 
 def no_module(name: str) -> Sketch | None:  # noqa: ARG001
-    """Return None, for a text without modules."""
+    """Return None for any module name: the function for a text without modules."""
     return None
 
 
@@ -108,7 +108,7 @@ class View:
 
     @cached_property
     def flowing(self) -> frozenset[int]:
-        """Return the steps of motions that begin or end without a stop."""
+        """Return the steps of the motions that are blended with a neighbour."""
         plan = self.checked.plan if self.checked else None
         motions = plan.motions if plan else ()
         begins = [later.step for before, later in pairwise(motions) if before.flows]

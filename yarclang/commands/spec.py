@@ -18,7 +18,7 @@ from yarclang.words.spec import Slot
 
 
 class Values(Enum):
-    """Kind of the values between two semicolons."""
+    """The kind of the values that a command takes between two semicolons."""
 
     JOINTS = "joint values"
     JOINT_DELTAS = "joint increments"

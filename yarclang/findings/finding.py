@@ -1,4 +1,4 @@
-"""Entries of the catalogue."""
+"""Entries of the catalogue of findings, and relations between them."""
 
 from __future__ import annotations
 
@@ -90,12 +90,12 @@ class Finding:
 
     @property
     def family(self) -> str:
-        """Two digits of the family."""
+        """The two digits of the finding's family."""
         return family_of(self.code)
 
     @property
     def anchor(self) -> str:
-        """Anchor of its section on the page of all findings."""
+        """Anchor of the finding's section on the page of all findings."""
         return f"{self.code.lower()}-{self.name}"
 
     @property

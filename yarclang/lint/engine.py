@@ -1,4 +1,4 @@
-"""Run the rules on the results of the stages that are available."""
+"""Run the lint rules on the results of those stages of the compiler that could run."""
 
 from __future__ import annotations
 

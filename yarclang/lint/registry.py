@@ -17,7 +17,7 @@ from yarclang.named import by_name
 
 @cache
 def rules() -> tuple[Rule[Any], ...]:
-    """Return the rules in the order of their codes."""
+    """Return the lint rules in the order of their codes."""
     return tuple(rule for _, rule in _placed())
 
 

@@ -111,7 +111,7 @@ def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...])
 def _speaking_of(
     finding: Diagnostic, source: SourceFile, by_line: Mapping[tuple[str, int], list[Suppression]]
 ) -> list[Suppression]:
-    """Return the suppressions of a finding's code at its lines."""
+    """Return the suppressing comments for a finding's code at its lines."""
     span = finding.span
     if finding.source is None or span is None or finding.source.name != source.name:
         return []

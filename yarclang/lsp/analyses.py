@@ -142,7 +142,7 @@ class Analyses:
         self._take_out(uri)
 
     def _take_out(self, uri: str) -> None:
-        """Remove a text from the queues."""
+        """Remove a text from the queues of texts that wait for a check."""
         self._unread.discard(uri)
         if uri in self._touched:
             self._touched.remove(uri)
@@ -201,7 +201,7 @@ class Analyses:
         return found if found is None or found.is_whole else desk.early or found
 
     def close(self) -> None:
-        """Stop all work."""
+        """Stop all checks."""
         for uri in list(self._desks):
             self.drop(uri)
         for pool in (self._checking, self._planning, self._reading):
@@ -243,7 +243,7 @@ class Analyses:
             self._arrived(_of_syntax(desk, document, generation, found))
 
     async def _look(self, uri: str, plans: bool) -> None:
-        """Check a text, with or without planning."""
+        """Check a text in a thread, with or without planning."""
         desk = self._desks.get(uri)
         if desk is None:
             return

@@ -81,7 +81,7 @@ class Checks:
         return tuple(one for one in parse(document.source).diagnostics if one.family == SYNTAX)
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
-        """Check a program that isn't open, completely."""
+        """Check a program that isn't open in the editor, completely."""
         found = self._look(source, folder, quick=False)
         assert found is not None  # it can't be cancelled
         return found.checked

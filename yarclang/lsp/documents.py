@@ -54,7 +54,7 @@ class Document:
 
     @cached_property
     def sketch(self) -> Sketch:
-        """Return the text's structure."""
+        """Return the statements, blocks and names of the text."""
         return sketch_of(self.source)
 
     @property

@@ -64,7 +64,7 @@ class Modules:
         return {one.path: one for one in list(self._documents.values()) if one.path is not None}
 
     def _saved(self, path: Path) -> Sketch | None:
-        """Return the structure of a saved file. It is read again only if the file has changed."""
+        """Return the statements and names of a saved file. The file is read again only if it has changed."""
         try:
             stamp = path.stat().st_mtime_ns
         except OSError:

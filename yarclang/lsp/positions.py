@@ -14,7 +14,7 @@ UTF32 = types.PositionEncodingKind.Utf32
 
 
 def units_of(text: str, encoding: str) -> int:
-    """Return the number of units of a text."""
+    """Return the length of a text in the units in which client and server count columns."""
     if text.isascii() or encoding == UTF32:
         return len(text)
     if encoding == UTF8:
@@ -35,7 +35,7 @@ def position_in(text: str, line: int, column: int, encoding: str) -> types.Posit
 
 
 def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:
-    """Return the range of a span."""
+    """Convert a span of a text to the protocol's range."""
     return types.Range(
         position_of(source, span.line, span.column, encoding),
         position_of(source, span.end_line, span.end_column, encoding),
@@ -76,5 +76,5 @@ def place_of(source: SourceFile, position: types.Position, encoding: str) -> tup
 
 
 def span_of(source: SourceFile, range_: types.Range, encoding: str) -> Span:
-    """Return the span of a range."""
+    """Convert a protocol's range to a span of a text."""
     return Span(*place_of(source, range_.start, encoding), *place_of(source, range_.end, encoding))

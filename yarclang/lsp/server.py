@@ -1,4 +1,4 @@
-"""The server: the texts that the client opens and changes, and the features that answer."""
+"""The language server: the texts that the client opens and changes, and the features that answer."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Protocol(LanguageServerProtocol):
 
 
 class Server(LanguageServer):
-    """A server for one client."""
+    """A language server for one client."""
 
     def __init__(self, options: Options) -> None:
         super().__init__("yarc", __version__, protocol_cls=Protocol, max_workers=2)
@@ -261,7 +261,7 @@ class Server(LanguageServer):
     # Changes of the open texts.
 
     def opened(self, document: Document) -> None:
-        """Open a text."""
+        """Store a text that the client has opened, and check it."""
         self.documents[document.uri] = document
         self._lay_out()
         self.analyses.put(document)
@@ -277,7 +277,7 @@ class Server(LanguageServer):
         self.opened(changed(before, params.content_changes, params.text_document.version, self.encoding))
 
     def closed(self, uri: str) -> None:
-        """Close a text."""
+        """Forget a text that the client has closed."""
         document = self.documents.pop(uri, None)
         self._views.pop(uri, None)
         self.owed.discard(uri)

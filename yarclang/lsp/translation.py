@@ -1,4 +1,4 @@
-"""Translate findings to the protocol."""
+"""Convert findings and edits to the Language Server Protocol."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def shown_range(source: SourceFile, span: Span | None, encoding: str) -> types.R
 
 
 def text_edits(source: SourceFile, edits: Iterable[Edit], encoding: str) -> list[types.TextEdit]:
-    """Return edits of a text."""
+    """Convert edits of a text to those of the protocol."""
     return [types.TextEdit(range_of(source, one.span, encoding), one.text) for one in edits]
 
 
@@ -142,5 +142,5 @@ def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
 
 
 def uri_of(name: str) -> str:
-    """Return the URI of a file that findings call `name`."""
+    """Return the URI of a file from its name in findings."""
     return Path(name).absolute().as_uri()

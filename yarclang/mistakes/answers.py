@@ -143,7 +143,7 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
 
 
 def _is_of_the_line(one: Diagnostic) -> bool:
-    """Return True if a finding means that its line can't be read."""
+    """Return True if a finding says that its line can't be read."""
     return one.is_error and one.code not in _UNDERSTOOD and family_of(one.code) in _FAMILIES
 
 

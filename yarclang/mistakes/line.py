@@ -173,11 +173,11 @@ class Line:
 
     @property
     def units(self) -> dict[str, str]:
-        """Units in this line by kind."""
+        """The units of lengths, angles and times in this line."""
         return self.around.units_at(self.number)
 
     def with_(self, begin: int, end: int, put: str) -> str:
-        """Return the line with other text between two places."""
+        """Return the whole line with the text between two places replaced."""
         return f"{self.text[:begin]}{put}{self.text[end:]}"
 
     def guess(self, begin: int, end: int, message: str, put: str | None = None, help_: str = "") -> Guess:
@@ -208,7 +208,7 @@ def is_thousand(text: str) -> bool:
 
 
 def first(line: Line, guessers: Iterable[Guesser]) -> Guess | None:
-    """Return the guess of the first guesser that returns one; None if none does."""
+    """Return the guess of the first function that recognises a mistake in a line; None if none does."""
     return next((found for one in guessers if (found := one(line)) is not None), None)
 
 

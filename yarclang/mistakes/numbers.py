@@ -229,7 +229,7 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
 
 
 def _half_turn(unit: str | None) -> str:
-    """Return the help about half a turn."""
+    """Return the help for a rotation that was meant as half a turn."""
     if unit == "rad":
         return "write $PI"
     return f"write 180 for half a turn: the line's angles are in {unit or 'deg'}; the number is $PI"

@@ -47,12 +47,12 @@ def _motion_text(one: MotionOffered) -> str:
 
 
 def hundredths(seconds: float) -> str:
-    """Return a time in the format of the prompt."""
+    """Return a time [s] with two decimals, as the prompt shows times."""
     return f"{seconds:.2f} s"
 
 
 def _peak_text(peaks: Peaks) -> str:
-    """Return the limit that the motion uses most."""
+    """Return the limit that the motion uses most, as text."""
     used = {"its velocity": peaks.velocity, "its acceleration": peaks.acceleration}
     if peaks.jerk is not None:
         used["its jerk"] = peaks.jerk
@@ -69,7 +69,9 @@ def _clearance_text(clearance: ClearanceBound) -> str:
 
 
 def ended_text(ended: Ended | Finished, robot: Robot) -> str:
-    """Return how an order has ended. If the robot isn't at its target, add its position."""
+    """Return a text about how an order has ended. If the robot isn't at its target, add the robot's
+    position.
+    """
     if ended.well:
         return "done"
     lines = [ended.what or "it didn't come to its end"]

@@ -100,11 +100,11 @@ class Jogging:
             self.axis = Axis("base" if self.axis.kind == "tool" else "tool", self.axis.number)
 
     def moves(self, now: float) -> bool:
-        """Return True if a key is held at a time [s]."""
+        """Return True if a key is pressed at a time [s]."""
         return now - self._since < HELD
 
     def want(self, now: float) -> wants.MoveJoints | wants.MoveTool:
-        """Return the wanted motion at a time [s]."""
+        """Return the live motion that the pressed keys request at a time [s]."""
         speed = self._sign * self.share * self._fastest if self.moves(now) else 0.0
         if self.axis.kind == "joint":
             number = self.axis.number

@@ -237,7 +237,7 @@ class Session:
         return await self.go(self._told(await self.attached.ask(orders.OfferBack())))
 
     async def go(self, offer: OfferDescribed | None) -> bool:
-        """Carry out an offer if the user agrees. Return True if it was carried out."""
+        """Start offered motions if the user agrees. Return True if they were carried out."""
         if offer is None:
             return False
         if offer.moves and self.asks and not await self.agrees("go?"):

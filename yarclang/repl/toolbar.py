@@ -34,7 +34,9 @@ class Toolbar:
         return f"{_fitting(self._states(), width)}\n{_fitting(self._places(), width)}"
 
     def _states(self) -> list[list[str]]:
-        """Return the parts of the first line, first in full and then in shorter and shorter forms."""
+        """Return the fields of the first line (state and progress), first in full and then in shorter and
+        shorter forms.
+        """
         picture = self._picture
         state, progress = picture.state, picture.progress
         ready = "not ready" if state in _NOT_READY else "homed, enabled"

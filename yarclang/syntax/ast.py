@@ -246,14 +246,14 @@ class Statement:
 
     @property
     def whole_span(self) -> Span:
-        """Return the span from the first part to the end of the last."""
+        """Return the span of the whole statement, in the file."""
         start = self.index.place.start if self.index else self.name.place.start
         last = self._last_place
         return Span(self.line, start, self.line + last.row, last.end)
 
     @property
     def _last_place(self) -> Place:
-        """Return the place of the last part; parts have a fixed order."""
+        """Return the place of the statement's last element; elements have a fixed order."""
         if self.options:
             option = self.options[-1]
             return (option.state or option.argument or option.word).place

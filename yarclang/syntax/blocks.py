@@ -96,7 +96,7 @@ class _Open:
 
 
 class _Arrangement:
-    """The finished nodes, and the blocks that are open, innermost last."""
+    """The statements and blocks that are finished, and the blocks that are open, innermost last."""
 
     def __init__(self, source: SourceFile) -> None:
         self.findings = Collector(source)
@@ -127,7 +127,7 @@ class _Arrangement:
             self._nodes().append(statement)
 
     def finish(self) -> Result[tuple[Node, ...]]:
-        """Return the arrangement after the last line."""
+        """Return the statements and blocks after the last line."""
         while self.open:
             self._close("the end of the file")
         return Result(tuple(self.nodes), tuple(sorted(self.findings.found, key=_place)))

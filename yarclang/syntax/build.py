@@ -130,7 +130,9 @@ def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | 
 
 
 def _items(rows: Rows, children: Any) -> list[Any]:
-    """Build leaves from tokens and small trees; a run of numbers is split into single numbers."""
+    """Build syntax nodes from tokens and small trees; a token with several numbers is split into single
+    numbers.
+    """
     found: list[Any] = []
     computed = False
     for child in children:
@@ -186,7 +188,7 @@ _LEAVES: dict[str | None, Any] = {
 
 
 def _numbers(token: Any) -> list[Number]:
-    """Split a run of numbers at the blanks."""
+    """Split a token with several numbers at the blanks."""
     row, column = token.line - 1, token.column
     return [
         Number(match.group(), float(match.group()), Place(row, column + match.start(), column + match.end()))

@@ -95,7 +95,7 @@ def instead_of(character: str) -> str | None:
 
 @frozen
 class _Found:
-    """A misplaced character: in code, or in a comment or a text (`where`)."""
+    """A character that isn't allowed in its place: in code, or in a comment or a text (`where`)."""
 
     character: str
     row: int
@@ -123,7 +123,7 @@ def fault_in(text: str) -> Fault | None:
 
 
 def _in_row(number: int, row: str) -> Iterator[_Found]:
-    """Yield the misplaced characters of a line."""
+    """Yield the characters of a line that aren't allowed in their places."""
     if is_plain(row):
         return
     code = code_of(row)

@@ -1,4 +1,4 @@
-"""Build the nodes of expressions as soon as Lark has read their parts."""
+"""Build the syntax nodes of expressions as soon as Lark has read their operands."""
 
 from __future__ import annotations
 

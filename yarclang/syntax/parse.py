@@ -101,7 +101,7 @@ def _span(line: int, place: Place) -> Span:
 
 
 def _fix(line: int, fault: Fault) -> Fix | None:
-    """Return the fix of a fault in a statement that begins in a line."""
+    """Return the fix of a syntax error in a statement that begins in a line."""
     edits = tuple(Edit(_span(line, place), put) for place, put in fault.edits)
     return Fix(fault.title, edits, uncovers=True) if edits else None
 
@@ -218,7 +218,7 @@ def statement_by_grammar(text: str) -> Statement | Fault:
 
 
 def _stack(error: Any) -> list[Any]:
-    """Return what has been read but not yet combined, without unfinished lists."""
+    """Return what the parser has read but not yet combined, without unfinished lists."""
     return [one for one in error.state.value_stack if not str(getattr(one, "data", "")).startswith("__")]
 
 
@@ -263,7 +263,7 @@ def _by_number(content: dict[str, Any]) -> dict[int, Any]:
 
 
 def _key(grammar: str) -> str:
-    """Return a key of everything that the tables depend on."""
+    """Return a hash of everything on which the parser's tables depend."""
     import lark
 
     return f"lark {lark.__version__}, grammar {hashlib.sha256(grammar.encode()).hexdigest()}"

@@ -71,7 +71,7 @@ def print_module(module: Module) -> str:
 
 
 def _rows(module: Module) -> Iterator[_Row | None]:
-    """Yield the lines of a module; None separates two paragraphs."""
+    """Yield the lines of a printed file; None separates two paragraphs."""
     pieces: list[tuple[int, Statement | str]] = [(one.line, one) for one in module.statements]
     pieces += module.comment_lines
     depth, behind = 0, 0
@@ -219,7 +219,7 @@ _Item = (
 
 
 def _item(item: _Item) -> str:
-    """Print a leaf, or a computed value."""
+    """Print a value: a single token, or a computed value."""
     match item:
         case Word():
             return item.name

@@ -197,14 +197,14 @@ def _prune(data: dict[str, Any], path: Path) -> Path:
 
 
 def spoken(path: Path) -> str:
-    """Return a path in words: `K[3] of [actuation]`. Entries count from 1, as joints do."""
+    """Return a key's path in words: `K[3] of [actuation]`. Entries count from 1, as joints do."""
     last = _key_of(path)
     name = str(path[last]) + "".join(f"[{part + 1}]" for part in path[last + 1 :] if isinstance(part, int))
     return f"{name} of {table_of(path)}" if last else name
 
 
 def table_of(path: Path) -> str:
-    """Return the table of a key in words; empty for a key at the top of the file."""
+    """Return the table that contains a key, in words; empty for a key at the top of the file."""
     last = _key_of(path)
     return table_name(path[:last]) if last else ""
 

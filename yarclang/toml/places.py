@@ -185,7 +185,7 @@ class _Scanner:
         return content
 
     def skip(self) -> None:
-        """Skip blanks, line ends and comments."""
+        """Skip blanks, line ends and comments in the text."""
         while self.at < len(self.text):
             if self.text[self.at] == "#":
                 end = self.text.find("\n", self.at)

@@ -14,7 +14,7 @@ from yarclang.frozen import frozen
 
 
 class Slot(Enum):
-    """Kind of a value after a word."""
+    """The kind of a value after a word of the language."""
 
     INPUT = "input"
     OUTPUT = "output"

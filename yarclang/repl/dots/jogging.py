@@ -77,7 +77,7 @@ async def _at_rest(session: Session) -> None:
 
 
 async def _ended(session: Session) -> Finished:
-    """Wait for the end of the motion, and return it."""
+    """Wait for the end of the live motion, and return its result."""
     while session.ended_live is None:
         await asyncio.sleep(_LOOKED_EACH)
     return session.ended_live

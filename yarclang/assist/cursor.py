@@ -154,7 +154,7 @@ def _head(before: tuple[Lexeme, ...]) -> str:
 
 
 def _open(before: tuple[Lexeme, ...]) -> tuple[str, tuple[Lexeme, ...]]:
-    """Return the innermost open bracket, and the pieces in it."""
+    """Return the innermost open bracket, and the tokens in it."""
     opened: list[tuple[str, int]] = []
     for number, one in enumerate(before):
         if one.text in {"[", "(", "$("}:

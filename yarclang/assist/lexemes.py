@@ -41,7 +41,7 @@ class Lexeme:
 
     @property
     def end(self) -> int:
-        """Return the first column after the piece."""
+        """Return the first column after the token."""
         return self.start + len(self.text)
 
     @property
@@ -53,7 +53,7 @@ class Lexeme:
 
 
 def _read(line: str) -> tuple[Lexeme, ...]:
-    """Return the pieces of one line. Blanks are left out."""
+    """Split a line into its tokens. Blanks are left out."""
     found: list[Lexeme] = []
     for match in _TOKEN.finditer(line):
         kind: Kind = match.lastgroup  # type: ignore[assignment]

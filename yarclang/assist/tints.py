@@ -111,7 +111,7 @@ def _of_line(
 
 
 def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bool]]) -> Iterator[Tinted]:
-    """Yield the names in a piece: `PALLET.GRID` has two."""
+    """Yield the names in a token: `PALLET.GRID` has two."""
     start = piece.start
     for part in piece.text.split("."):
         inner = part.strip("{} \t")

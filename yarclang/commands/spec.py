@@ -70,12 +70,12 @@ class Values(Enum):
 
 @frozen(eq=False)
 class Timed:
-    """The timetable of a motion.
+    """The timetable that a motion command gives.
 
     Attributes:
         table: times and positions of the way-points.
         within: (n,) tolerance of the joints [rad or m].
-        stretch: factor of all times.
+        stretch: factor that multiplies all times.
         file: path of the file with the rows; empty if the rows are in the program.
     """
 

@@ -52,7 +52,7 @@ class Follows:
 
 @frozen
 class Finding:
-    """A kind of finding.
+    """A kind of finding (an error, a warning or a note) in the catalogue.
 
     Most fields after `better` relate findings to each other, so that a fault is reported only once.
 
@@ -60,7 +60,7 @@ class Finding:
         code: permanent code: `Y` and four digits, of which the first two are the family.
         name: name by which users select the finding.
         severity: severity of the finding.
-        title: its heading.
+        title: heading of the finding.
         why: explanation of the fault, and of its effect at the machine.
         example: a text with the fault (YARC source, or a line of robot.toml).
         better: the corrected text.

@@ -100,7 +100,7 @@ class Timeline:
 
     @property
     def steps(self) -> list[tuple[int, int, int]]:
-        """Each command's step, with the begin and the end of its stretch."""
+        """The step of each command, with the begin and the end of its interval of segments."""
         ends = zip(self.rows, self.begins, self.begins[1:], strict=False)
         return [(row.entry.step, begin * PARTS, end * PARTS) for row, begin, end in ends]
 
@@ -141,7 +141,7 @@ class Timeline:
                 yield row.control[row.first + one : row.first + end + 3]
 
     def _curve(self, begin: int, end: int) -> Stretch:
-        """Return a stretch of one sequence as a curve."""
+        """Return an interval of segments as a curve over time. The interval must not contain a rest."""
         first, last = begin // PARTS, (end - 1) // PARTS
         row = self._row(first)[0]
         need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")

@@ -266,7 +266,9 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> Curve
 
 
 def turn(start: list[Vector], goal: list[Vector], axis: Vector, angle: int) -> Curve:
-    """Return the columns of R + sin K R + (1 - cos) K^2 R: a turn about an axis, of at most half a turn."""
+    """Return a frame's rotation about a fixed axis as a curve, by at most half a turn: the columns of R + sin
+    K R + (1 - cos) K^2 R.
+    """
     need(abs(dot(axis, axis) - ONE) < _SAME and 0 <= angle <= PI + _SAME, "a turn without an axis")
     once = [cross(axis, column) for column in start]
     twice = [one for column in once for one in cross(axis, column)]

@@ -1,5 +1,5 @@
 """Draw curves over time beside the picture, as SVG: joint positions within their ranges, joint speeds, and
-the speed of the followed frame.
+the speed of the frame whose path is drawn.
 
 A vertical marker shows the current instant. Its position is set by a style in a separate node, so that only
 a few bytes are sent while time runs.

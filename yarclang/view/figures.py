@@ -36,8 +36,8 @@ tabs fit on one line.
 
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
-    """Return the robot's state at a time as HTML: the joints, and the pose in {B} and the speed of the
-    followed frame.
+    """Return the robot's state at a time as HTML: the joints, and the pose in {B} and the speed of the frame
+    whose path is drawn.
 
     Args:
         stage: the scene that is drawn.
@@ -64,8 +64,8 @@ def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
 
 
 def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
-    """Return table rows with joint positions (n,) [rad or m], and with the pose of the followed frame in
-    {B}.
+    """Return table rows with joint positions (n,) [rad or m], and with the pose in {B} of the frame whose
+    path is drawn.
     """
     robot = stage.robot
     joints = _values(

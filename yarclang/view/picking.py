@@ -32,7 +32,7 @@ def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
 
 
 def picked_time(way: Way, eye: Array, direction: Array) -> float | None:
-    """Return the time [s] at which the followed frame is at the clicked point of its path; None for clicks
+    """Return the time [s] at which the moving frame is at the clicked point of its path; None for clicks
     beside the path.
 
     The points of a long straight path are far apart, so the lines between them are searched too.

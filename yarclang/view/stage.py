@@ -90,12 +90,12 @@ class Track(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A path of the followed frame.
+    """The drawn path of a moving frame, as points over time.
 
     Attributes:
         times: (N,) time of each point [s].
         points: (N, 3) origin of the frame [m].
-        speed: (N,) [m/s].
+        speed: (N,) speed of the frame's origin [m/s].
         breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are one connected section. Nothing is drawn
             between two sections.
         piece: (M,) number of the command of each section, -1 for none.
@@ -170,16 +170,16 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mark:
-    """A finding, or an event of a run.
+    """A finding or an event of a run, marked in the picture.
 
     Attributes:
         code: code of the finding.
-        severity: severity.
+        severity: severity of the finding.
         text: message.
-        remedy: the finding's help.
-        time: time [s]; None if it isn't known.
-        place: (3,) [m]; None if it isn't known.
-        piece: its command, -1 for none.
+        remedy: help of the finding.
+        time: time at which the mark is shown [s]; None if it isn't known.
+        place: (3,) point that is marked [m]; None if it isn't known.
+        piece: number of the command, -1 for none.
     """
 
     code: str
@@ -228,12 +228,12 @@ class Stage:
         robot: the robot whose joints `track` contains.
         items: bodies and borders of zones.
         axes: frames.
-        frame: name of the followed frame.
-        flange_from_frame: (4, 4) pose of the followed frame.
+        frame: name of the frame whose path is drawn.
+        flange_from_frame: (4, 4) pose of this frame on the flange.
         track: the joints over time.
         ghost: the planned joints beside the actual ones; None unless both are known.
-        way: path of the followed frame.
-        ghost_way: planned path of the followed frame; None without a ghost.
+        way: the drawn path of the frame.
+        ghost_way: planned path of the frame; None without a ghost.
         pieces: commands in order of time.
         marks: findings and events.
         scene: bodies of the collision check at the beginning; None if there is no body that could collide.

@@ -116,7 +116,7 @@ def _frames(entry: AllowTable) -> tuple[tuple[str, str], ...]:
 
 
 def _frame(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return a frame that the file declares; None with a finding."""
+    """Return a frame that the file declares; None for a wrong name, which is reported."""
     file = around.measures.file
     frame = known_frame(name, path, {one: one for one in around.names}, file)
     if frame in ROOTS:

@@ -48,7 +48,7 @@ class Surroundings:
 
 
 def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
-    """Read an obstacle of a cell.toml; return None with findings if it has mistakes."""
+    """Read an obstacle of a cell.toml; return None if it has mistakes, which are reported."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
     needed = SIZES[table.shape] if table.shape else ()
@@ -113,7 +113,7 @@ def _a(what: str) -> str:
 def mounted(
     table: BodyTable | ZoneTable | SensorTable | RackTable, path: Path, units: Units, around: Surroundings
 ) -> Mount | None:
-    """Return the pose of a body's origin; None with findings."""
+    """Return the pose of a body's origin; None for a wrong entry, which is reported."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
         return None
@@ -127,7 +127,9 @@ def mounted(
 
 
 def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
-    """Return the shape of an obstacle [m] whose required keys are present; None with findings."""
+    """Return the shape of an obstacle [m] whose required keys are present; None for a wrong entry, which
+    is reported.
+    """
     if table.shape == "mesh":
         place = (*path, "file")
         unit = around.measures.factor(units, "length", place)

@@ -174,7 +174,7 @@ def _output(variable: str, entry: OutputTable, path: Path, around: Surroundings)
 
 
 def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None) -> str | None:
-    """Return the controller's variable of an input or output; None with a finding."""
+    """Return the controller's variable of an input or output; None for a wrong name, which is reported."""
     if text is None:
         return None
     variable = robot.controller.signal(text.upper()) if robot else known_signal(text.upper())

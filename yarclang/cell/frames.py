@@ -67,8 +67,8 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
 
 
 def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlFile) -> str | None:
-    """Return the name, in upper case, of a frame of the cell or of the robot; None with a finding if there is
-    no such frame.
+    """Return the name, in upper case, of a frame of the cell or of the robot; if there is no such frame,
+    report it and return None.
 
     Args:
         name: the frame's name in any case.

@@ -35,15 +35,15 @@ class Measures:
         self.common, self.doubtful = found or {}, found is None
 
     def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
-        """Return the units that apply to the TOML table at `path`: its own, and for other kinds those of the
-        file. None with a finding if the table's own units can't be read.
+        """Return the units that apply to the TOML table at `path`: its own, and for other kinds those of
+        the file. None if the table's own units can't be read, which is reported.
         """
         own = self._parsed(text, (*path, "units"))
         return None if own is None else {**self.common, **own}
 
     def factor(self, units: Mapping[Kind, Unit] | None, kind: Kind, path: Path) -> float | None:
-        """Return the factor that converts the value at `path` to SI; None with a finding if the file gives no
-        unit for it.
+        """Return the factor that converts the value at `path` to SI; None if the file gives no unit for
+        it, which is reported.
         """
         if units is None:
             return None
@@ -60,7 +60,9 @@ class Measures:
         return None
 
     def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
-        """Return the pose of an entry in its frame, as a transform (4, 4) [m]; None with findings."""
+        """Return the pose of an entry in its frame, as a transform (4, 4) [m]; None for a wrong entry,
+        which is reported.
+        """
         made, sound = np.eye(4), True
         if placed.rpy is not None and placed.quat is not None:
             message = f"{table_name(path)} has rpy and quat: two orientations."
@@ -110,7 +112,7 @@ class Measures:
         return False
 
     def _parsed(self, text: str | None, path: Path) -> dict[Kind, Unit] | None:
-        """Return the units of a text such as "mm,deg"; None with a finding."""
+        """Return the units of a text such as "mm,deg"; None for a wrong text, which is reported."""
         found: dict[Kind, Unit] = {}
         for name in (text or "").split(",") if text is not None else ():
             unit = UNITS.get(name.strip().lower())

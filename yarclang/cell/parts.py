@@ -16,7 +16,7 @@ REACH = 0.010
 
 
 def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None:
-    """Read a workpiece of a cell.toml; return None with findings if it has mistakes."""
+    """Read a workpiece of a cell.toml; return None if it has mistakes, which are reported."""
     body = read_obstacle(table, path, around)
     if body is None:
         return None
@@ -33,7 +33,7 @@ def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None
 
 def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:
     """Return the gripper that an output moves, or the machine that removes workpieces; None for other
-    outputs, or with findings.
+    outputs, and for wrong entries, which are reported.
     """
     file = around.measures.file
     if table.locks_at is not None:

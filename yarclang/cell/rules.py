@@ -74,8 +74,8 @@ def _read(entry: KeepTable, path: Path, around: Surroundings) -> Keep | None:
 
 
 def _frame(name: str | None, path: Path, around: Surroundings) -> tuple[str, Mount | None] | None:
-    """Return the name in upper case of the frame that a rule names, and the frame's pose if it is known; None
-    with a finding for a wrong name.
+    """Return the name in upper case of the frame that a rule names, and the frame's pose if it is known;
+    None for a wrong name, which is reported.
     """
     if name is None:
         return None
@@ -94,8 +94,8 @@ def _frame(name: str | None, path: Path, around: Surroundings) -> tuple[str, Mou
 
 
 def _limits(entry: KeepTable, path: Path, kind: KeepKind, around: Surroundings) -> tuple[float, ...] | None:
-    """Return the limits of a path constraint: the angle [rad] or distance [m] and, for a cone, the range of
-    distances from its apex [m]. None with findings for wrong limits.
+    """Return the limits of a path constraint: the angle [rad] or distance [m] and, for a cone, the range
+    of distances from its apex [m]. None for wrong limits, which are reported.
     """
     measures, file = around.measures, around.measures.file
     units = measures.of_entry(entry.units, path)

@@ -34,7 +34,7 @@ def read_sensor(
     inputs: Mapping[str, str],
     outputs: Mapping[str, CellOutput],
 ) -> Sensor | None:
-    """Read a sensor of a cell.toml; return None with findings if it has mistakes.
+    """Read a sensor of a cell.toml; return None if it has mistakes, which are reported.
 
     Args:
         table: table of the sensor.
@@ -87,7 +87,7 @@ def _beam(
     table: SensorTable, path: Path, variable: str, mount: Mount, units: Units, around: Surroundings
 ) -> Sensor | None:
     """Return a light beam as a thin body, from the point `xyz` of the sensor's frame straight to the point
-    `to` in the same frame; None with findings.
+    `to` in the same frame; None for a wrong entry, which is reported.
     """
     measures = around.measures
     unit = measures.factor(units, "length", (*path, "to"))

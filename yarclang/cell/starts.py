@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 
 def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot | None) -> StartZone | None:
-    """Read a start zone of a cell.toml; return None with findings, or if the robot isn't known.
+    """Read a start zone of a cell.toml; return None if it has mistakes, which are reported, or if the robot
+    isn't known.
 
     Every joint must be named. If a joint could be omitted, the robot might move from any position of this
     joint, although nobody has checked these positions.

@@ -28,7 +28,7 @@ isn't modelled.
 
 
 def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | None:
-    """Return the lock of a tool changer that an output moves; None with findings."""
+    """Return the lock of a tool changer that an output moves; None for a wrong entry, which is reported."""
     file = around.measures.file
     for key in ("grips", "grips_at", "removes", "removes_at", "tool"):
         if getattr(table, key) is not None:
@@ -62,7 +62,9 @@ def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | No
 
 
 def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
-    """Return the name, in upper case, of a tool that can be changed; None with a finding."""
+    """Return the name, in upper case, of a tool that can be changed; None for a wrong name, which is
+    reported.
+    """
     if name.upper() in around.tools:
         return name.upper()
     message = f"tool is {name[:40]}, which isn't one of the [[tools]] of this file."
@@ -205,7 +207,9 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
 def _frames_of(
     table: RackTable, path: Path, tool: Tool, around: Surroundings, robot: Robot
 ) -> tuple[str, ...] | None:
-    """Return the frames on the flange that exist only while a tool is there; None with findings."""
+    """Return the frames on the flange that exist only while a tool is there; None for a wrong entry, which
+    is reported.
+    """
     own = {*_own_frame(tool)}
     hanging = {name for name, one in around.frames.items() if one.mount.on_flange}
     known = (hanging | {*robot.flange_from_frame}) - {"FLANGE"}

@@ -56,7 +56,7 @@ def joint_position(
 def joint_window(
     joints: Mapping[str, Sequence[float]], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> JointWindow | None:
-    """Return the joint window of a zone; None with findings, or without a robot."""
+    """Return the joint window of a zone; None for a wrong entry, which is reported, or without a robot."""
     sound = bool(joints)
     if not joints:
         measures.file.say("Y1308", path, "The joint window names no joint.", "Write { J1 = [-90, 90] }.")

@@ -44,8 +44,8 @@ _RULES: Mapping[str, tuple[str, ...]] = {
 
 
 def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None:
-    """Read a zone of a cell.toml; return None with findings, or if the zone depends on a robot that isn't
-    known.
+    """Read a zone of a cell.toml; return None if it has mistakes, which are reported, or if the zone
+    depends on a robot that isn't known.
     """
     measures = around.measures
     units = measures.of_entry(table.units, path)
@@ -146,7 +146,7 @@ def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> boo
 
 
 def _region(table: ZoneTable, path: Path, units: Units, around: Surroundings) -> Region | None:
-    """Return the region of a zone in {B}, or in joint space; None with findings."""
+    """Return the region of a zone in {B}, or in joint space; None for a wrong entry, which is reported."""
     measures = around.measures
     if table.shape == "joints" and table.joints is not None:
         return joint_window(table.joints, (*path, "joints"), units, measures, around.robot)
@@ -180,7 +180,9 @@ def _half_space(
 
 
 def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> tuple[str, ...] | None:
-    """Return the names of the bodies and points that a zone watches; None with findings."""
+    """Return the names of the bodies and points that a zone watches; None for a wrong entry, which is
+    reported.
+    """
     if names is None:
         return ("tool",)
     file, robot = around.measures.file, around.robot

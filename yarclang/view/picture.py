@@ -159,7 +159,7 @@ class Picture:
         self._touching = touching
 
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
-        """Colour the path of the followed frame by values, such as its speed.
+        """Colour the drawn path by values, such as the frame's speed.
 
         Args:
             values: (N,) value of each point of the path.

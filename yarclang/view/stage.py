@@ -66,8 +66,8 @@ class Axes:
         joint: number of joints that move the frame.
         base_from_frame: (4, 4) pose with all joints at zero.
         of_program: True if the program declares the frame.
-        matters: True for {B}, for the followed frame, and for the first pose of each frame that the program
-            uses; without a program, for each frame of the cell.
+        matters: True for {B}, for the frame whose path is drawn, and for the first pose of each frame that
+            the program uses; without a program, for each frame of the cell.
     """
 
     name: str
